@@ -1,0 +1,299 @@
+//! The command line that an `xtask` embeds, here and in other workspaces.
+//!
+//! ```no_run
+//! fn main() -> std::process::ExitCode {
+//!     uavspec_codegen::cli::main()
+//! }
+//! ```
+//!
+//! Exit status: 0 all is well; 1 mistakes in the definitions, or stale output with `--check`;
+//! 2 the command can't be carried out: wrong usage, missing input, unwritable output.
+
+mod config;
+mod load;
+mod output;
+
+use std::fmt;
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use self::config::{Emitter, Plan};
+pub use self::config::Config;
+use self::load::Loaded;
+use self::output::{Difference, Folder};
+use crate::diagnostic::{Diagnostic, Level, has_errors, render};
+use crate::emit::{self, OutputFile};
+use crate::schema::{Form, Schema};
+use crate::source::SourceMap;
+
+/// Makes drone interface specifications executable: reads `.msg` definitions and specification
+/// tables, and generates Rust types, JSON Schemas and documentation from them.
+#[derive(Debug, Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", version)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+/// The commands, to be embedded among those of another command line.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Generate Rust types, JSON Schemas and documentation from the definitions.
+    Codegen(CodegenArgs),
+    /// Print the model of the definitions as JSON.
+    Inspect(InspectArgs),
+}
+
+/// Arguments of `codegen`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  cargo xtask codegen                 generate what uavspec.toml says
+  cargo xtask codegen --check         write nothing; fail where output is stale
+  cargo xtask codegen --package px4 --dialect px4 --input msg --out generated --emit rust,docs
+
+Without --package, the file uavspec.toml (or definitions/uavspec.toml) is looked for here and in each folder above.
+With --package, each emitter writes to a folder of its name below --out.")]
+pub struct CodegenArgs {
+    /// Write nothing; list what differs and fail if anything does.
+    #[arg(long)]
+    check: bool,
+    /// The configuration file, where it is not found by itself.
+    #[arg(long, value_name = "FILE", conflicts_with = "package")]
+    config: Option<PathBuf>,
+    #[command(flatten)]
+    package: Option<PackageArgs>,
+    /// Folder for the output.
+    #[arg(long, value_name = "DIR", requires = "package")]
+    out: Option<PathBuf>,
+    /// What to generate.
+    #[arg(long, value_name = "KIND", value_delimiter = ',', requires = "package", default_values = ["rust", "json_schema", "docs"])]
+    emit: Vec<Emitter>,
+}
+
+/// Arguments of `inspect`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  cargo xtask inspect                 the model of what uavspec.toml names
+  cargo xtask inspect --package px4 --dialect px4 --input msg/BatteryStatus.msg")]
+pub struct InspectArgs {
+    /// The configuration file, where it is not found by itself.
+    #[arg(long, value_name = "FILE", conflicts_with = "package")]
+    config: Option<PathBuf>,
+    #[command(flatten)]
+    package: Option<PackageArgs>,
+}
+
+/// A package given on the command line instead of a file.
+#[derive(Args, Clone, Debug)]
+pub struct PackageArgs {
+    /// Name of the package.
+    #[arg(long, value_name = "NAME", required = false, requires_all = ["dialect", "input"])]
+    package: String,
+    /// How the definitions are written.
+    #[arg(long, required = false, requires = "package")]
+    dialect: Dialect,
+    /// Files, or folders that are searched for definitions.
+    #[arg(long, value_name = "PATH", num_args = 1.., required = false, requires = "package")]
+    input: Vec<PathBuf>,
+}
+
+/// How definitions are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Dialect {
+    /// PX4 uORB messages.
+    Px4,
+    /// ROS 2 interfaces.
+    Ros2,
+    /// Pages with specification tables.
+    Table,
+}
+
+impl From<Dialect> for Form {
+    fn from(dialect: Dialect) -> Self {
+        match dialect {
+            Dialect::Px4 => Self::Msg(crate::msg::Dialect::Px4),
+            Dialect::Ros2 => Self::Msg(crate::msg::Dialect::Ros2),
+            Dialect::Table => Self::Table,
+        }
+    }
+}
+
+/// Why a command can't be carried out, with what to do about it.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    message: String,
+    hint: Option<String>,
+}
+
+impl Failure {
+    fn new(message: impl Into<String>) -> Self {
+        Self { message: message.into(), hint: None }
+    }
+
+    fn with_hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = Some(hint.into());
+        self
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "error: {}", self.message)?;
+        self.hint.as_ref().map_or(Ok(()), |hint| write!(formatter, "\n  help: {hint}"))
+    }
+}
+
+/// The whole command line of an `xtask` that does nothing else.
+pub fn main() -> ExitCode {
+    Cli::parse().command.run()
+}
+
+impl Command {
+    /// Carries out the command and reports on standard error.
+    pub fn run(self) -> ExitCode {
+        let result = match self {
+            Self::Codegen(args) => codegen(&args),
+            Self::Inspect(args) => inspect(&args),
+        };
+        match result {
+            Ok(true) => ExitCode::SUCCESS,
+            Ok(false) => ExitCode::from(1),
+            Err(failure) => {
+                anstream::eprintln!("{failure}");
+                ExitCode::from(2)
+            }
+        }
+    }
+}
+
+fn codegen(args: &CodegenArgs) -> Result<bool, Failure> {
+    let started = Instant::now();
+    let plan = match &args.package {
+        Some(package) => {
+            let Some(out) = &args.out else {
+                return Err(Failure::new("--package needs --out DIR").with_hint("name a folder for the output"));
+            };
+            Plan::from_arguments(&package.package, package.dialect.into(), &package.input, out, &args.emit)
+        }
+        None => Config::find(args.config.as_deref())?.plan(),
+    };
+    let (loaded, schema, diagnostics) = read(&plan)?;
+    report("codegen", &loaded, &diagnostics, "nothing written");
+    if has_errors(&diagnostics) {
+        return Ok(false);
+    }
+    let folders = emit_all(&plan, &schema, &loaded.sources)?;
+    if args.check {
+        let differences = output::compare(&folders)?;
+        for difference in &differences {
+            anstream::eprintln!("{difference}");
+        }
+        let summary = match differences.len() {
+            0 => "up to date".to_owned(),
+            count => format!("{}; run `cargo xtask codegen`", plural(count, "stale file")),
+        };
+        summarise(&loaded, &schema, &folders, &summary, started);
+        return Ok(differences.is_empty());
+    }
+    let differences = output::write(&folders)?;
+    let removed = differences.iter().filter(|difference| matches!(difference, Difference::Orphaned(_))).count();
+    let summary = format!("{} written, {removed} removed", differences.len() - removed);
+    summarise(&loaded, &schema, &folders, &summary, started);
+    Ok(true)
+}
+
+fn inspect(args: &InspectArgs) -> Result<bool, Failure> {
+    let plan = match &args.package {
+        Some(package) => {
+            Plan::from_arguments(&package.package, package.dialect.into(), &package.input, "".as_ref(), &[])
+        }
+        None => Config::find(args.config.as_deref())?.plan(),
+    };
+    let (loaded, schema, diagnostics) = read(&plan)?;
+    report("inspect", &loaded, &diagnostics, "nothing printed");
+    if has_errors(&diagnostics) {
+        return Ok(false);
+    }
+    let mut text = serde_json::to_string_pretty(&emit::inspect::schema(&schema))
+        .map_err(|error| Failure::new(error.to_string()))?;
+    text.push('\n');
+    // A reader that has seen enough closes the pipe: that is no failure.
+    let _ = std::io::stdout().write_all(text.as_bytes());
+    Ok(true)
+}
+
+fn read(plan: &Plan) -> Result<(Loaded, Schema, Vec<Diagnostic>), Failure> {
+    let mut loaded = load::load(plan)?;
+    let (schema, mut diagnostics) = crate::read(&loaded.sources, &loaded.packages);
+    diagnostics.append(&mut loaded.diagnostics);
+    Ok((loaded, schema, diagnostics))
+}
+
+/// Runs each emitter that the plan names.
+fn emit_all(plan: &Plan, schema: &Schema, sources: &SourceMap) -> Result<Vec<Folder>, Failure> {
+    plan.outputs
+        .iter()
+        .map(|output| {
+            let files = match &output.emitter {
+                config::EmitterOptions::Rust(options) => emit_rust(schema, sources, options)?,
+                config::EmitterOptions::JsonSchema(options) => emit::json_schema::emit(schema, options),
+                config::EmitterOptions::Docs(options) => emit::docs::emit(schema, sources, options),
+            };
+            Ok(Folder { path: output.path.clone(), files })
+        })
+        .collect()
+}
+
+#[cfg(feature = "rust")]
+fn emit_rust(schema: &Schema, sources: &SourceMap, options: &config::RustOptions) -> Result<Vec<OutputFile>, Failure> {
+    Ok(emit::rust::emit(schema, sources, &emit::rust::Options { root: options.root.clone() }))
+}
+
+#[cfg(not(feature = "rust"))]
+fn emit_rust(_: &Schema, _: &SourceMap, _: &config::RustOptions) -> Result<Vec<OutputFile>, Failure> {
+    Err(Failure::new("this build can't emit Rust").with_hint("enable the feature `rust` of uavspec-codegen"))
+}
+
+/// Prints all diagnostics, and how many there are.
+fn report(command: &str, loaded: &Loaded, diagnostics: &[Diagnostic], consequence: &str) {
+    if diagnostics.is_empty() {
+        return;
+    }
+    // The stream drops the colours where they would not be shown.
+    let _ = write!(anstream::stderr(), "{}", render::render(diagnostics, &loaded.sources, true));
+    let count = |level| diagnostics.iter().filter(|diagnostic| diagnostic.level() == level).count();
+    let (errors, warnings) = (count(Level::Error), count(Level::Warning));
+    let mut files: Vec<_> = diagnostics.iter().map(|diagnostic| loaded.sources.source_of(diagnostic.span)).collect();
+    files.sort_unstable();
+    files.dedup();
+    let counts: Vec<String> = [(errors, "error"), (warnings, "warning")]
+        .into_iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, what)| plural(count, what))
+        .collect();
+    let consequence = if errors > 0 { format!("; {consequence}") } else { String::new() };
+    let place = format!("{} of {}", files.len(), plural(loaded.file_count, "file"));
+    anstream::eprintln!("{command}: {} in {place}{consequence}", counts.join(", "));
+}
+
+fn summarise(loaded: &Loaded, schema: &Schema, folders: &[Folder], result: &str, started: Instant) {
+    let messages: usize = schema.packages.iter().map(|package| package.messages.len()).sum();
+    let codes: usize = schema.packages.iter().flat_map(|package| &package.error_tables).map(|table| table.codes.len()).sum();
+    let outputs: usize = folders.iter().map(|folder| folder.files.len()).sum();
+    anstream::eprintln!(
+        "codegen: {} read, {}, {}, {}: {result} ({} ms)",
+        plural(loaded.file_count, "file"),
+        plural(messages, "message"),
+        plural(codes, "error code"),
+        plural(outputs, "output"),
+        started.elapsed().as_millis(),
+    );
+}
+
+fn plural(count: usize, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+}

@@ -1,0 +1,309 @@
+//! What to read and what to write: from `uavspec.toml`, or from the command line.
+
+use std::path::{Component, Path, PathBuf};
+
+use clap::ValueEnum;
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::Failure;
+use crate::diagnostic::render;
+use crate::emit::{docs, json_schema};
+use crate::schema::Form;
+use crate::source::SourceMap;
+
+/// Names of the file, in the order in which they are looked for in a folder.
+const FILE_NAMES: [&str; 2] = ["uavspec.toml", "definitions/uavspec.toml"];
+
+/// A kind of output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "snake_case")]
+pub enum Emitter {
+    /// Rust modules.
+    Rust,
+    /// JSON Schemas.
+    JsonSchema,
+    /// Documentation: Markdown laid out for mdBook.
+    Docs,
+}
+
+/// A `uavspec.toml` that has been read.
+#[derive(Debug)]
+pub struct Config {
+    /// Its folder: paths in it are relative to this.
+    folder: PathBuf,
+    /// Its own path, as it is shown.
+    path: String,
+    text: String,
+    file: File,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(default)]
+    output: Outputs,
+    #[serde(default, rename = "package")]
+    packages: Vec<Package>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Outputs {
+    rust: Option<RustOutput>,
+    json_schema: Option<JsonSchemaOutput>,
+    docs: Option<DocsOutput>,
+}
+
+/// Declares an output that is either a path, or a table of a path and options.
+macro_rules! output {
+    ($name:ident { $($option:ident),* }) => {
+        #[derive(Debug, Deserialize)]
+        #[serde(untagged, expecting = "a path, or a table with `path` and options")]
+        enum $name {
+            Path(PathBuf),
+            #[serde(deny_unknown_fields)]
+            Table { path: PathBuf, $($option: Option<String>),* },
+        }
+
+        impl $name {
+            #[allow(unused_parens)]
+            fn parts(&self) -> (&Path, ($(output!(@option $option)),*)) {
+                match self {
+                    Self::Path(path) => (path, ($(output!(@none $option)),*)),
+                    Self::Table { path, $($option),* } => (path, ($($option.clone()),*)),
+                }
+            }
+        }
+    };
+    (@option $option:ident) => { Option<String> };
+    (@none $option:ident) => { None };
+}
+
+output!(RustOutput { root });
+output!(JsonSchemaOutput { base });
+output!(DocsOutput { title });
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Package {
+    name: Spanned<String>,
+    dialect: DialectName,
+    include: Vec<String>,
+    select: Option<Vec<Spanned<String>>>,
+    ros_package: Option<String>,
+    origin: Option<String>,
+    revision: Option<String>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum DialectName {
+    Px4,
+    Ros2,
+    Table,
+}
+
+/// What to read, and what to write where.
+#[derive(Debug)]
+pub(super) struct Plan {
+    /// Folder that the paths of sources are shown relative to; empty for that of the process.
+    pub(super) root: PathBuf,
+    /// Packages.
+    pub(super) packages: Vec<PlannedPackage>,
+    /// Outputs.
+    pub(super) outputs: Vec<PlannedOutput>,
+    /// The configuration file, which diagnostics may point into: path and text.
+    pub(super) config: Option<(String, String)>,
+}
+
+/// A package to be read.
+#[derive(Debug)]
+pub(super) struct PlannedPackage {
+    pub(super) name: String,
+    pub(super) form: Form,
+    pub(super) inputs: Inputs,
+    /// Wanted messages with their places in the configuration file.
+    pub(super) select: Option<Vec<(String, std::ops::Range<usize>)>>,
+    pub(super) ros_package: Option<String>,
+    pub(super) origin: Option<String>,
+    pub(super) revision: Option<String>,
+}
+
+/// Where the sources of a package are.
+#[derive(Debug)]
+pub(super) enum Inputs {
+    /// Glob patterns below a folder.
+    Patterns { folder: PathBuf, patterns: Vec<String> },
+    /// Files, and folders that are searched.
+    Paths(Vec<PathBuf>),
+}
+
+/// An emitter and its folder.
+#[derive(Debug)]
+pub(super) struct PlannedOutput {
+    pub(super) path: PathBuf,
+    pub(super) emitter: EmitterOptions,
+}
+
+/// An emitter with its options.
+#[derive(Debug)]
+pub(super) enum EmitterOptions {
+    Rust(RustOptions),
+    JsonSchema(json_schema::Options),
+    Docs(docs::Options),
+}
+
+/// Options of the Rust emitter, which may be absent from the build.
+#[derive(Debug)]
+pub(super) struct RustOptions {
+    /// Name of the file at the root of the module tree.
+    #[cfg_attr(not(feature = "rust"), allow(dead_code))]
+    pub(super) root: String,
+}
+
+impl RustOptions {
+    fn new(root: Option<String>) -> Self {
+        Self { root: root.unwrap_or_else(|| "mod.rs".to_owned()) }
+    }
+}
+
+impl Config {
+    /// Reads `path`, or the file that is found in the current folder or one above it.
+    pub(super) fn find(path: Option<&Path>) -> Result<Self, Failure> {
+        if let Some(path) = path {
+            return Self::read(path);
+        }
+        let current = std::env::current_dir().map_err(|error| Failure::new(format!("the current folder: {error}")))?;
+        let candidates = current.ancestors().flat_map(|folder| FILE_NAMES.map(|name| folder.join(name)));
+        let found = candidates.into_iter().find(|candidate| candidate.is_file());
+        let Some(found) = found else {
+            return Err(Failure::new("no uavspec.toml here or in any folder above").with_hint(
+                "create one, name one with --config, or give --package, --dialect, --input and --out",
+            ));
+        };
+        Self::read(&found)
+    }
+
+    /// Reads the configuration file at `path`.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, String> {
+        Self::read(path.as_ref()).map_err(|failure| failure.to_string())
+    }
+
+    fn read(path: &Path) -> Result<Self, Failure> {
+        let shown = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|error| Failure::new(format!("{shown}: {error}")))?;
+        let file: File = toml::from_str(&text).map_err(|error| unreadable(&shown, &text, &error))?;
+        if file.packages.is_empty() {
+            return Err(Failure::new(format!("{shown} names no package"))
+                .with_hint("add a [[package]] with name, dialect and include"));
+        }
+        let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
+        Ok(Self { folder, path: shown, text, file })
+    }
+
+    pub(super) fn plan(self) -> Plan {
+        let folder = &self.folder;
+        // Definitions in a folder of their own are shown from the folder above: `definitions/px4/…`.
+        let root = if folder.ends_with("definitions") { folder.join("..") } else { folder.clone() };
+        let outputs = &self.file.output;
+        let mut planned = Vec::new();
+        let mut plan = |path: &Path, emitter| planned.push(PlannedOutput { path: normalise(&folder.join(path)), emitter });
+        if let Some(output) = &outputs.rust {
+            let (path, root) = output.parts();
+            plan(path, EmitterOptions::Rust(RustOptions::new(root)));
+        }
+        if let Some(output) = &outputs.json_schema {
+            let (path, base) = output.parts();
+            plan(path, EmitterOptions::JsonSchema(json_schema_options(base)));
+        }
+        if let Some(output) = &outputs.docs {
+            let (path, title) = output.parts();
+            plan(path, EmitterOptions::Docs(docs_options(title)));
+        }
+        let packages = self
+            .file
+            .packages
+            .into_iter()
+            .map(|package| PlannedPackage {
+                name: package.name.into_inner(),
+                form: match package.dialect {
+                    DialectName::Px4 => Form::Msg(crate::msg::Dialect::Px4),
+                    DialectName::Ros2 => Form::Msg(crate::msg::Dialect::Ros2),
+                    DialectName::Table => Form::Table,
+                },
+                inputs: Inputs::Patterns { folder: folder.clone(), patterns: package.include },
+                select: package
+                    .select
+                    .map(|names| names.into_iter().map(|name| (name.get_ref().clone(), name.span())).collect()),
+                ros_package: package.ros_package,
+                origin: package.origin,
+                revision: package.revision,
+            })
+            .collect();
+        Plan { root: normalise(&root), packages, outputs: planned, config: Some((self.path, self.text)) }
+    }
+}
+
+fn json_schema_options(base: Option<String>) -> json_schema::Options {
+    let default = json_schema::Options::default();
+    json_schema::Options { base: base.unwrap_or(default.base) }
+}
+
+fn docs_options(title: Option<String>) -> docs::Options {
+    let default = docs::Options::default();
+    docs::Options { title: title.unwrap_or(default.title) }
+}
+
+/// A configuration file that can't be read, shown like any other mistake.
+fn unreadable(path: &str, text: &str, error: &toml::de::Error) -> Failure {
+    let Some(range) = error.span() else { return Failure::new(format!("{path}: {}", error.message())) };
+    let mut sources = SourceMap::default();
+    match sources.add(path, text.as_bytes().to_vec()) {
+        Ok(id) => {
+            let span = sources.span(id).part(range);
+            Failure::new(render::plain(error.message(), span, &sources))
+        }
+        Err(_) => Failure::new(format!("{path}: {}", error.message())),
+    }
+}
+
+impl Plan {
+    /// A plan for one package, without a file.
+    pub(super) fn from_arguments(name: &str, form: Form, inputs: &[PathBuf], out: &Path, emit: &[Emitter]) -> Self {
+        let outputs = emit
+            .iter()
+            .map(|emitter| match emitter {
+                Emitter::Rust => ("rust", EmitterOptions::Rust(RustOptions::new(None))),
+                Emitter::JsonSchema => ("json_schema", EmitterOptions::JsonSchema(json_schema_options(None))),
+                Emitter::Docs => ("docs", EmitterOptions::Docs(docs_options(None))),
+            })
+            .map(|(folder, emitter)| PlannedOutput { path: out.join(folder), emitter })
+            .collect();
+        let package = PlannedPackage {
+            name: name.to_owned(),
+            form,
+            inputs: Inputs::Paths(inputs.to_vec()),
+            select: None,
+            ros_package: None,
+            origin: None,
+            revision: None,
+        };
+        Self { root: PathBuf::new(), packages: vec![package], outputs, config: None }
+    }
+}
+
+/// Takes `.` and `a/..` out of a path, by its text alone.
+pub(super) fn normalise(path: &Path) -> PathBuf {
+    let mut normal = PathBuf::new();
+    for component in path.components() {
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir if matches!(normal.components().next_back(), Some(Component::Normal(_))) => {
+                normal.pop();
+            }
+            component => normal.push(component),
+        }
+    }
+    normal
+}

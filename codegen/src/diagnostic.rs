@@ -1,0 +1,257 @@
+//! What is wrong with a definition, as data. The texts stand in one table, [`Problem`]; how they are
+//! shown is the business of [`render`].
+
+pub mod render;
+
+use std::fmt;
+
+use crate::source::Span;
+
+/// How grave a diagnostic is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Level {
+    /// The definition can still be read as meant.
+    Warning,
+    /// Nothing is generated from a definition that has one.
+    Error,
+}
+
+/// Something wrong at a place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diagnostic {
+    /// What is wrong.
+    pub problem: Problem,
+    /// Where.
+    pub span: Span,
+    /// What to do about it, where that depends on the case; else [`Problem::hint`] says it.
+    pub hint: Option<String>,
+    /// Other places that have to do with it, each with a word on how.
+    pub related: Vec<(Span, String)>,
+}
+
+impl Diagnostic {
+    /// A diagnostic with the hint of its problem.
+    pub fn new(problem: Problem, span: Span) -> Self {
+        Self { problem, span, hint: None, related: Vec::new() }
+    }
+
+    /// Puts another hint in place of the problem's own.
+    #[must_use]
+    pub fn with_hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = Some(hint.into());
+        self
+    }
+
+    /// Adds another place that has to do with the problem.
+    #[must_use]
+    pub fn with_related(mut self, span: Span, label: impl Into<String>) -> Self {
+        self.related.push((span, label.into()));
+        self
+    }
+
+    /// How grave it is.
+    pub fn level(&self) -> Level {
+        self.problem.level()
+    }
+
+    /// What to do about it.
+    pub fn hint(&self) -> String {
+        self.hint.clone().unwrap_or_else(|| self.problem.hint())
+    }
+}
+
+/// Whether any of `diagnostics` keeps output from being written.
+pub fn has_errors(diagnostics: &[Diagnostic]) -> bool {
+    diagnostics.iter().any(|diagnostic| diagnostic.level() == Level::Error)
+}
+
+/// Declares [`Problem`]: for each kind its level, its code, its message and the hint beside its caret.
+macro_rules! problems {
+    ($($(#[$doc:meta])* $kind:ident $({ $($field:ident: $type:ty),* })? = $level:ident $code:literal
+        $message:literal, $hint:literal;)*) => {
+        /// Each kind of problem, with the facts that its message needs.
+        #[derive(Clone, Debug, PartialEq)]
+        #[allow(missing_docs)] // of the fields: each is named in the message
+        pub enum Problem {
+            $($(#[$doc])* $kind $({ $($field: $type),* })?,)*
+        }
+
+        impl Problem {
+            /// The code of every problem, each a permanent name.
+            pub const CODES: &[&str] = &[$($code),*];
+
+            /// Its code, a permanent name.
+            pub fn code(&self) -> &'static str {
+                match self { $(Self::$kind $({ $($field: _),* })? => $code,)* }
+            }
+
+            /// How grave it is.
+            pub fn level(&self) -> Level {
+                match self { $(Self::$kind $({ $($field: _),* })? => Level::$level,)* }
+            }
+
+            /// What to do about it.
+            #[allow(unused_variables, clippy::useless_format)]
+            pub fn hint(&self) -> String {
+                match self { $(Self::$kind $({ $($field),* })? => format!($hint),)* }
+            }
+        }
+
+        impl fmt::Display for Problem {
+            #[allow(unused_variables)]
+            fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                match self { $(Self::$kind $({ $($field),* })? => write!(formatter, $message),)* }
+            }
+        }
+    };
+}
+
+problems! {
+    // Texts
+    InvalidUtf8 { byte: u8 } = Error "invalid-utf8"
+        "the byte 0x{byte:02x} is not UTF-8", "save the file as UTF-8";
+    ByteOrderMark = Error "byte-order-mark"
+        "the file starts with a byte order mark", "save it as UTF-8 without one: other tools read it as part of the first word";
+    SourceTooLong { len: usize, max: usize } = Error "source-too-long"
+        "the file has {len} bytes; definitions end at {max}", "is this a definition?";
+    LineSeparator { name: &'static str } = Error "line-separator"
+        "{name} in a line", "some tools end the line here and read the rest as a definition: remove it, or end the line with LF";
+    ControlCharacter { code: u32 } = Error "control-character"
+        "the control character U+{code:04X}", "remove it";
+    InvisibleCharacter { code: u32 } = Warning "invisible-character"
+        "the invisible character U+{code:04X}", "it can make the text look other than it is: remove it";
+
+    // Lines of a `.msg` file
+    MissingName { type_name: String } = Error "missing-name"
+        "`{type_name}` stands alone", "a field is a type, white space and a name";
+    InvalidType { text: String } = Error "invalid-type"
+        "`{text}` is no type", "write a built-in type such as `uint8`, or the name of a message";
+    InvalidArray { text: String } = Error "invalid-array"
+        "`{text}` is no array length", "write `[N]`, `[]` or `[<=N]`, with N in decimal and no spaces";
+    MultiDimensional = Error "multi-dimensional"
+        "arrays have one dimension", "put the inner array into a message of its own";
+    ArrayAfterName { name: String } = Error "array-after-name"
+        "the array length stands after the name `{name}`", "it belongs to the type: `type[N] name`";
+    ZeroLength = Error "zero-length"
+        "an array or string of no elements", "give it a length of 1 or more, or remove the field";
+    TooLarge { what: String, max: u64 } = Error "too-large"
+        "{what} takes more than {max} bytes", "no transport carries a message of this size";
+    TooManyFields { name: String, max: u64 } = Error "too-many-fields"
+        "`{name}` has more than {max} fields with all that it nests", "hold fewer messages";
+    NotInDialect { what: String, dialect: &'static str } = Error "not-in-dialect"
+        "the {dialect} dialect has no {what}", "see the dialect of this package";
+    InvalidName { name: String } = Error "invalid-name"
+        "`{name}` is no name", "names are letters, digits and `_`, and start with a letter";
+    NameStyle { name: String, style: &'static str } = Warning "name-style"
+        "`{name}` is not in {style}", "other tools refuse or rename it";
+    NameStyleRos { name: String, style: &'static str } = Error "name-refused"
+        "`{name}` is not in {style}, which ROS 2 demands", "rename it";
+    UnexpectedText { text: String } = Error "unexpected-text"
+        "`{text}` after the end of the declaration", "start a comment with `#`, or remove it";
+    MissingValue { name: String } = Error "missing-value"
+        "the constant `{name}` has no value", "write one after the `=`";
+    ConstantType { type_name: String } = Error "constant-type"
+        "a constant can't be of type `{type_name}`", "constants are scalars, and in ROS 2 also strings";
+    InvalidLiteral { text: String, type_name: String } = Error "invalid-literal"
+        "`{text}` is no value of type {type_name}", "write the value out";
+    ConstantOutOfRange { text: String, type_name: String, least: String, greatest: String } = Error "constant-out-of-range"
+        "{text} doesn't fit {type_name} ({least} to {greatest})", "widen the type, or pick a value in its range";
+    UnterminatedString = Error "unterminated-string"
+        "the string has no closing quote", "close it in the same line";
+    UnknownEscape { escape: String } = Warning "unknown-escape"
+        "`{escape}` is no escape sequence", "it is kept as it stands; write `\\\\` for a backslash";
+    ArrayDefault { found: usize, length: usize } = Error "array-default"
+        "{found} default values for an array of {length}", "give as many as the array holds";
+    MisplacedSeparator { expected: usize } = Error "misplaced-separator"
+        "`---` where no further part can start", "a .srv file has one of them, an .action file two, a .msg file none; parts expected here: {expected}";
+    MissingSeparator { found: usize, expected: usize } = Error "missing-separator"
+        "{found} of {expected} parts", "separate the parts by a line `---`, also where one is empty";
+    NotPortable { text: String, value: String } = Warning "not-portable"
+        "PX4's own generator doesn't read `{text}`", "write `{value}`";
+
+    // Annotations in comments
+    UnknownAnnotation { name: String } = Warning "unknown-annotation"
+        "no annotation is called `@{name}`", "it stays part of the text";
+    MalformedAnnotation { name: &'static str, text: String } = Warning "malformed-annotation"
+        "`{text}` says nothing that `@{name}` could mean", "it stays part of the text";
+    AnnotationNearMiss { found: String, meant: String } = Warning "annotation-near-miss"
+        "`{found}` is read as `{meant}`", "write `{meant}`";
+    AnnotationAfterText { found: String } = Warning "annotation-after-text"
+        "`{found}` stands after the text", "annotations come first: `# [unit] [@…] text`";
+    UnknownUnit { unit: String } = Warning "unknown-unit"
+        "`{unit}` is no known unit", "see the table of units; `-` says that the number has none";
+
+    // Resolving
+    UnknownType { name: String, package: String } = Error "unknown-type"
+        "no message `{name}` in package {package}", "add its definition to the inputs";
+    UnknownPackage { package: String } = Error "unknown-package"
+        "no package `{package}` among the inputs", "add its definitions to the inputs";
+    Cycle { path: String } = Error "cycle"
+        "a message can't hold itself: {path}", "no message of finite size can: break the cycle";
+    DuplicateField { name: String } = Error "duplicate-field"
+        "a second field `{name}`", "rename or remove one of them";
+    DuplicateConstant { name: String } = Error "duplicate-constant"
+        "a second constant `{name}`", "rename or remove one of them";
+    DuplicateMessage { name: String, package: String } = Error "duplicate-message"
+        "a second definition of `{name}` in package {package}", "leave one of the two files out";
+    MessageName { stem: String } = Error "message-name"
+        "the file name `{stem}` gives no message name", "call the file `PascalCase.msg`";
+    MessageNameStyle { stem: String } = Warning "message-name-style"
+        "the message name `{stem}` is not in PascalCase", "rename the file";
+    InvalidVersion { what: &'static str } = Error "invalid-version"
+        "{what} is an unsigned integer", "write `uint32 MESSAGE_VERSION = N` or `uint8 ORB_QUEUE_LENGTH = N` with N from 1";
+    InvalidTopic { topic: String } = Error "invalid-topic"
+        "`{topic}` is no topic name", "topics are in lower_snake_case, separated by spaces";
+    DuplicateTopic { topic: String } = Warning "duplicate-topic"
+        "the topic `{topic}` is listed twice", "remove one";
+    UnknownEnum { prefix: String, place: String } = Warning "unknown-enum"
+        "no constant of {place} starts with `{prefix}_`", "the field stays a plain number";
+    EnumOnNonInteger { type_name: String } = Warning "enum-on-non-integer"
+        "values of an enum are integers, not `{type_name}`", "the field keeps its type";
+    EnumValueOutOfRange { constant: String, value: String, type_name: String } = Warning "enum-value-out-of-range"
+        "`{constant}` = {value} doesn't fit the field's {type_name}", "the field can never hold it: widen the field, or correct the constant";
+    UnknownCountTarget { name: String } = Error "unknown-count-target"
+        "`@count` names no array `{name}` of this message", "name an array field of the same message";
+    CountOnNonInteger { type_name: String } = Error "count-on-non-integer"
+        "a field of type `{type_name}` can't count", "counts are integers";
+    RangeReversed { low: String, high: String } = Warning "range-reversed"
+        "the range ends ({high}) before it starts ({low})", "it is read the other way round";
+    AnnotationValueType { text: String, type_name: String } = Warning "annotation-value-type"
+        "a {type_name} is never {text}", "correct the value, or the type of the field";
+
+    // Specification tables
+    NoTable = Error "no-table"
+        "the page has no error-code table", "a table has the columns Code, Abbr and Description under a heading with its range of codes";
+    TableShape { expected: usize, found: usize } = Error "table-shape"
+        "a row of {found} cells in a table of {expected} columns", "give each row a cell for each column";
+    UnterminatedTable = Error "unterminated-table"
+        "the table is not closed", "close it with `|===`";
+    MergedCell = Error "merged-cell"
+        "the cell is written for several columns, rows or cells at once", "write each cell out";
+    UnknownColumns { header: String } = Error "unknown-columns"
+        "`{header}` is no header of an error-code table", "call its columns Code, Abbr and Description";
+    MissingHeading = Error "missing-heading"
+        "the table stands under no heading", "the heading names its class, for example `Warnings (codes 64-127)`";
+    InvalidCode { text: String } = Error "invalid-code"
+        "`{text}` is no error code", "codes are decimal integers from 0";
+    UnknownClass { heading: String } = Error "unknown-class"
+        "the heading `{heading}` names no class or range of error codes", "write for example `Warnings (codes 64-127)`";
+    ClassRange { class: String, found: String, expected: String } = Error "class-range"
+        "{class} codes are {expected}, the heading says {found}", "correct the range or the name in the heading";
+    CodeOutsideClass { code: u32, range: String } = Error "code-outside-class"
+        "code {code} stands under a heading for {range}", "move it to the table of its class";
+    DuplicateCode { code: u32 } = Error "duplicate-code"
+        "code {code} is defined twice", "codes are unique in all tables of a package";
+    DuplicateAbbreviation { abbreviation: String, code: u32 } = Error "duplicate-abbreviation"
+        "`{abbreviation}` is also the abbreviation of code {code} in this class", "within a class each abbreviation names one code";
+    MissingAbbreviation { code: u32 } = Warning "missing-abbreviation"
+        "code {code} has no abbreviation", "user interfaces will show the number";
+    DanglingCode { code: String } = Error "dangling-code"
+        "no table has a code {code}", "correct the reference";
+    OneSidedAlternative { code: u32, other: u32 } = Warning "one-sided-alternative"
+        "code {code} names {other} as its alternative, but not the reverse", "they are read as alternatives of each other";
+    TooManyAlternatives { code: u32, max: usize } = Error "too-many-alternatives"
+        "code {code} names more than {max} alternatives", "name only the codes that stand for the same event";
+    OverlappingBlock { block: String } = Error "overlapping-block"
+        "two tables claim codes {block}", "blocks of two vendors must not overlap";
+}

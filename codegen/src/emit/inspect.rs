@@ -1,0 +1,143 @@
+//! The model as JSON: what `inspect` prints.
+
+use serde_json::{Map, Value as Json, json};
+
+use crate::schema::{Constant, Element, Field, Interface, Message, MessageId, Package, Range, Schema, Special, Type};
+use crate::unit;
+use crate::value::Value;
+
+/// The whole schema as one JSON value.
+pub fn schema(schema: &Schema) -> Json {
+    let packages: Map<String, Json> =
+        schema.packages.iter().map(|found| (found.name.clone(), package(schema, found))).collect();
+    json!({ "packages": packages })
+}
+
+fn package(schema: &Schema, package: &Package) -> Json {
+    let messages = |ids: &[MessageId]| -> Map<String, Json> {
+        ids.iter().map(|id| (schema.message(*id).name.clone(), message(schema, schema.message(*id)))).collect()
+    };
+    let interfaces = |name: &str| -> Map<String, Json> {
+        let of_kind = package.interfaces.iter().filter(|interface| interface.kind.name() == name);
+        of_kind
+            .map(|Interface { name, type_hash, parts, .. }| {
+                (name.clone(), json!({ "rihs01": type_hash, "messages": messages(parts) }))
+            })
+            .collect()
+    };
+    let error_codes: Map<String, Json> = package
+        .error_tables
+        .iter()
+        .flat_map(|table| &table.codes)
+        .map(|code| {
+            let entry = json!({
+                "abbreviation": code.abbreviation,
+                "severity": uavspec_runtime::Severity::of(code.code) as u8,
+                "class": code.class.name(),
+                "see_also": code.see_also,
+                "alternatives": code.alternatives,
+                "since": code.since,
+                "description": code.description,
+            });
+            (code.code.to_string(), entry)
+        })
+        .collect();
+    json!({
+        "messages": messages(&package.messages),
+        "services": interfaces("srv"),
+        "actions": interfaces("action"),
+        "error_codes": error_codes,
+    })
+}
+
+fn message(schema: &Schema, message: &Message) -> Json {
+    let uorb = message.uorb.as_ref().map(|layout| {
+        let fields: Vec<Json> = layout
+            .slots
+            .iter()
+            .map(|slot| json!({ "name": slot.name, "type": slot.type_text, "offset": slot.offset }))
+            .collect();
+        json!({ "size": layout.size, "size_no_padding": layout.size_no_padding, "fields": fields })
+    });
+    json!({
+        "summary": message.docs.summary,
+        "description": message.docs.description,
+        "topics": message.topics,
+        "version": message.version,
+        "queue_length": message.queue_length,
+        "hash": message.hash,
+        "rihs01": message.type_hash,
+        "uorb": uorb,
+        "cdr": { "least": message.cdr.least, "fixed": message.cdr.is_fixed },
+        "fields": message.fields.iter().map(|found| field(schema, message, found)).collect::<Vec<_>>(),
+        "constants": message.constants.iter().map(|found| constant(schema, message, found)).collect::<Vec<_>>(),
+    })
+}
+
+fn field(schema: &Schema, message: &Message, field: &Field) -> Json {
+    json!({
+        "name": field.name,
+        "type": schema.type_text(message, field.ty),
+        "default": field.default.as_ref().map(value),
+        "unit": field.unit.as_deref().filter(|unit| *unit != unit::NONE),
+        "range": field.range.as_ref().map(range),
+        "invalid": field.invalid.as_ref().map(special),
+        "frame": field.frame,
+        "enum": (!field.enum_prefixes.is_empty()).then(|| field.enum_prefixes.join(" ")),
+        "count_of": field.counts.map(|array| &message.fields[array].name),
+        "group": field.group.map(|group| &message.groups[group].summary),
+        "description": field.description,
+    })
+}
+
+fn constant(schema: &Schema, message: &Message, constant: &Constant) -> Json {
+    let ty = Type { element: constant.ty, shape: crate::schema::Shape::Single };
+    let parameters: Vec<Json> = constant
+        .parameters
+        .iter()
+        .map(|parameter| {
+            json!({
+                "unit": parameter.unit.as_deref().filter(|unit| *unit != unit::NONE),
+                "range": parameter.range.as_ref().map(range),
+                "invalid": parameter.invalid.as_ref().map(special),
+                "enum": (!parameter.enum_prefixes.is_empty()).then(|| parameter.enum_prefixes.join(" ")),
+                "description": parameter.description,
+            })
+        })
+        .collect();
+    debug_assert!(!matches!(constant.ty, Element::Message(_)));
+    json!({
+        "name": constant.name,
+        "type": schema.type_text(message, ty),
+        "value": value(&constant.value),
+        "parameters": (!parameters.is_empty()).then_some(parameters),
+        "description": constant.description,
+    })
+}
+
+fn range(range: &Range) -> Json {
+    json!([range.low.as_ref().map(value), range.high.as_ref().map(value)])
+}
+
+/// An invalid value; the empty string or array is the word for it.
+fn special(special: &Special) -> Json {
+    special.value.as_ref().map_or_else(|| json!("empty"), value)
+}
+
+/// A value in JSON, which has no word for NaN and the infinities: they are strings.
+pub(crate) fn value(value: &Value) -> Json {
+    match value {
+        Value::Bool(value) => json!(value),
+        Value::Int(value) => integer(*value),
+        Value::Float(value) if value.is_nan() => json!("NaN"),
+        Value::Float(value) if value.is_infinite() => json!(if *value > 0.0 { "inf" } else { "-inf" }),
+        Value::Float(value) => json!(value),
+        Value::Text(value) => json!(value),
+        Value::List(values) => values.iter().map(self::value).collect(),
+    }
+}
+
+/// An integer of at most 64 bits, as all values of fields and constants are.
+pub(crate) fn integer(value: i128) -> Json {
+    i64::try_from(value).map_or_else(|_| json!(u64::try_from(value).unwrap_or(u64::MAX)), |value| json!(value))
+}

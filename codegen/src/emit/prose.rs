@@ -1,0 +1,132 @@
+//! Texts of definitions in Markdown, be it rustdoc or a page: whatever they hold comes out as text.
+
+/// A text of several lines, as paragraphs and simple lists.
+pub(crate) fn block(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len() + 16);
+    for (index, line) in text.lines().enumerate() {
+        if index > 0 {
+            escaped.push('\n');
+        }
+        let line = line.trim();
+        let line = match line.strip_prefix("- ").or_else(|| line.strip_prefix("* ")) {
+            Some(item) => {
+                escaped.push_str("- ");
+                item.trim_start()
+            }
+            None => line,
+        };
+        escape(line, &mut escaped);
+    }
+    escaped
+}
+
+/// A text on one line, fit for the cell of a table.
+pub(crate) fn inline(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len() + 16);
+    for (index, line) in text.lines().map(str::trim).filter(|line| !line.is_empty()).enumerate() {
+        if index > 0 {
+            escaped.push(' ');
+        }
+        escape(line, &mut escaped);
+    }
+    escaped
+}
+
+/// A name or value as code.
+pub(crate) fn code(text: &str) -> String {
+    format!("`{}`", text.replace(['`', '\n'], "'"))
+}
+
+/// Text and attribute values of XML and HTML.
+pub(crate) fn xml(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            _ => escaped.push(visible(character)),
+        }
+    }
+    escaped
+}
+
+fn escape(line: &str, out: &mut String) {
+    let mut rest = line;
+    let mut previous = ' ';
+    while let Some(character) = rest.chars().next() {
+        if let Some(address) = address(rest).filter(|_| !previous.is_alphanumeric()) {
+            // A bare address would be a warning in rustdoc.
+            out.push('<');
+            out.push_str(address);
+            out.push('>');
+            rest = &rest[address.len()..];
+            previous = '>';
+            continue;
+        }
+        let next = rest[character.len_utf8()..].chars().next().unwrap_or(' ');
+        let is_at_start = rest.len() == line.len();
+        if needs_escape(character, previous, next, is_at_start) || is_ordinal_mark(line, rest, character) {
+            out.push('\\');
+        }
+        out.push(visible(character));
+        previous = character;
+        rest = &rest[character.len_utf8()..];
+    }
+}
+
+fn needs_escape(character: char, previous: char, next: char, is_at_start: bool) -> bool {
+    match character {
+        '\\' | '`' | '*' | '[' | ']' | '<' | '>' | '|' | '~' | '$' => true,
+        // Within a word it means nothing, and most names have one.
+        '_' => !(previous.is_alphanumeric() && next.is_alphanumeric()),
+        '&' => next == '#' || next.is_alphabetic(),
+        '#' | '+' | '-' | '=' => is_at_start,
+        _ => false,
+    }
+}
+
+/// The `.` or `)` of a number at the start of a line, which would start a list.
+fn is_ordinal_mark(line: &str, rest: &str, character: char) -> bool {
+    let before = &line[..line.len() - rest.len()];
+    matches!(character, '.' | ')') && !before.is_empty() && before.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// The web address that `text` starts with.
+fn address(text: &str) -> Option<&str> {
+    if !text.starts_with("http://") && !text.starts_with("https://") {
+        return None;
+    }
+    let end = text.find(|c: char| c.is_whitespace() || matches!(c, '<' | '>' | '"' | '`' | '|' | '\\')).unwrap_or(text.len());
+    let address = text[..end].trim_end_matches(['.', ',', ';', ':', '!', '?', ')', ']', '\'']);
+    let is_plain = address.bytes().all(|byte| byte.is_ascii_graphic()) && address.len() > "https://".len();
+    is_plain.then_some(address)
+}
+
+/// Controls and direction marks, which could make a text look other than it is, become U+FFFD.
+fn visible(character: char) -> char {
+    let is_harmless = !character.is_control()
+        && !matches!(character, '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{61c}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}');
+    if is_harmless { character } else { '\u{fffd}' }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn markup_comes_out_as_text() {
+        assert_eq!(inline("[x] a|b <b> *c* `d` e_f _g_"), r"\[x\] a\|b \<b\> \*c\* \`d\` e_f \_g\_");
+        assert_eq!(inline("# no heading\n1. no list"), r"\# no heading 1. no list");
+        assert_eq!(block("1. no list\n+ nor this\n- but this"), "1\\. no list\n\\+ nor this\n- but this");
+        assert_eq!(inline("a\u{202e}b\u{7}"), "a\u{fffd}b\u{fffd}");
+        assert_eq!(inline("&amp; & b"), r"\&amp; & b");
+    }
+
+    #[test]
+    fn addresses_become_links() {
+        assert_eq!(inline("see http://x.org/a_b."), "see <http://x.org/a_b>.");
+        assert_eq!(inline("(https://x.org)"), "(<https://x.org>)");
+    }
+}

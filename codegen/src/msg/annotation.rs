@@ -1,0 +1,461 @@
+//! Annotations: the bracketed statements at the head of a trailing comment, such as
+//! `# [m/s] [@range 0, 20] [@invalid NaN] text`.
+//!
+//! What comes close to one is read as meant and gives a warning; what is none stays text.
+
+use std::borrow::Cow;
+
+use uavspec_runtime::Scalar;
+
+use super::literal::{LiteralError, parse_scalar};
+use crate::diagnostic::{Diagnostic, Problem};
+use crate::source::Span;
+use crate::unit;
+use crate::value::Value;
+
+/// Coordinate frames that stand as `[NED]` where `[@frame NED]` is meant.
+const FRAMES: [&str; 8] = ["NED", "ENU", "FRD", "FLU", "NWU", "ECEF", "Body", "body"];
+
+/// Names of the limits of C's integer types, which definitions use as invalid values and bounds.
+const LIMITS: [(&str, Scalar); 8] = [
+    ("UINT8_MAX", Scalar::UInt8),
+    ("UINT16_MAX", Scalar::UInt16),
+    ("UINT32_MAX", Scalar::UInt32),
+    ("UINT64_MAX", Scalar::UInt64),
+    ("INT8_MAX", Scalar::Int8),
+    ("INT16_MAX", Scalar::Int16),
+    ("INT32_MAX", Scalar::Int32),
+    ("INT64_MAX", Scalar::Int64),
+];
+
+/// A longer text in brackets is prose, not a unit.
+const MAX_UNIT_LEN: usize = 20;
+
+/// A longer text in brackets is no annotation; the bound keeps the search for `]` linear.
+const MAX_ANNOTATION_LEN: usize = 400;
+
+/// A comment with its annotations read.
+#[derive(Debug, Default)]
+pub struct Note<'s> {
+    /// The annotations, in the order in which they stand.
+    pub annotations: Vec<Annotation<'s>>,
+    /// The rest of the comment.
+    pub text: Cow<'s, str>,
+    /// The parameters of a command: `text |p1|p2|…|p7|`.
+    pub parameters: Vec<Note<'s>>,
+}
+
+/// An annotation and its place.
+#[derive(Debug)]
+pub struct Annotation<'s> {
+    /// What it states.
+    pub statement: Statement<'s>,
+    /// The brackets and what they hold.
+    pub span: Span,
+}
+
+/// What an annotation states.
+#[derive(Debug, PartialEq)]
+pub enum Statement<'s> {
+    /// `[m/s]`: the unit, in its one spelling where it is known.
+    Unit(&'s str),
+    /// `[@enum PREFIX …]`: the value is one of the constants that start so.
+    Enum(Vec<Prefix<'s>>),
+    /// `[@flags PREFIX …]`: the value is a mask of the constants that start so.
+    Flags(Vec<Prefix<'s>>),
+    /// `[@range low, high]`: inclusive bounds.
+    Range {
+        /// Least value, where bounded.
+        low: Option<Value>,
+        /// Greatest value, where bounded.
+        high: Option<Value>,
+    },
+    /// `[@invalid value text]`: this value says that there is no data.
+    Invalid(Special<'s>),
+    /// `[@uncontrolled value text]`: this value of a set point says that it doesn't apply.
+    Uncontrolled(Special<'s>),
+    /// `[@frame name]`: the coordinate frame.
+    Frame(&'s str),
+    /// `[@count field]`: counts the entries in use of that array.
+    Count(&'s str),
+}
+
+/// Start of the names of constants, in another message where one is named.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Prefix<'s> {
+    /// The message whose constants are meant: `Message.PREFIX`.
+    pub message: Option<&'s str>,
+    /// The prefix, without the `_` that follows it.
+    pub prefix: &'s str,
+}
+
+/// A value with a meaning of its own.
+#[derive(Debug, PartialEq)]
+pub struct Special<'s> {
+    /// The value.
+    pub value: SpecialValue<'s>,
+    /// When it applies, in words; may be empty.
+    pub text: &'s str,
+}
+
+/// A value with a meaning of its own.
+#[derive(Debug, PartialEq)]
+pub enum SpecialValue<'s> {
+    /// A number.
+    Number(Value),
+    /// No characters or no elements.
+    Empty,
+    /// A word: the name of a constant.
+    Name(&'s str),
+}
+
+/// Reads the annotations of a comment. `text` is what follows the `#`, and stands at `span`.
+pub fn read<'s>(text: &'s str, span: Span, diagnostics: &mut Vec<Diagnostic>) -> Note<'s> {
+    let mut reader = Reader { text, span, at: 0, note: Note::default(), diagnostics };
+    reader.head();
+    reader.rest();
+    reader.note
+}
+
+/// Reads a comment whose text may end in parameters between pipes, as those of commands do.
+pub fn read_with_parameters<'s>(text: &'s str, span: Span, diagnostics: &mut Vec<Diagnostic>) -> Note<'s> {
+    let bars: Vec<usize> = text.match_indices('|').map(|(at, _)| at).collect();
+    if !(7..=8).contains(&bars.len()) {
+        return read(text, span, diagnostics);
+    }
+    let mut note = read(&text[..bars[0]], span.part(0..bars[0]), diagnostics);
+    let ends = bars[1..].iter().copied().chain((bars.len() == 7).then_some(text.len()));
+    for (bar, end) in bars.iter().zip(ends) {
+        let range = bar + 1..end;
+        note.parameters.push(read(&text[range.clone()], span.part(range), diagnostics));
+    }
+    note
+}
+
+struct Reader<'s, 'd> {
+    text: &'s str,
+    span: Span,
+    at: usize,
+    note: Note<'s>,
+    diagnostics: &'d mut Vec<Diagnostic>,
+}
+
+/// What a text in brackets turned out to be.
+enum Reading<'s> {
+    Statement(Statement<'s>),
+    /// As meant, and how it should be written.
+    NearMiss(Statement<'s>, String),
+    Text(Option<Problem>),
+}
+
+impl<'s> Reader<'s, '_> {
+    /// The annotations before the first word.
+    fn head(&mut self) {
+        loop {
+            let rest = &self.text[self.at..];
+            let start = self.at + rest.len() - rest.trim_start().len();
+            let Some((content, end)) = bracketed(self.text, start) else { return };
+            match classify(content, self.text.as_bytes()[start] == b'(') {
+                Reading::Statement(statement) => self.push(statement, start..end),
+                Reading::NearMiss(statement, meant) => {
+                    let found = self.text[start..end].to_owned();
+                    self.report(Problem::AnnotationNearMiss { found, meant }, start..end);
+                    self.push(statement, start..end);
+                }
+                Reading::Text(problem) => {
+                    if let Some(problem) = problem {
+                        self.report(problem, start..end);
+                    }
+                    return;
+                }
+            }
+            self.at = end;
+        }
+    }
+
+    /// The text, and annotations with `@` that stand in it by mistake.
+    fn rest(&mut self) {
+        let mut text = String::new();
+        let mut copied = self.at;
+        let mut from = self.at;
+        while let Some(start) = self.text[from..].find(['[', '(']).map(|at| from + at) {
+            from = start + 1;
+            if !self.text[from..].starts_with('@') {
+                continue;
+            }
+            let Some((content, end)) = bracketed(self.text, start) else { continue };
+            match classify(content, self.text.as_bytes()[start] == b'(') {
+                Reading::Statement(statement) | Reading::NearMiss(statement, _) => {
+                    let found = self.text[start..end].to_owned();
+                    self.report(Problem::AnnotationAfterText { found }, start..end);
+                    self.push(statement, start..end);
+                    text.push_str(self.text[copied..start].trim_end());
+                    copied = end;
+                    from = end;
+                }
+                // At the head it was reported already.
+                Reading::Text(Some(problem)) if !self.text[self.at..start].trim().is_empty() => {
+                    self.report(problem, start..end);
+                }
+                Reading::Text(_) => {}
+            }
+        }
+        self.note.text = if text.is_empty() {
+            Cow::Borrowed(self.text[copied..].trim())
+        } else {
+            text.push_str(self.text[copied..].trim_end());
+            Cow::Owned(text.trim().to_owned())
+        };
+    }
+
+    fn push(&mut self, statement: Statement<'s>, range: std::ops::Range<usize>) {
+        if let Statement::Unit(symbol) = statement
+            && unit::lookup(symbol).is_none()
+        {
+            self.report(Problem::UnknownUnit { unit: symbol.to_owned() }, range.clone());
+        }
+        let mut statement = statement;
+        if let Statement::Range { low, high } = &mut statement
+            && let (Some(least), Some(greatest)) = (low.as_ref().and_then(Value::as_f64), high.as_ref().and_then(Value::as_f64))
+            && least > greatest
+        {
+            std::mem::swap(low, high);
+            let (low, high) = (greatest.to_string(), least.to_string());
+            self.report(Problem::RangeReversed { low: high, high: low }, range.clone());
+        }
+        self.note.annotations.push(Annotation { statement, span: self.span.part(range) });
+    }
+
+    fn report(&mut self, problem: Problem, range: std::ops::Range<usize>) {
+        self.diagnostics.push(Diagnostic::new(problem, self.span.part(range)));
+    }
+}
+
+/// What the bracket or parenthesis at `start` holds, and the position after its end.
+fn bracketed(text: &str, start: usize) -> Option<(&str, usize)> {
+    let rest = &text[start..];
+    let close = match rest.as_bytes().first()? {
+        b'[' => ']',
+        b'(' if rest.starts_with("(@") => ')',
+        _ => return None,
+    };
+    // Labels in parentheses stand inside brackets: `(@range -1 (Left), 1 (Right))`.
+    let mut depth = 0_usize;
+    for (at, character) in rest.char_indices().skip(1).take(MAX_ANNOTATION_LEN) {
+        match character {
+            '(' => depth += 1,
+            ')' if depth > 0 => depth -= 1,
+            _ if character == close => return Some((rest[1..at].trim(), start + at + 1)),
+            _ => {}
+        }
+    }
+    None
+}
+
+fn classify(content: &str, in_parentheses: bool) -> Reading<'_> {
+    if let Some(annotation) = content.strip_prefix('@') {
+        let (name, argument) = split_word(annotation);
+        return match (statement(name, argument), in_parentheses) {
+            (Some(Ok(statement)), false) => Reading::Statement(statement),
+            (Some(Ok(statement)), true) => Reading::NearMiss(statement, format!("[{content}]")),
+            (Some(Err(problem)), _) => Reading::Text(Some(problem)),
+            (None, true) => Reading::Text(None),
+            (None, false) => Reading::Text(Some(Problem::UnknownAnnotation { name: name.to_owned() })),
+        };
+    }
+    if let Some(unit) = unit::lookup(content) {
+        return Reading::Statement(Statement::Unit(unit.symbol));
+    }
+    if FRAMES.contains(&content) {
+        return Reading::NearMiss(Statement::Frame(content), format!("[@frame {content}]"));
+    }
+    let (name, argument) = split_word(content);
+    if !argument.is_empty()
+        && let Some(Ok(statement)) = statement(name, argument)
+    {
+        return Reading::NearMiss(statement, format!("[@{content}]"));
+    }
+    if let Some((low, high)) = content.split_once(',')
+        && !low.trim().is_empty()
+        && !high.trim().is_empty()
+        && let (Ok(low), Ok(high)) = (bound(low), bound(high))
+    {
+        return Reading::NearMiss(Statement::Range { low, high }, format!("[@range {content}]"));
+    }
+    if looks_like_unit(content) {
+        return Reading::Statement(Statement::Unit(content));
+    }
+    Reading::Text(None)
+}
+
+/// Reads the annotation `name`; none where no annotation is called so.
+fn statement<'s>(name: &str, argument: &'s str) -> Option<Result<Statement<'s>, Problem>> {
+    let malformed = |name| Problem::MalformedAnnotation { name, text: argument.to_owned() };
+    let read = match name {
+        "enum" => prefixes(argument).map(Statement::Enum).ok_or_else(|| malformed("enum")),
+        "flags" => prefixes(argument).map(Statement::Flags).ok_or_else(|| malformed("flags")),
+        "range" => range(argument).ok_or_else(|| malformed("range")),
+        "invalid" => special(argument).map(Statement::Invalid).ok_or_else(|| malformed("invalid")),
+        "uncontrolled" => special(argument).map(Statement::Uncontrolled).ok_or_else(|| malformed("uncontrolled")),
+        "frame" if argument.is_empty() => Err(malformed("frame")),
+        "frame" => Ok(Statement::Frame(argument)),
+        "count" if !is_identifier(argument) => Err(malformed("count")),
+        "count" => Ok(Statement::Count(argument)),
+        _ => return None,
+    };
+    Some(read)
+}
+
+fn prefixes(argument: &str) -> Option<Vec<Prefix<'_>>> {
+    let words = argument.split([' ', '\t', ',']).filter(|word| !word.is_empty());
+    let prefixes: Option<Vec<Prefix>> = words
+        .map(|word| {
+            let (message, prefix) = match word.split_once('.') {
+                Some((message, prefix)) => (Some(message), prefix),
+                None => (None, word),
+            };
+            let prefix = prefix.trim_end_matches('*').trim_end_matches('_');
+            (is_identifier(prefix) && message.is_none_or(is_identifier)).then_some(Prefix { message, prefix })
+        })
+        .collect();
+    prefixes.filter(|prefixes| !prefixes.is_empty())
+}
+
+fn range(argument: &str) -> Option<Statement<'_>> {
+    let (low, high) = argument.split_once(',')?;
+    let (low, high) = (bound(low).ok()?, bound(high).ok()?);
+    (low.is_some() || high.is_some() || argument.contains("inf") || argument.contains("INF"))
+        .then_some(Statement::Range { low, high })
+}
+
+/// A bound, or none where it is absent or infinite. A label in parentheses may follow it.
+fn bound(text: &str) -> Result<Option<Value>, LiteralError> {
+    let number = text.split_once('(').map_or(text, |(number, _)| number).trim();
+    if number.is_empty() {
+        return Ok(None);
+    }
+    match parse_number(number)? {
+        Value::Float(value) if value.is_infinite() => Ok(None),
+        Value::Float(value) if value.is_nan() => Err(LiteralError::Form),
+        value => Ok(Some(value)),
+    }
+}
+
+/// A number as annotations write it: an integer, a float, the name of a limit, or a multiple of pi.
+fn parse_number(text: &str) -> Result<Value, LiteralError> {
+    if let Some((_, scalar)) = LIMITS.iter().find(|(name, _)| *name == text) {
+        let (_, greatest) = scalar.integer_bounds().ok_or(LiteralError::Form)?;
+        return Ok(Value::Int(greatest));
+    }
+    let lower = text.to_ascii_lowercase();
+    if let Some(factor) = lower.strip_suffix("pi") {
+        let factor = match factor.trim_end_matches(['*', ' ']) {
+            "" | "+" => 1.0,
+            "-" => -1.0,
+            digits => digits.parse::<f64>().map_err(|_| LiteralError::Form)?,
+        };
+        return Ok(Value::Float(factor * std::f64::consts::PI));
+    }
+    parse_scalar(text, Scalar::Int64).or_else(|_| parse_scalar(text, Scalar::UInt64)).or_else(|_| parse_scalar(text, Scalar::Float64))
+}
+
+fn special(argument: &str) -> Option<Special<'_>> {
+    let (word, text) = split_word(argument);
+    let value = match parse_number(word) {
+        Ok(number) => SpecialValue::Number(number),
+        Err(_) if word.eq_ignore_ascii_case("empty") => SpecialValue::Empty,
+        Err(_) if is_identifier(word) => SpecialValue::Name(word),
+        Err(_) => return None,
+    };
+    Some(Special { value, text })
+}
+
+/// Units are letters with exponents, slashes and parentheses: `(m/s^2)^2`, `°C`, `%`.
+fn looks_like_unit(content: &str) -> bool {
+    let starts = content.starts_with(|c: char| c.is_alphabetic() || matches!(c, '(' | '%' | '°'));
+    let words = content.split_ascii_whitespace().count();
+    starts
+        && content.len() <= MAX_UNIT_LEN
+        && words <= 3
+        && content.chars().all(|c| c.is_alphanumeric() || matches!(c, '/' | '^' | '(' | ')' | '%' | '°' | '*' | '-' | ' '))
+}
+
+fn split_word(text: &str) -> (&str, &str) {
+    let end = text.find([' ', '\t']).unwrap_or(text.len());
+    (&text[..end], text[end..].trim())
+}
+
+fn is_identifier(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn statements(text: &str) -> (Vec<Statement<'_>>, String, Vec<&'static str>) {
+        let mut diagnostics = Vec::new();
+        let note = read(text, Span::default(), &mut diagnostics);
+        let codes = diagnostics.iter().map(|diagnostic| diagnostic.problem.code()).collect();
+        (note.annotations.into_iter().map(|annotation| annotation.statement).collect(), note.text.into_owned(), codes)
+    }
+
+    fn int(value: i128) -> Option<Value> {
+        Some(Value::Int(value))
+    }
+
+    #[test]
+    fn any_number_at_the_head_in_any_order() {
+        let (found, text, codes) = statements(" [@invalid NaN if lost] [meters/second] [@range -1 (Left), 1 (Right)] speed [up]");
+        assert!(matches!(&found[0], Statement::Invalid(Special { value: SpecialValue::Number(Value::Float(v)), text: "if lost" }) if v.is_nan()));
+        assert_eq!(found[1..], [Statement::Unit("m/s"), Statement::Range { low: int(-1), high: int(1) }]);
+        assert_eq!((text.as_str(), codes.len()), ("speed [up]", 0));
+    }
+
+    #[test]
+    fn bounds_may_be_absent_infinite_or_multiples_of_pi() {
+        let range = |text| statements(text).0.remove(0);
+        assert_eq!(range("[@range 1,]"), Statement::Range { low: int(1), high: None });
+        assert_eq!(range("[@range 0, INF]"), Statement::Range { low: int(0), high: None });
+        assert_eq!(range("[@range -inf (Backwards), inf (Forwards)]"), Statement::Range { low: None, high: None });
+        let pi = std::f64::consts::PI;
+        let expected = Statement::Range { low: Some(Value::Float(-pi)), high: Some(Value::Float(2.0 * pi)) };
+        assert_eq!(range("[@range -pi, 2PI]"), expected);
+    }
+
+    #[test]
+    fn near_misses_are_read_as_meant() {
+        for (text, expected) in [
+            ("[enum MODE] x", Statement::Enum(vec![Prefix { message: None, prefix: "MODE" }])),
+            ("(@range 1, ) x", Statement::Range { low: int(1), high: None }),
+            ("[FRD] x", Statement::Frame("FRD")),
+            ("[0,1] x", Statement::Range { low: int(0), high: int(1) }),
+        ] {
+            assert_eq!(statements(text), (vec![expected], "x".into(), vec!["annotation-near-miss"]), "{text}");
+        }
+        let (found, text, codes) = statements("Speed [@range 0, 2] of it");
+        assert_eq!(found, [Statement::Range { low: int(0), high: int(2) }]);
+        assert_eq!((text.as_str(), codes), ("Speed of it", vec!["annotation-after-text"]));
+    }
+
+    #[test]
+    fn what_is_no_annotation_stays_text() {
+        for text in ["[1-99]: reserved", "[-PI..PI) yaw", "(@see Other)", "x [0, 1]", "[", "[]", "x (", "[1..255] id"] {
+            assert_eq!(statements(text), (vec![], text.into(), vec![]), "{text}");
+        }
+        let (found, text, codes) = statements("[@todo later] x");
+        assert_eq!((found.len(), text.as_str(), codes), (0, "[@todo later] x", vec!["unknown-annotation"]));
+        let (found, text, codes) = statements("[@range wide] x");
+        assert_eq!((found.len(), text.as_str(), codes), (0, "[@range wide] x", vec!["malformed-annotation"]));
+    }
+
+    #[test]
+    fn commands_have_seven_parameters_between_pipes() {
+        let mut diagnostics = Vec::new();
+        let note = read_with_parameters(" Go |[m] Radius|a|b|c|d|e|f|", Span::default(), &mut diagnostics);
+        assert_eq!((note.text.as_ref(), note.parameters.len()), ("Go", 7));
+        assert_eq!(note.parameters[0].annotations[0].statement, Statement::Unit("m"));
+        assert!(read_with_parameters("AUTO|LOITER", Span::default(), &mut diagnostics).parameters.is_empty());
+        assert!(diagnostics.is_empty());
+    }
+}

@@ -1,0 +1,45 @@
+//! Characters that have no place in a definition: they end lines for other tools, or hide text.
+
+use crate::diagnostic::{Diagnostic, Problem};
+use crate::source::Span;
+
+/// Bidirectional controls and characters without width (Unicode 15, UAX #9 and general category Cf).
+/// U+200C and U+200D are left out: scripts need them to join letters.
+fn is_invisible(character: char) -> bool {
+    matches!(character,
+        '\u{061c}' | '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}'
+        | '\u{2060}'..='\u{2069}' | '\u{feff}' | '\u{e0000}'..='\u{e007f}')
+}
+
+/// Names what other tools take for the end of a line.
+fn line_separator(character: char) -> Option<&'static str> {
+    match character {
+        '\r' => Some("a carriage return"),
+        '\u{0b}' => Some("a vertical tab"),
+        '\u{0c}' => Some("a form feed"),
+        '\u{1c}'..='\u{1e}' => Some("an information separator"),
+        '\u{85}' => Some("a next-line character (U+0085)"),
+        '\u{2028}' => Some("a line separator (U+2028)"),
+        '\u{2029}' => Some("a paragraph separator (U+2029)"),
+        _ => None,
+    }
+}
+
+/// Diagnoses each such character of a line. The common line, plain text and tabs, costs one pass
+/// over its bytes.
+pub(super) fn check(line: &str, span: Span, diagnostics: &mut Vec<Diagnostic>) {
+    if line.bytes().all(|byte| matches!(byte, b'\t' | b' '..=b'~')) {
+        return;
+    }
+    for (at, character) in line.char_indices() {
+        let place = span.part(at..at + character.len_utf8());
+        let code = u32::from(character);
+        if let Some(name) = line_separator(character) {
+            diagnostics.push(Diagnostic::new(Problem::LineSeparator { name }, place));
+        } else if is_invisible(character) {
+            diagnostics.push(Diagnostic::new(Problem::InvisibleCharacter { code }, place));
+        } else if character.is_control() && character != '\t' {
+            diagnostics.push(Diagnostic::new(Problem::ControlCharacter { code }, place));
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! Literals: text to a value of the type that it must have.
+
+use uavspec_runtime::Scalar;
+
+use crate::value::Value;
+
+/// Why a text is no literal of its type.
+#[derive(Debug, PartialEq)]
+pub enum LiteralError {
+    /// Not the form of a value of that type.
+    Form,
+    /// A number, but not one that the type holds.
+    Range {
+        /// Least value of the type.
+        least: String,
+        /// Greatest value of the type.
+        greatest: String,
+    },
+}
+
+/// Reads `text` as a value of type `scalar`: what Python's `int` and `float` read, as ROS does.
+pub fn parse_scalar(text: &str, scalar: Scalar) -> Result<Value, LiteralError> {
+    match scalar {
+        Scalar::Bool => parse_bool(text).map(Value::Bool).ok_or(LiteralError::Form),
+        Scalar::Float32 | Scalar::Float64 => parse_float(text, scalar),
+        _ => {
+            let value = parse_int(text).ok_or(LiteralError::Form)?;
+            let (least, greatest) = scalar.integer_bounds().ok_or(LiteralError::Form)?;
+            match value {
+                Some(value) if (least..=greatest).contains(&value) => Ok(Value::Int(value)),
+                _ => Err(LiteralError::Range { least: least.to_string(), greatest: greatest.to_string() }),
+            }
+        }
+    }
+}
+
+/// Whether PX4's own generator, which reads decimal integers and `True`/`False` alone, takes `text` too.
+pub fn is_portable(text: &str, scalar: Scalar) -> bool {
+    match scalar {
+        Scalar::Bool => matches!(text, "True" | "False" | "0" | "1"),
+        Scalar::Float32 | Scalar::Float64 => true,
+        _ => text.strip_prefix(['+', '-']).unwrap_or(text).bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'_')),
+    }
+}
+
+fn parse_bool(text: &str) -> Option<bool> {
+    match text {
+        "1" => Some(true),
+        "0" => Some(false),
+        _ if text.eq_ignore_ascii_case("true") => Some(true),
+        _ if text.eq_ignore_ascii_case("false") => Some(false),
+        _ => None,
+    }
+}
+
+/// An integer with sign, base prefix and `_` between digits. `Some(None)` is one too long for 128 bits.
+#[allow(clippy::option_option)]
+fn parse_int(text: &str) -> Option<Option<i128>> {
+    let (sign, unsigned) = match text.as_bytes().first()? {
+        b'-' => (-1, &text[1..]),
+        b'+' => (1, &text[1..]),
+        _ => (1, text),
+    };
+    let (base, digits) = match unsigned.get(..2) {
+        Some("0x" | "0X") => (16, &unsigned[2..]),
+        Some("0o" | "0O") => (8, &unsigned[2..]),
+        Some("0b" | "0B") => (2, &unsigned[2..]),
+        _ => (10, unsigned),
+    };
+    let digits = if base == 10 { digits } else { digits.strip_prefix('_').unwrap_or(digits) };
+    let mut value = Some(0_i128);
+    for part in digits.split('_') {
+        if part.is_empty() {
+            return None;
+        }
+        for digit in part.chars() {
+            let digit = i128::from(digit.to_digit(base)?);
+            value = value.and_then(|value| value.checked_mul(i128::from(base))?.checked_add(digit));
+        }
+    }
+    Some(value.map(|value| sign * value))
+}
+
+fn parse_float(text: &str, scalar: Scalar) -> Result<Value, LiteralError> {
+    let has_stray_underscore = text.starts_with('_')
+        || text.ends_with('_')
+        || text.as_bytes().windows(2).any(|pair| {
+            (pair[0] == b'_' && !pair[1].is_ascii_digit()) || (pair[1] == b'_' && !pair[0].is_ascii_digit())
+        });
+    if has_stray_underscore {
+        return Err(LiteralError::Form);
+    }
+    // Rust's own parser takes what Python's `float` takes: `inf`, `infinity` and `nan` in any case too.
+    let value: f64 = text.replace('_', "").parse().map_err(|_| LiteralError::Form)?;
+    let greatest = if scalar == Scalar::Float32 { f64::from(f32::MAX) } else { f64::MAX };
+    let names_infinity = text.to_ascii_lowercase().contains("inf");
+    if value.abs() > greatest && !names_infinity {
+        return Err(LiteralError::Range { least: format!("{:e}", -greatest), greatest: format!("{greatest:e}") });
+    }
+    Ok(Value::Float(value))
+}
+
+/// A string literal at the start of a text.
+#[derive(Debug, PartialEq)]
+pub struct Quoted {
+    /// What it says, escapes replaced.
+    pub value: String,
+    /// Its length in bytes, quotes included.
+    pub len: usize,
+    /// Ranges of escapes that have no meaning; they are kept as they stand.
+    pub unknown_escapes: Vec<std::ops::Range<usize>>,
+}
+
+/// Reads the string literal that `text` starts with; none where its closing quote is missing.
+pub fn parse_quoted(text: &str) -> Option<Quoted> {
+    let quote = text.chars().next().filter(|quote| matches!(quote, '"' | '\''))?;
+    let mut quoted = Quoted { value: String::new(), len: 0, unknown_escapes: Vec::new() };
+    let mut characters = text.char_indices().skip(1);
+    while let Some((at, character)) = characters.next() {
+        if character == quote {
+            quoted.len = at + 1;
+            return Some(quoted);
+        }
+        if character != '\\' {
+            quoted.value.push(character);
+            continue;
+        }
+        let (end, escaped) = characters.next()?;
+        let meant = match escaped {
+            'n' => '\n',
+            't' => '\t',
+            'r' => '\r',
+            '0' => '\0',
+            '\\' | '"' | '\'' => escaped,
+            _ => {
+                quoted.unknown_escapes.push(at..end + escaped.len_utf8());
+                quoted.value.push('\\');
+                escaped
+            }
+        };
+        quoted.value.push(meant);
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integers_take_sign_base_and_underscores() {
+        let int = |text| parse_scalar(text, Scalar::Int64);
+        for (text, value) in [("010", 10), ("+1", 1), ("-0x1", -1), ("0X1f", 31), ("0b1_01", 5), ("0o17", 15), ("1_000", 1000)] {
+            assert_eq!(int(text), Ok(Value::Int(value)), "{text}");
+        }
+        for text in ["", "-", "0x", "1__0", "_1", "1_", "- 1", "1.0", "1e3", "A", "'1'", "1 << 2"] {
+            assert_eq!(int(text), Err(LiteralError::Form), "{text}");
+        }
+    }
+
+    #[test]
+    fn bounds_are_those_of_the_type() {
+        assert_eq!(parse_scalar("18446744073709551615", Scalar::UInt64), Ok(Value::Int(u64::MAX.into())));
+        assert!(matches!(parse_scalar("256", Scalar::UInt8), Err(LiteralError::Range { .. })));
+        assert!(matches!(parse_scalar(&"9".repeat(400), Scalar::UInt64), Err(LiteralError::Range { .. })));
+        assert!(matches!(parse_scalar("1e39", Scalar::Float32), Err(LiteralError::Range { .. })));
+        assert!(matches!(parse_scalar("1e309", Scalar::Float64), Err(LiteralError::Range { .. })));
+        assert_eq!(parse_scalar("-Inf", Scalar::Float32), Ok(Value::Float(f64::NEG_INFINITY)));
+        assert_eq!(parse_scalar("2", Scalar::Bool), Err(LiteralError::Form));
+    }
+
+    #[test]
+    fn strings_end_at_their_own_quote() {
+        let quoted = parse_quoted(r#""a\"b#'=" # rest"#).expect("closed");
+        assert_eq!((quoted.value.as_str(), quoted.len), (r#"a"b#'="#, 9));
+        assert_eq!(parse_quoted(r#""a\""#), None);
+        assert_eq!(parse_quoted(r"'\q'").expect("closed").unknown_escapes, vec![1..3]);
+    }
+}

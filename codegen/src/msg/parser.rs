@@ -1,0 +1,456 @@
+//! The parser: one function a production.
+
+use uavspec_runtime::Scalar;
+
+use super::ast::{Comment, Constant, ConstantType, Definition, Element, Field, Item, Line, Name, Part, Shape, Type};
+use super::literal::{self, LiteralError};
+use super::{Dialect, Kind, annotation, characters};
+use crate::diagnostic::{Diagnostic, Problem};
+use crate::source::Span;
+use crate::value::Value;
+
+/// Longest array or string bound that is read; what a message may take in all is checked later.
+const MAX_LENGTH: u32 = 16 << 20;
+
+pub(super) fn parse(text: &str, span: Span, kind: Kind, dialect: Dialect) -> (Definition<'_>, Vec<Diagnostic>) {
+    let mut diagnostics = Vec::new();
+    let mut parts = vec![Part::default()];
+    let expected = kind.part_suffixes().len();
+    let mut at = 0;
+    for raw in text.split_inclusive('\n') {
+        let line = raw.strip_suffix('\n').unwrap_or(raw);
+        let line = line.strip_suffix('\r').filter(|_| raw.ends_with('\n')).unwrap_or(line);
+        let place = span.part(at..at + line.len());
+        at += raw.len();
+        characters::check(line, place, &mut diagnostics);
+        if is_separator(line) {
+            if parts.len() < expected {
+                parts.push(Part::default());
+            } else {
+                diagnostics.push(Diagnostic::new(Problem::MisplacedSeparator { expected }, place));
+            }
+            continue;
+        }
+        let mut parser = LineParser { line, span: place, at: 0, dialect, diagnostics: &mut diagnostics };
+        let line = parser.line();
+        if let Some(part) = parts.last_mut() {
+            part.lines.push(line);
+        }
+    }
+    if parts.len() < expected {
+        let end = span.part(text.len()..text.len());
+        diagnostics.push(Diagnostic::new(Problem::MissingSeparator { found: parts.len(), expected }, end));
+        parts.resize_with(expected, Part::default);
+    }
+    (Definition { parts }, diagnostics)
+}
+
+fn is_separator(line: &str) -> bool {
+    line.strip_prefix("---").is_some_and(|rest| {
+        let rest = rest.trim_start_matches([' ', '\t']);
+        rest.is_empty() || rest.starts_with('#')
+    })
+}
+
+/// Marks a production that could not be read; its diagnostic has been reported.
+struct Broken;
+
+struct LineParser<'s, 'd> {
+    line: &'s str,
+    span: Span,
+    at: usize,
+    dialect: Dialect,
+    diagnostics: &'d mut Vec<Diagnostic>,
+}
+
+impl<'s> LineParser<'s, '_> {
+    fn line(&mut self) -> Line<'s> {
+        self.skip_blanks();
+        let mut line = Line { span: self.span, item: None, comment: None, is_broken: false };
+        if !self.is_at_end() {
+            match self.item() {
+                Ok(item) => line.item = Some(item),
+                Err(Broken) => {
+                    line.is_broken = true;
+                    self.at = self.line[self.at..].find('#').map_or(self.line.len(), |at| self.at + at);
+                }
+            }
+        }
+        line.comment = self.comment(line.item.as_ref());
+        line
+    }
+
+    fn item(&mut self) -> Result<Item<'s>, Broken> {
+        let start = self.at;
+        let type_text = self.word(|c| !is_blank(c) && c != '#');
+        let type_span = self.span.part(start..self.at);
+        self.skip_blanks();
+        if self.is_at_end() {
+            let type_name = type_text.to_owned();
+            return Err(self.report(Problem::MissingName { type_name }, type_span));
+        }
+        let ty = self.parse_type(type_text, type_span)?;
+        let name = self.name()?;
+        self.skip_blanks();
+        if self.rest().starts_with('=') {
+            self.at += 1;
+            self.constant(&ty, name).map(Item::Constant)
+        } else {
+            self.check_style(name, false);
+            self.field(ty, name).map(Item::Field)
+        }
+    }
+
+    /// `name`, up to white space, `=` or a comment.
+    fn name(&mut self) -> Result<Name<'s>, Broken> {
+        let start = self.at;
+        let text = self.word(|c| !is_blank(c) && !matches!(c, '=' | '#'));
+        let span = self.span.part(start..self.at);
+        let letters = text.bytes().take_while(|byte| byte.is_ascii_alphanumeric() || *byte == b'_').count();
+        let (identifier, rest) = text.split_at(letters);
+        if !identifier.starts_with(|c: char| c.is_ascii_alphabetic()) {
+            return Err(self.report(Problem::InvalidName { name: text.to_owned() }, span));
+        }
+        if rest.is_empty() {
+            return Ok(Name { text, span });
+        }
+        if rest.starts_with('[') {
+            return Err(self.report(Problem::ArrayAfterName { name: identifier.to_owned() }, span));
+        }
+        let diagnostic = Diagnostic::new(Problem::InvalidName { name: text.to_owned() }, span);
+        let is_c = rest == ";";
+        self.diagnostics.push(if is_c { diagnostic.with_hint("remove the `;`: the end of the line ends the declaration") } else { diagnostic });
+        Err(Broken)
+    }
+
+    /// ROS 2 refuses names that break its style; PX4 takes most of them.
+    fn check_style(&mut self, name: Name<'_>, is_constant: bool) {
+        let well_formed = |is_letter: fn(u8) -> bool| {
+            name.text.bytes().all(|byte| is_letter(byte) || byte.is_ascii_digit() || byte == b'_')
+                && !name.text.ends_with('_')
+                && !name.text.contains("__")
+        };
+        let (is_well_formed, style) = if is_constant {
+            (well_formed(|byte| byte.is_ascii_uppercase()), "UPPER_SNAKE_CASE")
+        } else {
+            (well_formed(|byte| byte.is_ascii_lowercase()), "lower_snake_case")
+        };
+        if !is_well_formed {
+            let name_text = name.text.to_owned();
+            let problem = match self.dialect {
+                Dialect::Px4 => Problem::NameStyle { name: name_text, style },
+                Dialect::Ros2 => Problem::NameStyleRos { name: name_text, style },
+            };
+            self.report(problem, name.span);
+        }
+    }
+
+    fn parse_type(&mut self, text: &'s str, span: Span) -> Result<Type<'s>, Broken> {
+        let (element_text, brackets) = match text.find('[') {
+            Some(at) => text.split_at(at),
+            None => (text, ""),
+        };
+        let shape = self.shape(brackets, span.part(element_text.len()..text.len()))?;
+        let element = self.element(element_text, span.part(0..element_text.len()))?;
+        if self.dialect == Dialect::Px4 && matches!(shape, Shape::Sequence | Shape::Bounded(_)) {
+            let what = format!("arrays of variable length such as `{brackets}`");
+            return Err(self.report(Problem::NotInDialect { what, dialect: "px4" }, span));
+        }
+        Ok(Type { span, element, shape })
+    }
+
+    /// `[N]`, `[<=N]`, `[]` or nothing.
+    fn shape(&mut self, brackets: &str, span: Span) -> Result<Shape, Broken> {
+        if brackets.is_empty() {
+            return Ok(Shape::Single);
+        }
+        let Some(length) = brackets.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) else {
+            return Err(self.report(Problem::InvalidArray { text: brackets.to_owned() }, span));
+        };
+        if length.contains(['[', ']']) {
+            return Err(self.report(Problem::MultiDimensional, span));
+        }
+        if length.is_empty() {
+            return Ok(Shape::Sequence);
+        }
+        match length.strip_prefix("<=") {
+            Some(bound) => self.length(bound, brackets, span).map(Shape::Bounded),
+            None => self.length(length, brackets, span).map(Shape::Array),
+        }
+    }
+
+    fn length(&mut self, digits: &str, whole: &str, span: Span) -> Result<u32, Broken> {
+        if digits.is_empty() || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
+            return Err(self.report(Problem::InvalidArray { text: whole.to_owned() }, span));
+        }
+        match digits.parse::<u32>() {
+            Ok(0) => Err(self.report(Problem::ZeroLength, span)),
+            Ok(length) if length <= MAX_LENGTH => Ok(length),
+            _ => Err(self.report(Problem::TooLarge { what: format!("`{whole}`"), max: MAX_LENGTH.into() }, span)),
+        }
+    }
+
+    fn element(&mut self, text: &'s str, span: Span) -> Result<Element<'s>, Broken> {
+        if let Some(scalar) = Scalar::from_name(text) {
+            if scalar == Scalar::Byte {
+                self.only_in_ros2("type `byte`", span)?;
+            }
+            return Ok(Element::Scalar(scalar));
+        }
+        let (base, bound) = match text.split_once("<=") {
+            Some((base, bound)) => (base, Some(bound)),
+            None => (text, None),
+        };
+        if matches!(base, "string" | "wstring") {
+            self.only_in_ros2(&format!("type `{text}`"), span)?;
+            let bound = match bound {
+                Some(digits) => Some(self.length(digits, text, span)?),
+                None => None,
+            };
+            return Ok(Element::String { wide: base == "wstring", bound });
+        }
+        self.message(text, span)
+    }
+
+    /// `Name` or `package/Name`.
+    fn message(&mut self, text: &'s str, span: Span) -> Result<Element<'s>, Broken> {
+        let (package, name) = match text.split_once('/') {
+            Some((package, name)) => (Some(package), name),
+            None => (None, text),
+        };
+        let is_identifier = |text: &str| {
+            text.starts_with(|c: char| c.is_ascii_alphabetic())
+                && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+        };
+        if !is_identifier(name) || !package.is_none_or(is_identifier) {
+            return Err(self.report(Problem::InvalidType { text: text.to_owned() }, span));
+        }
+        if package.is_some() {
+            self.only_in_ros2("messages of other packages", span)?;
+        }
+        Ok(Element::Message { package, name })
+    }
+
+    fn only_in_ros2(&mut self, what: &str, span: Span) -> Result<(), Broken> {
+        if self.dialect == Dialect::Ros2 {
+            return Ok(());
+        }
+        Err(self.report(Problem::NotInDialect { what: what.to_owned(), dialect: "px4" }, span))
+    }
+
+    /// What follows the `=`.
+    fn constant(&mut self, ty: &Type<'s>, name: Name<'s>) -> Result<Constant<'s>, Broken> {
+        self.check_style(name, true);
+        let constant_type = match (ty.element, ty.shape) {
+            (Element::Scalar(scalar), Shape::Single) => ConstantType::Scalar(scalar),
+            (Element::String { wide, bound: None }, Shape::Single) => ConstantType::String { wide },
+            _ => {
+                let type_name = self.line[..(ty.span.end - self.span.start) as usize].trim_start().to_owned();
+                return Err(self.report(Problem::ConstantType { type_name }, ty.span));
+            }
+        };
+        self.skip_blanks();
+        let start = self.at;
+        let value = match constant_type {
+            ConstantType::Scalar(scalar) => {
+                let text = self.word(|c| c != '#').trim_end();
+                let span = self.span.part(start..start + text.len());
+                if text.is_empty() {
+                    return Err(self.report(Problem::MissingValue { name: name.text.to_owned() }, name.span));
+                }
+                self.scalar(text, span, scalar)?
+            }
+            ConstantType::String { .. } => Value::Text(self.string()?),
+        };
+        let end = start + self.line[start..self.at].trim_end().len();
+        Ok(Constant { ty: constant_type, name, value, value_span: self.span.part(start..end) })
+    }
+
+    /// A quoted string, or all up to a comment.
+    fn string(&mut self) -> Result<String, Broken> {
+        if !self.rest().starts_with(['"', '\'']) {
+            return Ok(self.word(|c| c != '#').trim_end().to_owned());
+        }
+        let quoted = self.quoted()?;
+        self.expect_end()?;
+        Ok(quoted)
+    }
+
+    fn quoted(&mut self) -> Result<String, Broken> {
+        let start = self.at;
+        let Some(quoted) = literal::parse_quoted(self.rest()) else {
+            let span = self.span.part(start..self.line.len());
+            self.at = self.line.len();
+            return Err(self.report(Problem::UnterminatedString, span));
+        };
+        for range in quoted.unknown_escapes {
+            let escape = self.line[start + range.start..start + range.end].to_owned();
+            self.report(Problem::UnknownEscape { escape }, self.span.part(start + range.start..start + range.end));
+        }
+        self.at += quoted.len;
+        Ok(quoted.value)
+    }
+
+    fn scalar(&mut self, text: &str, span: Span, scalar: Scalar) -> Result<Value, Broken> {
+        let type_name = scalar.name().to_owned();
+        match literal::parse_scalar(text, scalar) {
+            Ok(value) => {
+                if self.dialect == Dialect::Px4 && !literal::is_portable(text, scalar) {
+                    let shown = match value {
+                        Value::Bool(true) => "True".to_owned(),
+                        Value::Bool(false) => "False".to_owned(),
+                        ref value => value.to_string(),
+                    };
+                    self.report(Problem::NotPortable { text: text.to_owned(), value: shown }, span);
+                }
+                Ok(value)
+            }
+            Err(LiteralError::Form) => Err(self.report(Problem::InvalidLiteral { text: text.to_owned(), type_name }, span)),
+            Err(LiteralError::Range { least, greatest }) => {
+                Err(self.report(Problem::ConstantOutOfRange { text: text.to_owned(), type_name, least, greatest }, span))
+            }
+        }
+    }
+
+    /// What follows the name: nothing, or in ROS 2 a default.
+    fn field(&mut self, ty: Type<'s>, name: Name<'s>) -> Result<Field<'s>, Broken> {
+        if self.is_at_end() {
+            return Ok(Field { ty, name, default: None });
+        }
+        let start = self.at;
+        if self.dialect == Dialect::Px4 {
+            let text = self.word(|c| c != '#').trim_end();
+            let span = self.span.part(start..start + text.len());
+            return Err(self.report(Problem::UnexpectedText { text: text.to_owned() }, span));
+        }
+        let default = match ty.shape {
+            Shape::Single => self.default_value(ty.element, |c| c != '#')?,
+            shape => self.default_list(ty.element, shape)?,
+        };
+        self.expect_end()?;
+        Ok(Field { ty, name, default: Some(default) })
+    }
+
+    fn default_value(&mut self, element: Element<'s>, within: fn(char) -> bool) -> Result<Value, Broken> {
+        let start = self.at;
+        match element {
+            Element::Scalar(scalar) => {
+                let text = self.word(within).trim_end();
+                let span = self.span.part(start..start + text.len());
+                self.scalar(text, span, scalar)
+            }
+            Element::String { bound, .. } => {
+                let text = if self.rest().starts_with(['"', '\'']) {
+                    self.quoted()?
+                } else {
+                    self.word(within).trim_end().to_owned()
+                };
+                let length = text.chars().count();
+                if bound.is_some_and(|bound| length > bound as usize) {
+                    let span = self.span.part(start..self.at);
+                    let type_name = format!("string<={}", bound.unwrap_or(0));
+                    return Err(self.report(Problem::InvalidLiteral { text, type_name }, span));
+                }
+                Ok(Value::Text(text))
+            }
+            Element::Message { name, .. } => {
+                let text = self.word(within).trim_end().to_owned();
+                let span = self.span.part(start..start + text.len());
+                Err(self.report(Problem::InvalidLiteral { text, type_name: name.to_owned() }, span))
+            }
+        }
+    }
+
+    /// `[a, b, …]`.
+    fn default_list(&mut self, element: Element<'s>, shape: Shape) -> Result<Value, Broken> {
+        let start = self.at;
+        let mut values = Vec::new();
+        if !self.rest().starts_with('[') {
+            let text = self.word(|c| c != '#').trim_end().to_owned();
+            let span = self.span.part(start..start + text.len());
+            return Err(self.report(Problem::InvalidLiteral { text, type_name: "array".to_owned() }, span));
+        }
+        self.at += 1;
+        self.skip_blanks();
+        while !self.rest().starts_with(']') {
+            if self.is_at_end() {
+                let text = self.line[start..self.at].trim_end().to_owned();
+                let span = self.span.part(start..self.at);
+                return Err(self.report(Problem::InvalidLiteral { text, type_name: "array".to_owned() }, span));
+            }
+            values.push(self.default_value(element, |c| !matches!(c, '#' | ',' | ']'))?);
+            self.skip_blanks();
+            if self.rest().starts_with(',') {
+                self.at += 1;
+                self.skip_blanks();
+            } else if !self.rest().starts_with(']') {
+                self.expect_end()?;
+            }
+        }
+        self.at += 1;
+        let found = values.len();
+        let length = match shape {
+            Shape::Array(length) if found != length as usize => length,
+            Shape::Bounded(length) if found > length as usize => length,
+            _ => {
+                self.skip_blanks();
+                return Ok(Value::List(values));
+            }
+        };
+        let span = self.span.part(start..self.at);
+        Err(self.report(Problem::ArrayDefault { found, length: length as usize }, span))
+    }
+
+    fn expect_end(&mut self) -> Result<(), Broken> {
+        self.skip_blanks();
+        if self.is_at_end() {
+            return Ok(());
+        }
+        let start = self.at;
+        let text = self.word(|c| c != '#').trim_end();
+        let span = self.span.part(start..start + text.len());
+        Err(self.report(Problem::UnexpectedText { text: text.to_owned() }, span))
+    }
+
+    fn comment(&mut self, item: Option<&Item<'_>>) -> Option<Comment<'s>> {
+        let column = self.at;
+        let text = self.rest().strip_prefix('#')?.trim_end();
+        let span = self.span.part(column + 1..column + 1 + text.len());
+        let note = match item {
+            Some(Item::Field(_)) => Some(annotation::read(text, span, self.diagnostics)),
+            Some(Item::Constant(_)) => Some(annotation::read_with_parameters(text, span, self.diagnostics)),
+            None => None,
+        };
+        Some(Comment { span: self.span.part(column..column + 1 + text.len()), column, text, note })
+    }
+
+    /// Consumes characters as long as they satisfy `take`.
+    fn word(&mut self, take: impl Fn(char) -> bool) -> &'s str {
+        let rest = &self.line[self.at..];
+        let len = rest.find(|c| !take(c)).unwrap_or(rest.len());
+        self.at += len;
+        &rest[..len]
+    }
+
+    fn skip_blanks(&mut self) {
+        self.word(is_blank);
+    }
+
+    fn rest(&self) -> &'s str {
+        &self.line[self.at..]
+    }
+
+    /// Whether nothing but a comment is left.
+    fn is_at_end(&self) -> bool {
+        self.rest().is_empty() || self.rest().starts_with('#')
+    }
+
+    fn report(&mut self, problem: Problem, span: Span) -> Broken {
+        self.diagnostics.push(Diagnostic::new(problem, span));
+        Broken
+    }
+}
+
+fn is_blank(character: char) -> bool {
+    matches!(character, ' ' | '\t')
+}

@@ -1,0 +1,269 @@
+//! Fingerprints of definitions: PX4's message hash and the ROS type hash (RIHS01).
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+use sha2::{Digest as _, Sha256};
+use uavspec_runtime::Scalar;
+
+use super::layout::EMPTY_MEMBER;
+use super::{Element, Interface, Kind, Message, MessageId, Schema, Shape, Type, shape_text};
+
+/// Most fields that a message may have with all that it nests: the hash runs over each of them.
+pub const MAX_NESTED_FIELDS: u64 = 1 << 20;
+
+/// 32-bit FNV-1a.
+struct Fnv1a(u32);
+
+impl Fnv1a {
+    const OFFSET_BASIS: u32 = 0x811c_9dc5;
+    const PRIME: u32 = 0x0100_0193;
+
+    fn update(&mut self, text: &str) {
+        for byte in text.bytes() {
+            self.0 = (self.0 ^ u32::from(byte)).wrapping_mul(Self::PRIME);
+        }
+    }
+}
+
+/// PX4's hash of the fields of a message, nested ones inlined after the field that holds them.
+pub(super) fn message_hash(schema: &Schema, message: &Message) -> u32 {
+    let mut hash = Fnv1a(Fnv1a::OFFSET_BASIS);
+    // An explicit stack: how deep messages nest is up to the input.
+    let mut open = vec![message.fields.iter()];
+    while let Some(fields) = open.last_mut() {
+        let Some(field) = fields.next() else {
+            open.pop();
+            continue;
+        };
+        match field.ty.element {
+            Element::Message(id) => {
+                let nested = schema.message(id);
+                hash.update(&nested.name);
+                open.push(nested.fields.iter());
+            }
+            Element::Scalar(scalar) => hash.update(scalar.name()),
+            Element::String { .. } => hash.update(&schema.type_text(message, Type { shape: Shape::Single, ..field.ty })),
+        }
+        hash.update(&shape_text(field.ty.shape));
+        hash.update(" ");
+        hash.update(&field.name);
+        hash.update("\n");
+    }
+    hash.0
+}
+
+/// Numbers of the types in a ROS type description (`type_description_interfaces/msg/FieldType`).
+mod type_id {
+    pub(super) const NESTED: u32 = 1;
+    pub(super) const STRING: u32 = 17;
+    pub(super) const WSTRING: u32 = 18;
+    pub(super) const BOUNDED_STRING: u32 = 21;
+    pub(super) const BOUNDED_WSTRING: u32 = 22;
+    pub(super) const ARRAY: u32 = 48;
+    pub(super) const BOUNDED_SEQUENCE: u32 = 96;
+    pub(super) const UNBOUNDED_SEQUENCE: u32 = 144;
+
+    pub(super) fn of(scalar: super::Scalar) -> u32 {
+        use super::Scalar;
+        match scalar {
+            Scalar::Int8 => 2,
+            // ROS 2 turns `char` into `uint8` before it hashes.
+            Scalar::UInt8 | Scalar::Char => 3,
+            Scalar::Int16 => 4,
+            Scalar::UInt16 => 5,
+            Scalar::Int32 => 6,
+            Scalar::UInt32 => 7,
+            Scalar::Int64 => 8,
+            Scalar::UInt64 => 9,
+            Scalar::Float32 => 10,
+            Scalar::Float64 => 11,
+            Scalar::Bool => 15,
+            Scalar::Byte => 16,
+        }
+    }
+}
+
+/// A field of a type description.
+struct DescribedField {
+    name: String,
+    type_id: u32,
+    capacity: u32,
+    string_capacity: u32,
+    nested: String,
+}
+
+impl DescribedField {
+    fn scalar(name: &str, scalar: Scalar) -> Self {
+        Self { name: name.to_owned(), type_id: type_id::of(scalar), capacity: 0, string_capacity: 0, nested: String::new() }
+    }
+
+    fn nested(name: &str, type_name: String) -> Self {
+        Self { name: name.to_owned(), type_id: type_id::NESTED, capacity: 0, string_capacity: 0, nested: type_name }
+    }
+
+    fn shaped(mut self, shape: Shape) -> Self {
+        let (offset, capacity) = match shape {
+            Shape::Single => (0, 0),
+            Shape::Array(length) => (type_id::ARRAY, length),
+            Shape::Bounded(bound) => (type_id::BOUNDED_SEQUENCE, bound),
+            Shape::Sequence => (type_id::UNBOUNDED_SEQUENCE, 0),
+        };
+        self.type_id += offset;
+        self.capacity = capacity;
+        self
+    }
+}
+
+/// The full ROS name of a message: `package/kind/Name`.
+pub fn ros_name(schema: &Schema, message: &Message) -> String {
+    let package = &schema.package_of(message).ros_package;
+    format!("{package}/{}/{}", message.kind.name(), message.name)
+}
+
+fn described_fields(schema: &Schema, message: &Message) -> Vec<DescribedField> {
+    if message.fields.is_empty() {
+        return vec![DescribedField::scalar(EMPTY_MEMBER, Scalar::UInt8)];
+    }
+    message
+        .fields
+        .iter()
+        .map(|field| {
+            let described = match field.ty.element {
+                Element::Scalar(scalar) => DescribedField::scalar(&field.name, scalar),
+                Element::String { wide, bound } => DescribedField {
+                    type_id: match (wide, bound) {
+                        (false, None) => type_id::STRING,
+                        (true, None) => type_id::WSTRING,
+                        (false, Some(_)) => type_id::BOUNDED_STRING,
+                        (true, Some(_)) => type_id::BOUNDED_WSTRING,
+                    },
+                    string_capacity: bound.unwrap_or(0),
+                    ..DescribedField::nested(&field.name, String::new())
+                },
+                Element::Message(id) => DescribedField::nested(&field.name, ros_name(schema, schema.message(id))),
+            };
+            described.shaped(field.ty.shape)
+        })
+        .collect()
+}
+
+/// Writes a type description as the canonical JSON that is hashed: ASCII, `", "` and `": "`.
+fn write_description(out: &mut String, type_name: &str, fields: &[DescribedField]) {
+    let _ = write!(out, "{{\"type_name\": \"{type_name}\", \"fields\": [");
+    for (index, field) in fields.iter().enumerate() {
+        let separator = if index == 0 { "" } else { ", " };
+        let DescribedField { name, type_id, capacity, string_capacity, nested } = field;
+        let _ = write!(
+            out,
+            "{separator}{{\"name\": \"{name}\", \"type\": {{\"type_id\": {type_id}, \"capacity\": {capacity}, \
+             \"string_capacity\": {string_capacity}, \"nested_type_name\": \"{nested}\"}}}}"
+        );
+    }
+    out.push_str("]}");
+}
+
+/// A type description with the descriptions that it refers to, by name.
+struct Description {
+    type_name: String,
+    fields: Vec<DescribedField>,
+    referenced: Vec<(String, Vec<DescribedField>)>,
+}
+
+impl Description {
+    fn hash(mut self) -> String {
+        self.referenced.sort_by(|left, right| left.0.cmp(&right.0));
+        self.referenced.dedup_by(|left, right| left.0 == right.0);
+        let mut json = String::from("{\"type_description\": ");
+        write_description(&mut json, &self.type_name, &self.fields);
+        json.push_str(", \"referenced_type_descriptions\": [");
+        for (index, (type_name, fields)) in self.referenced.iter().enumerate() {
+            json.push_str(if index == 0 { "" } else { ", " });
+            write_description(&mut json, type_name, fields);
+        }
+        json.push_str("]}");
+        let mut hash = String::from("RIHS01_");
+        for byte in Sha256::digest(json.as_bytes()) {
+            let _ = write!(hash, "{byte:02x}");
+        }
+        hash
+    }
+}
+
+/// All messages that `roots` refer to, directly or not.
+fn referenced(schema: &Schema, roots: impl IntoIterator<Item = MessageId>) -> BTreeSet<MessageId> {
+    let mut found = BTreeSet::new();
+    let mut open: Vec<MessageId> = roots.into_iter().collect();
+    while let Some(id) = open.pop() {
+        for field in &schema.message(id).fields {
+            if let Element::Message(nested) = field.ty.element
+                && found.insert(nested)
+            {
+                open.push(nested);
+            }
+        }
+    }
+    found
+}
+
+fn describe_all(schema: &Schema, ids: impl IntoIterator<Item = MessageId>) -> Vec<(String, Vec<DescribedField>)> {
+    let describe = |id| {
+        let message = schema.message(id);
+        (ros_name(schema, message), described_fields(schema, message))
+    };
+    ids.into_iter().map(describe).collect()
+}
+
+/// The ROS type hash of a message.
+pub(super) fn type_hash(schema: &Schema, id: MessageId) -> String {
+    let message = schema.message(id);
+    Description {
+        type_name: ros_name(schema, message),
+        fields: described_fields(schema, message),
+        referenced: describe_all(schema, referenced(schema, [id])),
+    }
+    .hash()
+}
+
+/// The ROS type hash of a service, whose description has three members: the request, the response,
+/// and an event that wraps both for introspection. None for actions.
+pub(super) fn service_hash(schema: &Schema, interface: &Interface, package: usize) -> Option<String> {
+    let (Kind::Service, [request, response]) = (interface.kind, interface.parts.as_slice()) else { return None };
+    let service = format!("{}/srv/{}", schema.packages[package].ros_package, interface.name);
+    let names = [*request, *response].map(|id| ros_name(schema, schema.message(id)));
+    let event = format!("{service}_Event");
+    let info = "service_msgs/msg/ServiceEventInfo".to_owned();
+    let time = "builtin_interfaces/msg/Time".to_owned();
+    let at_most_one = Shape::Bounded(1);
+    let mut roots = referenced(schema, [*request, *response]);
+    roots.extend([*request, *response]);
+    let mut described = describe_all(schema, roots);
+    described.push((
+        event.clone(),
+        vec![
+            DescribedField::nested("info", info.clone()),
+            DescribedField::nested("request", names[0].clone()).shaped(at_most_one),
+            DescribedField::nested("response", names[1].clone()).shaped(at_most_one),
+        ],
+    ));
+    described.push((
+        info,
+        vec![
+            DescribedField::scalar("event_type", Scalar::UInt8),
+            DescribedField::nested("stamp", time.clone()),
+            DescribedField::scalar("client_gid", Scalar::UInt8).shaped(Shape::Array(16)),
+            DescribedField::scalar("sequence_number", Scalar::Int64),
+        ],
+    ));
+    described.push((
+        time,
+        vec![DescribedField::scalar("sec", Scalar::Int32), DescribedField::scalar("nanosec", Scalar::UInt32)],
+    ));
+    let [request, response] = names;
+    let fields = vec![
+        DescribedField::nested("request_message", request),
+        DescribedField::nested("response_message", response),
+        DescribedField::nested("event_message", event),
+    ];
+    Some(Description { type_name: service, fields, referenced: described }.hash())
+}

@@ -1,0 +1,170 @@
+//! Sizes and offsets: the uORB layout and the size in CDR.
+
+use uavspec_runtime::layout::{self, Member};
+
+use super::{CdrSize, Element, Message, MessageId, Schema, Shape, shape_text};
+
+/// Longest message that is taken: no transport of either world carries more.
+pub const MAX_MESSAGE_SIZE: u64 = 16 << 20;
+
+/// Bytes before the first member of a CDR payload.
+const CDR_HEADER: u64 = 4;
+
+/// Name of the member that ROS gives to an empty structure.
+pub const EMPTY_MEMBER: &str = "structure_needs_at_least_one_member";
+
+/// Where each member of a message lies in memory.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UorbLayout {
+    /// Size with the padding at the end, in bytes.
+    pub size: usize,
+    /// Size without it.
+    pub size_no_padding: usize,
+    /// Members and padding in the order of their offsets.
+    pub slots: Vec<Slot>,
+}
+
+/// A member, or padding.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Slot {
+    /// Index of the field; none for padding.
+    pub field: Option<usize>,
+    /// Name of the field, or `_paddingN`.
+    pub name: String,
+    /// Its type as a `.msg` file writes it.
+    pub type_text: String,
+    /// Its first byte.
+    pub offset: usize,
+    /// Its length in bytes.
+    pub size: usize,
+}
+
+/// The layout of a message whose nested messages are laid out already; none where its size varies.
+pub(super) fn uorb(schema: &Schema, message: &Message) -> Option<UorbLayout> {
+    let members: Option<Vec<Member>> = message
+        .fields
+        .iter()
+        .map(|field| {
+            let count = match field.ty.shape {
+                Shape::Single => 1,
+                Shape::Array(length) => length as usize,
+                Shape::Bounded(_) | Shape::Sequence => return None,
+            };
+            match field.ty.element {
+                Element::Scalar(scalar) => Some(Member::scalar(scalar.size(), count)),
+                Element::String { .. } => None,
+                Element::Message(id) => Some(Member::nested(schema.message(id).uorb.as_ref()?.size, count)),
+            }
+        })
+        .collect();
+    let members = members?;
+    let mut offsets = vec![0; members.len()];
+    let size = layout::place(&members, &mut offsets);
+    let mut order: Vec<usize> = (0..members.len()).collect();
+    order.sort_by_key(|index| (offsets[*index], members[*index].is_nested));
+    let mut slots = Vec::with_capacity(members.len() + 1);
+    let mut end = 0;
+    let mut paddings = 0;
+    let mut pad = |slots: &mut Vec<Slot>, from: usize, to: usize| {
+        if to > from {
+            let type_text = format!("uint8{}", shape_text(Shape::Array(u32::try_from(to - from).unwrap_or(u32::MAX))));
+            slots.push(Slot { field: None, name: format!("_padding{paddings}"), type_text, offset: from, size: to - from });
+            paddings += 1;
+        }
+    };
+    for index in order {
+        pad(&mut slots, end, offsets[index]);
+        let field = &message.fields[index];
+        slots.push(Slot {
+            field: Some(index),
+            name: field.name.clone(),
+            type_text: schema.type_text(message, field.ty),
+            offset: offsets[index],
+            size: members[index].size(),
+        });
+        end = offsets[index].saturating_add(members[index].size());
+    }
+    pad(&mut slots, end, size.padded);
+    Some(UorbLayout { size: size.padded, size_no_padding: size.no_padding, slots })
+}
+
+/// How many bytes something adds to a CDR payload, for each offset modulo 8 that it may start at.
+///
+/// The padding before a member depends on its offset, and the greatest alignment is 8, so these
+/// eight numbers say all; and the length of any array follows by doubling, without a loop over it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct CdrLength([u64; 8]);
+
+impl CdrLength {
+    fn scalar(size: u64) -> Self {
+        Self(std::array::from_fn(|start| (start as u64).next_multiple_of(size) - start as u64 + size))
+    }
+
+    fn then(self, next: Self) -> Self {
+        Self(std::array::from_fn(|start| {
+            let end = start as u64 + self.0[start];
+            #[allow(clippy::cast_possible_truncation)] // under 8
+            self.0[start].saturating_add(next.0[(end % 8) as usize])
+        }))
+    }
+
+    fn repeat(self, mut count: u32) -> Self {
+        let mut whole = Self::default();
+        let mut power = self;
+        while count > 0 {
+            if count & 1 == 1 {
+                whole = whole.then(power);
+            }
+            power = power.then(power);
+            count >>= 1;
+        }
+        whole
+    }
+}
+
+/// Lengths and sizes in CDR of all messages, in the order that `order` gives: nested ones first.
+pub(super) fn cdr(schema: &Schema, order: &[MessageId]) -> Vec<CdrSize> {
+    let count = CdrLength::scalar(4);
+    let mut lengths = vec![CdrLength::default(); schema.messages.len()];
+    let mut sizes = vec![CdrSize::default(); schema.messages.len()];
+    for id in order {
+        let mut length = CdrLength::default();
+        let mut is_fixed = true;
+        for field in &schema.message(*id).fields {
+            let (element, element_is_fixed) = match field.ty.element {
+                Element::Scalar(scalar) => (CdrLength::scalar(scalar.size() as u64), true),
+                // The least string is its length and, unless it is wide, a NUL.
+                Element::String { wide: true, .. } => (count, false),
+                Element::String { wide: false, .. } => (count.then(CdrLength::scalar(1)), false),
+                Element::Message(nested) => (lengths[nested.0 as usize], sizes[nested.0 as usize].is_fixed),
+            };
+            let (member, shape_is_fixed) = match field.ty.shape {
+                Shape::Single => (element, true),
+                Shape::Array(length) => (element.repeat(length), true),
+                Shape::Bounded(_) | Shape::Sequence => (count, false),
+            };
+            length = length.then(member);
+            is_fixed &= element_is_fixed && shape_is_fixed;
+        }
+        if schema.message(*id).fields.is_empty() {
+            length = CdrLength::scalar(1);
+        }
+        lengths[id.0 as usize] = length;
+        sizes[id.0 as usize] = CdrSize { least: CDR_HEADER.saturating_add(length.0[0]), is_fixed };
+    }
+    sizes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn repeating_by_doubling_equals_repeating_one_by_one() {
+        let element = CdrLength::scalar(8).then(CdrLength::scalar(1)).then(CdrLength::scalar(2));
+        for count in 0..40 {
+            let one_by_one = (0..count).fold(CdrLength::default(), |whole, _| whole.then(element));
+            assert_eq!(element.repeat(count).0, one_by_one.0, "{count}");
+        }
+    }
+}

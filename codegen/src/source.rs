@@ -1,0 +1,175 @@
+//! Texts with names, and places in them. Strings come in; files don't.
+
+use std::ops::Range;
+
+use crate::diagnostic::{Diagnostic, Problem};
+
+/// The longest text that is read, in bytes. The longest definition known has under 60 kB.
+const MAX_SOURCE_LEN: usize = 4 << 20;
+
+/// A range of bytes in one of the sources of a [`SourceMap`].
+///
+/// Eight bytes: positions count through all sources of the map, one after the other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Span {
+    /// Position of the first byte.
+    pub start: u32,
+    /// Position after the last byte.
+    pub end: u32,
+}
+
+impl Span {
+    /// The span from the start of `self` to the end of `other`.
+    #[must_use]
+    pub fn to(self, other: Self) -> Self {
+        Self { start: self.start, end: other.end }
+    }
+
+    /// The part of this span that `range`, counted from its start, names.
+    #[must_use]
+    pub fn part(self, range: Range<usize>) -> Self {
+        Self { start: self.start + offset(range.start), end: self.start + offset(range.end) }
+    }
+}
+
+/// Lossless where [`MAX_SOURCE_LEN`] holds; elsewhere it only moves a caret.
+fn offset(position: usize) -> u32 {
+    u32::try_from(position).unwrap_or(u32::MAX)
+}
+
+/// Names one source of a [`SourceMap`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct SourceId(u32);
+
+/// A line and a column, both from 1; columns count characters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Position {
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+}
+
+#[derive(Debug)]
+struct Source {
+    path: String,
+    text: String,
+    start: u32,
+}
+
+/// All texts of a run, in the order in which they were added.
+#[derive(Debug, Default)]
+pub struct SourceMap {
+    sources: Vec<Source>,
+}
+
+impl SourceMap {
+    /// Adds a text under the path that diagnostics show for it.
+    ///
+    /// A text that can't be read (invalid UTF-8, a byte order mark, too long) is added as far as it
+    /// can be shown, and the diagnostic says why. A span over more than 4 GiB of sources together
+    /// doesn't exist, so a text past that is refused in the same way.
+    pub fn add(&mut self, path: impl Into<String>, bytes: Vec<u8>) -> Result<SourceId, Diagnostic> {
+        let start = self.sources.last().map_or(0, |last| last.start + offset(last.text.len()) + 1);
+        let id = SourceId(offset(self.sources.len()));
+        let len = bytes.len();
+        let total_fits = u32::try_from(len + MAX_SOURCE_LEN).is_ok_and(|len| start.checked_add(len).is_some());
+        let too_long = len > MAX_SOURCE_LEN || !total_fits;
+        let (text, invalid) = match String::from_utf8(if too_long { Vec::new() } else { bytes }) {
+            Ok(text) => (text, None),
+            Err(error) => {
+                let valid = error.utf8_error().valid_up_to();
+                let byte = error.as_bytes()[valid];
+                (String::from_utf8_lossy(error.as_bytes()).into_owned(), Some((valid, byte)))
+            }
+        };
+        let whole = Span { start, end: start };
+        let has_bom = text.starts_with('\u{feff}');
+        self.sources.push(Source { path: path.into(), text, start });
+        if too_long {
+            return Err(Diagnostic::new(Problem::SourceTooLong { len, max: MAX_SOURCE_LEN }, whole));
+        }
+        if let Some((at, byte)) = invalid {
+            return Err(Diagnostic::new(Problem::InvalidUtf8 { byte }, whole.part(at..at + '\u{fffd}'.len_utf8())));
+        }
+        if has_bom {
+            return Err(Diagnostic::new(Problem::ByteOrderMark, whole.part(0..'\u{feff}'.len_utf8())));
+        }
+        Ok(id)
+    }
+
+    /// The text of a source.
+    pub fn text(&self, id: SourceId) -> &str {
+        &self.sources[id.0 as usize].text
+    }
+
+    /// The path of a source, as it was given.
+    pub fn path(&self, id: SourceId) -> &str {
+        &self.sources[id.0 as usize].path
+    }
+
+    /// The span of a whole source.
+    pub fn span(&self, id: SourceId) -> Span {
+        let source = &self.sources[id.0 as usize];
+        Span { start: source.start, end: source.start + offset(source.text.len()) }
+    }
+
+    /// The source that holds `span`.
+    pub fn source_of(&self, span: Span) -> SourceId {
+        let after = self.sources.partition_point(|source| source.start <= span.start);
+        SourceId(offset(after.saturating_sub(1)))
+    }
+
+    /// The text that `span` covers.
+    pub fn slice(&self, span: Span) -> &str {
+        let (text, range) = self.locate(span);
+        text.get(range).unwrap_or("")
+    }
+
+    /// Line and column of the start of `span`.
+    pub fn position(&self, span: Span) -> Position {
+        let (text, range) = self.locate(span);
+        let before = &text.as_bytes()[..range.start.min(text.len())];
+        let line_start = before.iter().rposition(|byte| *byte == b'\n').map_or(0, |at| at + 1);
+        let line = before.iter().filter(|byte| **byte == b'\n').count() + 1;
+        let column = text.get(line_start..range.start).map_or(0, |line| line.chars().count()) + 1;
+        Position { line, column }
+    }
+
+    /// The text of the source that holds `span`, and the range of `span` in it.
+    pub(crate) fn locate(&self, span: Span) -> (&str, Range<usize>) {
+        let Some(source) = self.sources.get(self.source_of(span).0 as usize) else { return ("", 0..0) };
+        let start = (span.start.saturating_sub(source.start) as usize).min(source.text.len());
+        let end = (span.end.saturating_sub(source.start) as usize).clamp(start, source.text.len());
+        (&source.text, start..end)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn positions_count_lines_and_characters_in_each_source() {
+        let mut sources = SourceMap::default();
+        let first = sources.add("a", "é b\r\nc".into()).expect("valid");
+        let second = sources.add("b", "\nxyz".into()).expect("valid");
+        let at = |id, range| sources.span(id).part(range);
+        assert_eq!(sources.position(at(first, 3..4)), Position { line: 1, column: 3 });
+        assert_eq!(sources.position(at(first, 6..7)), Position { line: 2, column: 1 });
+        assert_eq!(sources.position(at(second, 3..4)), Position { line: 2, column: 3 });
+        assert_eq!(sources.slice(at(second, 1..4)), "xyz");
+        assert_eq!(sources.source_of(at(first, 7..7)), first, "the end of a source is still that source");
+    }
+
+    #[test]
+    fn a_text_that_cannot_be_read_is_refused_with_its_place() {
+        let mut sources = SourceMap::default();
+        let error = sources.add("a", b"ok\n\xff\xfe".to_vec()).expect_err("invalid");
+        assert_eq!(error.problem, Problem::InvalidUtf8 { byte: 0xff });
+        assert_eq!(sources.position(error.span), Position { line: 2, column: 1 });
+        assert_eq!(sources.add("b", "\u{feff}uint8 a".into()).expect_err("a BOM").problem, Problem::ByteOrderMark);
+        let error = sources.add("c", vec![b' '; MAX_SOURCE_LEN + 1]).expect_err("too long");
+        assert!(matches!(error.problem, Problem::SourceTooLong { .. }));
+    }
+}

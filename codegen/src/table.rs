@@ -1,0 +1,274 @@
+//! Pages of a specification: text to headings and tables of cells, whatever form the page has.
+//!
+//! What a table defines is not decided here: [`error_code`] and its siblings know their tables by the
+//! header. A table keeps the rows that were written, also those with too few or too many cells.
+
+mod asciidoc;
+pub mod error_code;
+mod flattened;
+mod markdown;
+mod pipe;
+mod text;
+
+pub use text::Text;
+
+use crate::diagnostic::Diagnostic;
+use crate::source::{SourceId, SourceMap, Span};
+
+/// A page, as far as it defines anything.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Page {
+    /// The whole page.
+    pub span: Span,
+    /// Its headings in order. Their levels say which of them are above which.
+    pub headings: Vec<Heading>,
+    /// Its tables in order.
+    pub tables: Vec<Table>,
+}
+
+impl Page {
+    fn new(span: Span) -> Self {
+        Self { span, headings: Vec::new(), tables: Vec::new() }
+    }
+
+    /// The nearest heading above `table`.
+    pub fn heading(&self, table: &Table) -> Option<&Heading> {
+        self.headings.get(table.heading?)
+    }
+}
+
+/// A heading.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Heading {
+    /// 1 for the title of a page, 2 for its sections, and so on. All are 1 in the flattened form.
+    pub level: usize,
+    /// What it says.
+    pub text: Text,
+}
+
+/// A table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// Which of the page's headings is the nearest above it.
+    pub heading: Option<usize>,
+    /// The cells of its first row.
+    pub header: Vec<Cell>,
+    /// All further rows.
+    pub rows: Vec<Row>,
+    /// Where it starts: its header, or the line that opens it.
+    pub span: Span,
+}
+
+/// A row as it was written: it may have another number of cells than the header.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Its cells.
+    pub cells: Vec<Cell>,
+    /// From its first cell to its last.
+    pub span: Span,
+}
+
+impl Row {
+    fn new(cells: Vec<Cell>, page: Span) -> Self {
+        let span = match (cells.first(), cells.last()) {
+            (Some(first), Some(last)) => first.text.span().to(last.text.span()),
+            _ => page.part(0..0),
+        };
+        Self { cells, span }
+    }
+}
+
+/// A cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cell {
+    /// What it says, without markup.
+    pub text: Text,
+    /// Whether it is written once for several columns, rows or cells (`AsciiDoc` only).
+    pub is_merged: bool,
+}
+
+impl Cell {
+    fn new(text: Text) -> Self {
+        Self { text, is_merged: false }
+    }
+
+    fn is_number(&self) -> bool {
+        let text = self.text.as_str();
+        !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
+    }
+}
+
+/// The forms that a page can have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Form {
+    Markdown,
+    AsciiDoc,
+    /// What is left of an HTML page in a text dump: each cell ends with a pipe and its line.
+    Flattened,
+}
+
+impl Form {
+    /// By extension where there is one, else by content. A Markdown page is looked at in any case:
+    /// the flattened form is often saved as one, and reads there as tables of one filled column.
+    fn of(path: &str, text: &str) -> Self {
+        let extension = path.rsplit_once('.').map_or("", |(_, extension)| extension);
+        let is = |names: &[&str]| names.iter().any(|name| extension.eq_ignore_ascii_case(name));
+        let is_markdown = is(&["md", "markdown"]);
+        if is(&["adoc", "asciidoc"]) || (!is_markdown && asciidoc::is_likely(text)) {
+            Self::AsciiDoc
+        } else if flattened::is_likely(text) {
+            Self::Flattened
+        } else {
+            Self::Markdown
+        }
+    }
+}
+
+/// Parses the source `id`. The page holds all that could be read.
+pub fn parse(sources: &SourceMap, id: SourceId) -> (Page, Vec<Diagnostic>) {
+    let (text, span) = (sources.text(id), sources.span(id));
+    match Form::of(sources.path(id), text) {
+        Form::Markdown => (markdown::parse(text, span), Vec::new()),
+        Form::AsciiDoc => asciidoc::parse(text, span),
+        Form::Flattened => (flattened::parse(text, span), Vec::new()),
+    }
+}
+
+/// The lines of `text` without their ends, each with its position.
+fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    text.split_inclusive('\n').scan(0, |at, line| {
+        let start = *at;
+        *at += line.len();
+        Some((start, line.trim_end_matches(['\n', '\r'])))
+    })
+}
+
+/// Cuts a flow of cells, in which only the count says where a row ends, into rows of `columns`.
+///
+/// One cell too few or too many would shift all rows after it. Where each row should start with a
+/// number and some don't, the numbers say where rows start, so that only the bad row has the wrong
+/// count.
+fn into_rows(cells: Vec<Cell>, columns: usize, page: Span) -> Vec<Row> {
+    let columns = columns.max(1);
+    let is_numbered = cells.first().is_some_and(Cell::is_number);
+    let fits = cells.chunks(columns).all(|row| row.len() == columns && row[0].is_number());
+    let mut groups: Vec<Vec<Cell>> = Vec::new();
+    for cell in cells {
+        let starts_group = is_numbered && !fits && cell.is_number();
+        match groups.last_mut() {
+            Some(group) if !starts_group => group.push(cell),
+            _ => groups.push(vec![cell]),
+        }
+    }
+    groups.into_iter().flat_map(|group| cut(group, columns, page)).collect()
+}
+
+/// Cuts `cells` into rows. What is less than two rows but not one stays together: the cell that is
+/// missing or too much is somewhere in it.
+fn cut(cells: Vec<Cell>, columns: usize, page: Span) -> Vec<Row> {
+    let is_one_bad_row = !cells.len().is_multiple_of(columns) && cells.len() < 2 * columns;
+    let size = if is_one_bad_row { cells.len() } else { columns };
+    let mut rows = Vec::new();
+    let mut rest = cells.into_iter().peekable();
+    while rest.peek().is_some() {
+        rows.push(Row::new(rest.by_ref().take(size).collect(), page));
+    }
+    rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The same table in each form; `Form::of` has to tell them apart.
+    const FORMS: [(&str, &str); 5] = [
+        ("page.md", "# Alpha\n\n| Code | Abbr | Description |\n|--:|---|---|\n| 64 | A\\|B | low *on* `fuel` |\n| 65 | | x |\n"),
+        ("page.md", "Alpha\n=====\n\nCode | Abbr | Description\n---|---|---\n64 | A\\|B | low on [fuel](x.md)\n65 | | x"),
+        ("page.adoc", "= Alpha\n\n[cols=\"1,2,9\"]\n|===\n|Code |Abbr |Description\n\n|64\n|A\\|B\n|low _on_\n`fuel`\n\n|65 | |x\n|===\n"),
+        ("page", "= Alpha\n|===\n|Code|Abbr|Description\n\n|64|A{vbar}B a|low on fuel\n// gone\n|65||x\n|===\n"),
+        ("page.txt", "Alpha\nCode | Abbr | Description |\n---|---|---|\n64 |\nA\\|B |\nlow on\nfuel |\n65 |\n|\nx |"),
+    ];
+
+    fn parse_text(path: &str, text: &str) -> Page {
+        let mut sources = SourceMap::default();
+        let id = sources.add(path, text.into()).expect("short and UTF-8");
+        parse(&sources, id).0
+    }
+
+    fn rows(table: &Table) -> Vec<Vec<&str>> {
+        table.rows.iter().map(|row| row.cells.iter().map(|cell| cell.text.as_str()).collect()).collect()
+    }
+
+    #[test]
+    fn all_forms_of_a_table_give_the_same_cells() {
+        for (path, text) in FORMS {
+            for text in [text.to_owned(), text.replace('\n', "\r\n"), text.replace('\n', "  \n")] {
+                let page = parse_text(path, &text);
+                let [table] = &page.tables[..] else { panic!("{path}: {text}") };
+                assert_eq!(page.heading(table).expect("a heading").text.as_str(), "Alpha");
+                let header: Vec<&str> = table.header.iter().map(|cell| cell.text.as_str()).collect();
+                assert_eq!(header, ["Code", "Abbr", "Description"]);
+                assert_eq!(rows(table), [["64", "A|B", "low on fuel"], ["65", "", "x"]], "{path}: {text}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_part_of_a_cell_is_found_in_the_source() {
+        for (path, text) in FORMS {
+            let mut sources = SourceMap::default();
+            sources.add("before", b"something else".to_vec()).expect("valid");
+            let id = sources.add(path, text.into()).expect("valid");
+            let (page, _) = parse(&sources, id);
+            let row = &page.tables[0].rows[0];
+            let fuel = row.cells[2].text.part("low on ".len().."low on fuel".len());
+            assert_eq!(sources.slice(fuel), "fuel", "{path}");
+            assert_eq!(sources.slice(row.cells[0].text.span()), "64");
+            assert_eq!(sources.slice(row.cells[1].text.part(2..3)), "B");
+        }
+    }
+
+    #[test]
+    fn the_flattened_form_is_known_under_any_name() {
+        for path in ["page.md", "page", "page.text"] {
+            assert_eq!(Form::of(path, FORMS[4].1), Form::Flattened);
+        }
+        assert_eq!(Form::of("page.adoc", FORMS[4].1), Form::AsciiDoc, "an extension that says so is believed");
+        assert_eq!(Form::of("PAGE.MD", FORMS[2].1), Form::Markdown);
+    }
+
+    #[test]
+    fn a_row_of_the_wrong_size_does_not_shift_the_next() {
+        let adoc = "|===\n|C |A |D\n\n|1 |a |x\n|2 |b\n|3 |c |z\n|4 |d |y |more\n|5 |e |w\n|===";
+        let text = "C | A | D |\n---|---|---|\n1 |\na |\nx |\n2 |\nb |\n3 |\nc |\nz |\n4 |\nd |\ny |\nmore |\n5 |\ne |\nw |";
+        let markdown = "C|A|D\n-|-|-\n1|a|x\n2|b\n3|c|z\n4|d|y|more\n5|e|w";
+        for (path, text) in [("a.adoc", adoc), ("a.txt", text), ("a.md", markdown)] {
+            let page = parse_text(path, text);
+            let sizes: Vec<usize> = page.tables[0].rows.iter().map(|row| row.cells.len()).collect();
+            assert_eq!(sizes, [3, 2, 3, 4, 3], "{path}");
+        }
+    }
+
+    #[test]
+    fn hostile_pages_are_read_in_linear_time() {
+        let many = |text: &str| text.repeat(1_000_000 / text.len());
+        let head = "# A\n\nCode|Abbr|Description\n-|-|-\n";
+        let bodies = ["|", "|\n", "\\|", "x|y\n", "`a|", "64 |\n", "[a](", "<<", "link:a[", "link:", "*a _b ", "a|2+|", "&", "|===\n"];
+        for path in ["a.md", "a.adoc", "a.txt"] {
+            for body in bodies {
+                for start in ["", head, "|===\n", "|===\n|", "a|b\n-|-\nx |\n"] {
+                    parse_text(path, &format!("{start}{}", many(body)));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn pages_without_tables_are_empty() {
+        for text in ["", "\n\n", "# Only a heading", "== Only a heading", "|", "---|---", "|===", "a|b\n---|---"] {
+            for path in ["a.md", "a.adoc", "a.txt"] {
+                assert!(parse_text(path, text).tables.iter().all(|table| table.rows.is_empty()), "{path}: {text}");
+            }
+        }
+    }
+}

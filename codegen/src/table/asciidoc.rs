@@ -1,0 +1,294 @@
+//! `AsciiDoc`: headings and `|===` tables.
+
+mod inline;
+
+use std::ops::Range;
+
+use super::text::{TextBuilder, trim};
+use super::{Cell, Heading, Page, Table, into_rows, lines};
+use crate::diagnostic::{Diagnostic, Problem};
+use crate::source::Span;
+
+/// A line and its position.
+type Line<'s> = (usize, &'s str);
+
+/// Whether a text without a telling name is `AsciiDoc`.
+pub(super) fn is_likely(text: &str) -> bool {
+    lines(text).any(|(_, line)| is_table_fence(line.trim_end()))
+}
+
+pub(super) fn parse(text: &str, span: Span) -> (Page, Vec<Diagnostic>) {
+    let lines: Vec<Line<'_>> = lines(text).map(|(at, line)| (at, line.trim_end())).collect();
+    let mut parser = Parser { text, lines: &lines, page: Page::new(span), diagnostics: Vec::new() };
+    parser.blocks();
+    (parser.page, parser.diagnostics)
+}
+
+/// Whether `line` opens or closes a table.
+fn is_table_fence(line: &str) -> bool {
+    line.strip_prefix("|===").is_some_and(|rest| rest.bytes().all(|byte| byte == b'='))
+}
+
+/// Whether `line` opens or closes a block in which nothing is markup: code, output, a comment.
+fn is_verbatim_fence(line: &str) -> bool {
+    let fence = |mark: char| line.len() >= 4 && line.chars().all(|c| c == mark);
+    line == "```" || ['-', '.', '+', '/'].into_iter().any(fence)
+}
+
+fn is_comment(line: &str) -> bool {
+    line.starts_with("//") && !line.starts_with("///")
+}
+
+/// Level and start of the text of a heading: `== Text`.
+fn heading_level(line: &str) -> Option<(usize, usize)> {
+    let level = line.bytes().take_while(|byte| *byte == b'=').count();
+    let rest = &line[level..];
+    let text = rest.trim_start();
+    ((1..=6).contains(&level) && rest.starts_with([' ', '\t']) && !text.is_empty())
+        .then_some((level, line.len() - text.len()))
+}
+
+struct Parser<'s, 'l> {
+    text: &'s str,
+    lines: &'l [Line<'s>],
+    page: Page,
+    diagnostics: Vec<Diagnostic>,
+}
+
+impl Parser<'_, '_> {
+    fn blocks(&mut self) {
+        let mut attributes = "";
+        let mut index = 0;
+        while let Some((at, line)) = self.lines.get(index).copied() {
+            index += 1;
+            if is_verbatim_fence(line) {
+                index = self.lines[index..].iter().position(|(_, end)| *end == line).map_or(index, |end| index + end + 1);
+            } else if is_table_fence(line) {
+                index = self.table(index, attributes);
+            } else if let Some((level, start)) = heading_level(line) {
+                self.heading(level, at + start..at + line.len());
+            }
+            // Attributes belong to the next block, whose title, comments and blank lines may precede it.
+            attributes = match line {
+                _ if line.starts_with('[') && line.ends_with(']') => line,
+                _ if line.is_empty() || line.starts_with('.') || is_comment(line) => attributes,
+                _ => "",
+            };
+        }
+    }
+
+    fn heading(&mut self, level: usize, range: Range<usize>) {
+        let mut builder = TextBuilder::new(self.page.span);
+        inline::push(&[(range.start, &self.text[range.clone()])], &mut builder);
+        self.page.headings.push(Heading { level, text: builder.finish(range) });
+    }
+
+    /// Reads the table whose rows start at the line `first`, and returns the line after it.
+    fn table(&mut self, first: usize, attributes: &str) -> usize {
+        let (at, fence) = self.lines[first - 1];
+        let span = self.page.span.part(at..at + fence.len());
+        let is_end = |line: &Line<'_>| line.1 == fence || heading_level(line.1).is_some();
+        let end = self.lines[first..].iter().position(is_end).map_or(self.lines.len(), |end| first + end);
+        let is_closed = self.lines.get(end).is_some_and(|line| line.1 == fence);
+        if !is_closed {
+            self.diagnostics.push(Diagnostic::new(Problem::UnterminatedTable, span));
+        }
+        let mut body = Body::new(self.text, self.page.span);
+        for line in self.lines[first..end].iter().filter(|line| !is_comment(line.1)) {
+            body.line(*line);
+        }
+        let (mut header, columns) = body.finish(columns(attributes));
+        let rows = header.split_off(columns.min(header.len()));
+        let rows = into_rows(rows, header.len(), self.page.span);
+        let heading = self.page.headings.len().checked_sub(1);
+        self.page.tables.push(Table { heading, header, rows, span });
+        if is_closed { end + 1 } else { end }
+    }
+}
+
+/// The number of columns that `[cols="1,2*,3"]` gives.
+fn columns(attributes: &str) -> Option<usize> {
+    let value = attributes.split_once("cols=")?.1;
+    let value = match value.strip_prefix(['"', '\'']) {
+        Some(quoted) => quoted.split(['"', '\'']).next()?,
+        None => value.split([',', ']']).next()?,
+    };
+    let repeats = |column: &str| match column.trim().split_once('*') {
+        Some((times, _)) => times.parse().unwrap_or(1),
+        None => 1_usize,
+    };
+    Some(value.split([',', ';']).map(repeats).fold(0, usize::saturating_add).max(1))
+}
+
+/// Collects cells from the lines of a table.
+struct Body<'s> {
+    text: &'s str,
+    span: Span,
+    cells: Vec<Cell>,
+    /// Stretches of the cell that is being read; `None` before the first pipe.
+    open: Option<Vec<Line<'s>>>,
+    is_merged: bool,
+    /// How many cells start on the first line that has any, and how many before the first blank line.
+    on_first_line: Option<usize>,
+    before_blank_line: Option<usize>,
+}
+
+impl<'s> Body<'s> {
+    fn new(text: &'s str, span: Span) -> Self {
+        let (cells, open) = (Vec::new(), None);
+        Self { text, span, cells, open, is_merged: false, on_first_line: None, before_blank_line: None }
+    }
+
+    /// Cells so far, with the one that is being read.
+    fn count(&self) -> usize {
+        self.cells.len() + usize::from(self.open.is_some())
+    }
+
+    fn line(&mut self, (at, line): Line<'s>) {
+        if line.is_empty() {
+            self.before_blank_line = self.before_blank_line.or(Some(self.count())).filter(|cells| *cells > 0);
+            return;
+        }
+        let mut start = 0;
+        for (pipe, _) in line.match_indices('|') {
+            let before = &line[start..pipe];
+            if before.ends_with('\\') {
+                continue;
+            }
+            let word = before.len() - last_word(before).len();
+            let is_separate = start == 0 || word > 0;
+            let specifier = specifier(&before[word..]).filter(|_| is_separate);
+            self.extend(at + start, if specifier.is_some() { &before[..word] } else { before });
+            self.close();
+            self.is_merged = specifier == Some(Specifier::Merging);
+            self.open = Some(Vec::new());
+            start = pipe + 1;
+        }
+        self.extend(at + start, &line[start..]);
+        self.on_first_line = self.on_first_line.or(Some(self.count())).filter(|cells| *cells > 0);
+    }
+
+    /// Text before the first pipe of a table belongs to no cell.
+    fn extend(&mut self, at: usize, text: &'s str) {
+        if let Some(open) = &mut self.open {
+            // A plus at the end of a line keeps the line break, which is a blank here like any other.
+            open.push((at, text.strip_suffix(" +").unwrap_or(text)));
+        }
+    }
+
+    fn close(&mut self) {
+        let Some(stretches) = self.open.take() else { return };
+        let first = stretches.first().map_or(0, |(at, _)| *at);
+        let last = stretches.last().map_or(first, |(at, text)| at + text.len());
+        let mut builder = TextBuilder::new(self.span);
+        inline::push(&stretches, &mut builder);
+        let text = builder.finish(trim(self.text, first..last));
+        self.cells.push(Cell { text, is_merged: self.is_merged });
+    }
+
+    /// All cells, and how many of them a row has: as many as the attributes say; else as stand on the
+    /// first line. One on the first line is one of a header that is written over several lines.
+    fn finish(mut self, columns: Option<usize>) -> (Vec<Cell>, usize) {
+        self.close();
+        let on_first_line = self.on_first_line.filter(|cells| *cells > 1);
+        let columns = columns.or(on_first_line).or(self.before_blank_line).unwrap_or(self.cells.len());
+        (self.cells, columns)
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Specifier {
+    /// Alignment or style: nothing that counts here.
+    Looks,
+    /// One cell for several columns, rows, or cells: `2+`, `.3+`, `4*`.
+    Merging,
+}
+
+/// What stands after the last white space in `text`.
+fn last_word(text: &str) -> &str {
+    text.rsplit(char::is_whitespace).next().unwrap_or(text)
+}
+
+/// What stands right before a pipe and says how its cell is to be laid out: `2.3+^.>s|`.
+fn specifier(word: &str) -> Option<Specifier> {
+    let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
+    let factor = digits(word);
+    let factor = match word[factor..].strip_prefix('.') {
+        Some(rows) => factor + 1 + digits(rows),
+        None => factor,
+    };
+    let is_merging = factor > 0 && word[factor..].starts_with(['+', '*']);
+    let rest = if is_merging { &word[factor + 1..] } else { word };
+    let rest = rest.strip_prefix(['<', '^', '>']).unwrap_or(rest);
+    let rest = rest.strip_prefix('.').and_then(|rest| rest.strip_prefix(['<', '^', '>'])).unwrap_or(rest);
+    let rest = rest.strip_prefix(['a', 'd', 'e', 'h', 'l', 'm', 's', 'v']).unwrap_or(rest);
+    let is_specifier = rest.is_empty() && !word.is_empty();
+    is_specifier.then_some(if is_merging { Specifier::Merging } else { Specifier::Looks })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse_text(text: &str) -> (Page, Vec<Diagnostic>) {
+        parse(text, Span { start: 0, end: u32::try_from(text.len()).expect("short") })
+    }
+
+    fn rows(table: &Table) -> Vec<Vec<&str>> {
+        table.rows.iter().map(|row| row.cells.iter().map(|cell| cell.text.as_str()).collect()).collect()
+    }
+
+    #[test]
+    fn cells_stand_in_any_grouping_of_lines() {
+        let head = "[%header,cols=\"1,2\"]\n.Title\n|===\n|C |D\n";
+        for body in ["\n|1 |x y\n|2 |z\n", "|1\n|x\ny\n\n|2\n|z\n", "\n|1 |x\n\ny\n|2 |z", "|1|x y|2|z", "\n|1 a|x y\n// |9 |9\n^.>s|2|z +"] {
+            let (page, diagnostics) = parse_text(&format!("{head}{body}\n|===\n"));
+            assert_eq!(rows(&page.tables[0]), [["1", "x y"], ["2", "z"]], "{body}");
+            assert!(diagnostics.is_empty());
+        }
+    }
+
+    #[test]
+    fn columns_come_from_attributes_or_the_first_row() {
+        for start in ["[cols=2*]\n|===\n|C\n|D\n", "[cols='1a,2']\n\n|===\n|C\n|D\n", "|===\n\n|C |D\n", "|===\n|C\n|D\n\n"] {
+            let (page, _) = parse_text(&format!("{start}|1\n|x\n|==="));
+            assert_eq!(page.tables[0].header.len(), 2, "{start}");
+        }
+        let (page, _) = parse_text("[cols=\"99999999999999999999*,18446744073709551615*,2\"]\n|===\n|C |D\n|===");
+        assert_eq!(page.tables[0].header.len(), 2);
+        let (page, _) = parse_text("[cols=3]\nA paragraph.\n\n|===\n|C |D\n|1 |2\n|===");
+        assert_eq!(page.tables[0].header.len(), 2, "the attributes were the paragraph's");
+    }
+
+    #[test]
+    fn specifiers() {
+        for looks in ["a", "^", ".^", "^.>s", "<m"] {
+            assert_eq!(specifier(looks), Some(Specifier::Looks), "{looks}");
+        }
+        for merging in ["2+", ".3+", "2.3+^", "4*", "2+a"] {
+            assert_eq!(specifier(merging), Some(Specifier::Merging), "{merging}");
+        }
+        for text in ["", "2", "b", "word", "+", ".", "2+3", "aa"] {
+            assert_eq!(specifier(text), None, "{text}");
+        }
+        let (page, _) = parse_text("|===\n|C |D\n\n|1a|x\n2+|y|\n|===");
+        assert_eq!(rows(&page.tables[0])[0], ["1a", "x"], "a specifier stands apart from the text before it");
+        assert!(page.tables[0].rows[1].cells[0].is_merged);
+    }
+
+    #[test]
+    fn a_table_that_is_not_closed_ends_at_the_next_heading() {
+        let (page, diagnostics) = parse_text("== A\n|===\n|C |D\n\n|1 |x\n\n== B\n|===\n|C |D\n\n|2 |y\n");
+        assert_eq!(diagnostics.len(), 2);
+        assert_eq!(page.tables.iter().flat_map(rows).collect::<Vec<_>>(), [["1", "x"], ["2", "y"]]);
+        assert_eq!(page.heading(&page.tables[1]).expect("B").text.as_str(), "B");
+    }
+
+    #[test]
+    fn blocks_of_code_and_comments_are_skipped() {
+        let (page, _) = parse_text("= A\n----\n== X\n|===\n|C\n|===\n----\n////\n== Y\n////\n....\n== Z\n");
+        let headings: Vec<&str> = page.headings.iter().map(|heading| heading.text.as_str()).collect();
+        assert_eq!(headings, ["A", "Z"], "a fence without an end hides nothing");
+        assert!(page.tables.is_empty());
+    }
+}

@@ -1,0 +1,189 @@
+//! `AsciiDoc`'s markup within a line, down to its text.
+
+use super::Line;
+use crate::table::text::TextBuilder;
+
+/// What attributes stand for that people use to write a character in a cell.
+const ATTRIBUTES: [(&str, &str); 6] =
+    [("{vbar}", "|"), ("{nbsp}", " "), ("{sp}", " "), ("{empty}", ""), ("{plus}", "+"), ("{asterisk}", "*")];
+
+/// How links start. Their text follows in brackets.
+const LINKS: [&str; 5] = ["link:", "xref:", "https://", "http://", "mailto:"];
+
+/// Marks of bold, italic and monospaced text.
+const MARKS: [char; 3] = ['*', '_', '`'];
+
+/// Adds the text of `stretches` of the page, each with its position, to `builder`.
+pub(super) fn push(stretches: &[Line<'_>], builder: &mut TextBuilder) {
+    let mut tokens = Vec::new();
+    for (at, text) in stretches {
+        Scanner { text, page_at: *at, at: 0, tokens: &mut tokens }.scan();
+        tokens.push(Token { at: *at + text.len(), text: "\n", mark: None });
+    }
+    drop_pairs(&mut tokens);
+    for token in tokens {
+        builder.push(token.text, token.at);
+    }
+}
+
+struct Token<'s> {
+    at: usize,
+    text: &'s str,
+    mark: Option<Mark>,
+}
+
+#[derive(Clone, Copy)]
+struct Mark {
+    /// Its place in [`MARKS`], and whether it is doubled: those pair with their like alone.
+    kind: (usize, bool),
+    can_open: bool,
+    can_close: bool,
+}
+
+/// Empties the tokens that mark text. A mark without its counterpart is text itself.
+fn drop_pairs(tokens: &mut [Token<'_>]) {
+    let mut open = [[None; 2]; MARKS.len()];
+    for index in 0..tokens.len() {
+        let Some(mark) = tokens[index].mark else { continue };
+        let opener: &mut Option<usize> = &mut open[mark.kind.0][usize::from(mark.kind.1)];
+        match opener.filter(|_| mark.can_close) {
+            Some(start) => {
+                tokens[start].text = "";
+                tokens[index].text = "";
+                *opener = None;
+            }
+            None if mark.can_open => *opener = opener.or(Some(index)),
+            None => {}
+        }
+    }
+}
+
+struct Scanner<'s, 't> {
+    text: &'s str,
+    /// Position of the text in the page.
+    page_at: usize,
+    /// Position in the text.
+    at: usize,
+    tokens: &'t mut Vec<Token<'s>>,
+}
+
+impl<'s> Scanner<'s, '_> {
+    fn scan(mut self) {
+        // The last of each closing bracket: past it no search for one can succeed.
+        let last = |bracket| self.text.rfind(bracket).unwrap_or(0);
+        let (last_bracket, last_angle) = (last("]"), last(">>"));
+        while let Some(c) = self.rest().chars().next() {
+            match c {
+                '\\' if self.rest()[1..].starts_with(['|', '*', '_', '`', '{', '<']) => {
+                    self.at += 1;
+                    self.text(1);
+                }
+                '*' | '_' | '`' => self.mark(c),
+                '<' if self.rest().starts_with("<<") && self.at < last_angle => self.reference(),
+                '{' => self.attribute(),
+                _ if c.is_alphanumeric() => self.word(last_bracket),
+                _ => self.text(c.len_utf8()),
+            }
+        }
+    }
+
+    fn rest(&self) -> &'s str {
+        &self.text[self.at..]
+    }
+
+    /// Takes the next `len` bytes for text.
+    fn text(&mut self, len: usize) {
+        self.tokens.push(Token { at: self.page_at + self.at, text: &self.rest()[..len], mark: None });
+        self.at += len;
+    }
+
+    fn mark(&mut self, mark: char) {
+        let is_double = self.rest()[1..].starts_with(mark);
+        let len = if is_double { 2 } else { 1 };
+        let before = self.text[..self.at].chars().next_back();
+        let after = self.rest()[len..].chars().next();
+        let is_word = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
+        let is_blank = |c: Option<char>| c.is_none_or(char::is_whitespace);
+        let kind = (MARKS.iter().position(|known| *known == mark).unwrap_or(0), is_double);
+        let can_open = is_double || (!is_word(before) && !is_blank(after));
+        let can_close = is_double || (!is_blank(before) && !is_word(after));
+        self.text(len);
+        if let Some(token) = self.tokens.last_mut() {
+            token.mark = Some(Mark { kind, can_open, can_close });
+        }
+    }
+
+    /// `<<anchor,text>>`, or `<<anchor>>`, which is its own text.
+    fn reference(&mut self) {
+        let Some(end) = self.rest().find(">>") else { return self.text(2) };
+        let inner = &self.rest()[2..end];
+        let start = inner.find(',').map_or(2, |comma| 2 + comma + 1);
+        self.at += start;
+        self.text(end - start);
+        self.at += 2;
+    }
+
+    fn attribute(&mut self) {
+        let found = ATTRIBUTES.into_iter().find(|(name, _)| self.rest().starts_with(name));
+        let Some((name, text)) = found else { return self.text(1) };
+        self.tokens.push(Token { at: self.page_at + self.at, text, mark: None });
+        self.at += name.len();
+    }
+
+    /// A word, or a link, of which the text in brackets stays: `link:page.html[text]`.
+    fn word(&mut self, last_bracket: usize) {
+        let rest = self.rest();
+        let is_link = LINKS.iter().any(|start| rest.starts_with(start));
+        if !is_link {
+            return self.text(rest.find(|c: char| !c.is_alphanumeric()).unwrap_or(rest.len()));
+        }
+        let target = rest.find(|c: char| c == '[' || c.is_whitespace()).unwrap_or(rest.len());
+        let has_text = rest[target..].starts_with('[') && self.at + target < last_bracket;
+        match rest[target..].find(']').filter(|_| has_text) {
+            Some(len) => {
+                self.at += target + 1;
+                self.text(len - 1);
+                self.at += 1;
+            }
+            None => self.text(target),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::source::Span;
+
+    fn plain(text: &str) -> String {
+        let mut builder = TextBuilder::new(Span { start: 0, end: u32::try_from(text.len()).expect("short") });
+        let mut at = 0;
+        let stretches: Vec<Line<'_>> = text
+            .split('\n')
+            .map(|line| {
+                at += line.len() + 1;
+                (at - line.len() - 1, line)
+            })
+            .collect();
+        push(&stretches, &mut builder);
+        builder.finish(0..text.len()).as_str().to_owned()
+    }
+
+    #[test]
+    fn markup_goes_and_text_stays() {
+        for (written, read) in [
+            ("*a* _b c_ `d`, **e**f __g__", "a b c d, ef g"),
+            ("*a\nb* c", "a b c"),
+            ("RC_LOST_X 2*3*4 a * b *c", "RC_LOST_X 2*3*4 a * b *c"),
+            ("`RC_LOST`", "RC_LOST"),
+            ("link:a/b.html[see this] xref:c[d]", "see this d"),
+            ("https://example.org[site] https://example.org", "site https://example.org"),
+            ("<<fuel,the fuel>> <<wind>> a << b", "the fuel wind a << b"),
+            ("a{vbar}b {unknown} c\\|d \\*e* \\n", "a|b {unknown} c|d *e* \\n"),
+            ("link:a[", "link:a["),
+            ("é*ü*é *ü*", "é*ü*é ü"),
+        ] {
+            assert_eq!(plain(written), read, "{written}");
+        }
+    }
+}

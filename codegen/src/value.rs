@@ -1,0 +1,59 @@
+//! Typed values of constants, defaults and bounds.
+
+use std::fmt;
+
+/// A value that a definition states.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// Of a `bool`.
+    Bool(bool),
+    /// Of any integer type, `byte` and `char` included.
+    Int(i128),
+    /// Of a float; may be NaN or infinite.
+    Float(f64),
+    /// Of a string.
+    Text(String),
+    /// Of an array.
+    List(Vec<Value>),
+}
+
+impl Value {
+    /// The value as a number, where it is one.
+    #[allow(clippy::cast_precision_loss)] // bounds of 64-bit integers are compared, not stored
+    pub fn as_f64(&self) -> Option<f64> {
+        match self {
+            Self::Int(value) => Some(*value as f64),
+            Self::Float(value) => Some(*value),
+            Self::Bool(_) | Self::Text(_) | Self::List(_) => None,
+        }
+    }
+
+    /// The value as an integer, where it is one.
+    pub fn as_int(&self) -> Option<i128> {
+        match self {
+            Self::Int(value) => Some(*value),
+            Self::Bool(_) | Self::Float(_) | Self::Text(_) | Self::List(_) => None,
+        }
+    }
+}
+
+/// As a `.msg` file writes it.
+impl fmt::Display for Value {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Bool(value) => write!(formatter, "{value}"),
+            Self::Int(value) => write!(formatter, "{value}"),
+            Self::Float(value) if value.is_nan() => formatter.write_str("NaN"),
+            Self::Float(value) => write!(formatter, "{value}"),
+            Self::Text(value) => write!(formatter, "{value:?}"),
+            Self::List(values) => {
+                formatter.write_str("[")?;
+                for (index, value) in values.iter().enumerate() {
+                    let separator = if index == 0 { "" } else { ", " };
+                    write!(formatter, "{separator}{value}")?;
+                }
+                formatter.write_str("]")
+            }
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! The model against what the reference tools say of the same files.
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::{Value as Json, json};
+use uavspec_codegen::diagnostic::{has_errors, render};
+use uavspec_codegen::emit::inspect;
+use uavspec_codegen::schema::Schema;
+
+fn oracle(path: &Path) -> Json {
+    serde_json::from_str(&fs::read_to_string(path).expect("an oracle")).expect("JSON")
+}
+
+#[test]
+fn px4_layouts_hashes_and_topics_are_those_of_px4s_generator() {
+    for release in ["main", "1.16", "1.15"] {
+        let Some(folder) = support::shared(&format!("corpus/px4/{release}")) else { return };
+        let Some(expected) = support::shared(&format!("oracle/uorb/{release}.json")) else { return };
+        let (sources, schema, diagnostics) = support::px4(&folder);
+        assert!(!has_errors(&diagnostics), "{}", render::render(&diagnostics, &sources, false));
+        let model = inspect::schema(&schema);
+        let messages = &model["packages"]["px4"]["messages"];
+        let expected = oracle(&expected);
+        let expected = expected.as_object().expect("messages");
+        assert_eq!(messages.as_object().expect("messages").len(), expected.len());
+        for (name, wanted) in expected {
+            let found = &messages[name];
+            let slots: Vec<Json> = found["uorb"]["fields"]
+                .as_array()
+                .expect("a layout")
+                .iter()
+                .map(|slot| json!([slot["type"], slot["name"], slot["offset"]]))
+                .collect();
+            let found = json!({
+                "struct_size": found["uorb"]["size"],
+                "size_no_padding": found["uorb"]["size_no_padding"],
+                "hash": found["hash"],
+                "topics": found["topics"],
+                "fields": slots,
+                "queue_length": found["queue_length"],
+                "version": found["version"],
+            });
+            assert_eq!(&found, wanted, "{release} {name}");
+        }
+    }
+}
+
+fn type_hashes(schema: &Schema, with_package: bool) -> Vec<(String, String)> {
+    let mut hashes = Vec::new();
+    for package in &schema.packages {
+        let name = |kind: &str, name: &str| {
+            if with_package { format!("{}/{kind}/{name}", package.ros_package) } else { name.to_owned() }
+        };
+        for id in &package.messages {
+            let message = schema.message(*id);
+            hashes.push((name("msg", &message.name), message.type_hash.clone()));
+        }
+        for interface in &package.interfaces {
+            let kind = interface.kind.name();
+            hashes.push((name(kind, &interface.name), interface.type_hash.clone().expect("a hash")));
+            for id in &interface.parts {
+                let part = schema.message(*id);
+                hashes.push((name(kind, &part.name), part.type_hash.clone()));
+            }
+        }
+    }
+    hashes
+}
+
+#[test]
+fn ros_type_hashes_are_those_of_rosidl() {
+    for release in ["main", "1.16", "1.15"] {
+        let Some(folder) = support::shared(&format!("corpus/px4/{release}/msg")) else { return };
+        let Some(expected) = support::shared(&format!("oracle/rihs01/{release}.json")) else { return };
+        let (_, schema, _) = support::px4(&folder);
+        let expected = oracle(&expected);
+        let hashes = type_hashes(&schema, false);
+        assert_eq!(hashes.len(), expected.as_object().expect("hashes").len());
+        for (name, hash) in hashes {
+            assert_eq!(expected[&name], hash, "{release} {name}");
+        }
+    }
+    let Some(folder) = support::shared("corpus/ros2") else { return };
+    let Some(expected) = support::shared("oracle/rihs01/ros2.json") else { return };
+    let (sources, schema, diagnostics) = support::ros2(&folder);
+    assert!(!has_errors(&diagnostics), "{}", render::render(&diagnostics, &sources, false));
+    let expected = oracle(&expected);
+    let hashes = type_hashes(&schema, true);
+    let is_event = |name: &String| name.ends_with("_Event");
+    let wanted = expected.as_object().expect("hashes").keys().filter(|name| !is_event(name)).count();
+    assert_eq!(hashes.len(), wanted, "events are no files and have no hash of their own here");
+    for (name, hash) in hashes {
+        assert_eq!(expected[&name], hash, "{name}");
+    }
+}
+
+#[test]
+fn cdr_sizes_are_those_of_encoded_messages() {
+    for (folder, cases, is_px4) in [("corpus/px4/main", "oracle/cdr/px4-main.json", true), ("corpus/ros2", "oracle/cdr/ros2.json", false)] {
+        let (Some(folder), Some(cases)) = (support::shared(folder), support::shared(cases)) else { return };
+        let (_, schema, _) = if is_px4 { support::px4(&folder) } else { support::ros2(&folder) };
+        for case in oracle(&cases).as_array().expect("cases") {
+            let ros_name = case["type"].as_str().expect("a type");
+            let size = case["cdr_le_hex"].as_str().expect("bytes").len() as u64 / 2;
+            let message = schema
+                .messages
+                .iter()
+                .find(|message| uavspec_codegen::schema::fingerprint::ros_name(&schema, message) == ros_name)
+                .expect("the type");
+            let is_zero = case["case"] == "zero";
+            if message.cdr.is_fixed || is_zero {
+                assert_eq!(message.cdr.least, size, "{ros_name} {}", case["case"]);
+            } else {
+                assert!(message.cdr.least <= size, "{ros_name} {}", case["case"]);
+            }
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! What several tests need: the corpus, and packages read from folders or from text.
+#![allow(dead_code)] // each test uses its part
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::{Form, Schema};
+use uavspec_codegen::{Diagnostic, PackageInput, SourceMap, read};
+
+/// A folder beside the corpus, such as `corpus/px4` or `oracle/uorb`; none where there is no corpus.
+///
+/// # Panics
+///
+/// Where there is none although `UAVSPEC_REQUIRE_CORPUS` is set.
+pub fn shared(path: &str) -> Option<PathBuf> {
+    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/corpus");
+    let corpus = std::env::var_os("UAVSPEC_CORPUS").map_or(default, PathBuf::from);
+    let found = corpus.parent()?.join(path);
+    if found.exists() {
+        return Some(found);
+    }
+    assert!(
+        std::env::var_os("UAVSPEC_REQUIRE_CORPUS").is_none_or(|value| value == "0"),
+        "{} is required but absent",
+        found.display()
+    );
+    eprintln!("left out: {path} is absent; set UAVSPEC_CORPUS to the corpus to run this test");
+    None
+}
+
+/// A package without sources.
+pub fn package(name: &str, form: Form) -> PackageInput {
+    PackageInput { name: name.to_owned(), form, ros_package: None, origin: None, revision: None, select: None, sources: Vec::new() }
+}
+
+/// All files below `folder` whose extension is one of `extensions`, sorted.
+pub fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    let mut open = vec![folder.to_path_buf()];
+    while let Some(folder) = open.pop() {
+        for entry in fs::read_dir(&folder).expect("a folder of the corpus") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                open.push(path);
+            } else if path.extension().is_some_and(|found| extensions.iter().any(|wanted| found == *wanted)) {
+                files.push(path);
+            }
+        }
+    }
+    files.sort();
+    files
+}
+
+/// Adds the definitions below `folder` to `package`.
+pub fn add_folder(sources: &mut SourceMap, package: &mut PackageInput, folder: &Path) -> Vec<Diagnostic> {
+    let mut diagnostics = Vec::new();
+    for path in files_below(folder, &["msg", "srv", "action"]) {
+        match sources.add(path.to_string_lossy(), fs::read(&path).expect("a readable file")) {
+            Ok(id) => package.sources.push(id),
+            Err(diagnostic) => diagnostics.push(diagnostic),
+        }
+    }
+    diagnostics
+}
+
+/// Reads a release of PX4 from the corpus.
+pub fn px4(folder: &Path) -> (SourceMap, Schema, Vec<Diagnostic>) {
+    let mut sources = SourceMap::default();
+    let mut package = package("px4", Form::Msg(Dialect::Px4));
+    let mut diagnostics = add_folder(&mut sources, &mut package, folder);
+    let (schema, mut found) = read(&sources, &[package]);
+    diagnostics.append(&mut found);
+    (sources, schema, diagnostics)
+}
+
+/// Reads all ROS 2 packages below a folder, one a subfolder.
+pub fn ros2(folder: &Path) -> (SourceMap, Schema, Vec<Diagnostic>) {
+    let mut sources = SourceMap::default();
+    let mut packages = Vec::new();
+    let mut diagnostics = Vec::new();
+    let mut folders: Vec<PathBuf> = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()).collect();
+    folders.sort();
+    for folder in folders.into_iter().filter(|path| path.is_dir()) {
+        let name = folder.file_name().expect("a name").to_string_lossy().into_owned();
+        let mut package = package(&name, Form::Msg(Dialect::Ros2));
+        diagnostics.append(&mut add_folder(&mut sources, &mut package, &folder));
+        packages.push(package);
+    }
+    let (schema, mut found) = read(&sources, &packages);
+    diagnostics.append(&mut found);
+    (sources, schema, diagnostics)
+}
+
+/// Reads files given as name and text.
+pub fn texts(form: Form, files: &[(&str, &str)]) -> (SourceMap, Schema, Vec<Diagnostic>) {
+    let mut sources = SourceMap::default();
+    let mut package = package("demo", form);
+    let mut diagnostics = Vec::new();
+    for (path, text) in files {
+        match sources.add(*path, text.as_bytes().to_vec()) {
+            Ok(id) => package.sources.push(id),
+            Err(diagnostic) => diagnostics.push(diagnostic),
+        }
+    }
+    let (schema, mut found) = read(&sources, &[package]);
+    diagnostics.append(&mut found);
+    (sources, schema, diagnostics)
+}
