@@ -6,6 +6,8 @@
 //! }
 //! ```
 //!
+//! A build script calls [`generate`] instead, which prints nothing.
+//!
 //! Exit status: 0 all is well; 1 mistakes in the definitions, or stale output with `--check`;
 //! 2 the command can't be carried out: wrong usage, missing input, unwritable output.
 
@@ -15,14 +17,13 @@ mod output;
 
 use std::fmt;
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use self::config::{Emitter, Plan};
-pub use self::config::Config;
+use self::config::{Config, Emitter, Plan};
 use self::load::Loaded;
 use self::output::{Difference, Folder};
 use crate::diagnostic::{Diagnostic, Level, has_errors, render};
@@ -124,10 +125,12 @@ impl From<Dialect> for Form {
 
 /// Why a command can't be carried out, with what to do about it.
 #[derive(Debug)]
-pub(crate) struct Failure {
+pub struct Failure {
     message: String,
     hint: Option<String>,
 }
+
+impl std::error::Error for Failure {}
 
 impl Failure {
     fn new(message: impl Into<String>) -> Self {
@@ -145,6 +148,46 @@ impl fmt::Display for Failure {
         write!(formatter, "error: {}", self.message)?;
         self.hint.as_ref().map_or(Ok(()), |hint| write!(formatter, "\n  help: {hint}"))
     }
+}
+
+/// What [`generate`] read and wrote.
+#[derive(Debug)]
+pub struct Generated {
+    /// The configuration file and all files that were read.
+    pub inputs: Vec<PathBuf>,
+    /// Files that were written or removed, as they were not what they should be.
+    pub changed: Vec<PathBuf>,
+    /// Warnings, rendered; empty where there are none.
+    pub warnings: String,
+}
+
+impl Generated {
+    /// Tells Cargo to run the build script again when an input changes.
+    pub fn print_rerun_if_changed(&self) {
+        for input in &self.inputs {
+            println!("cargo::rerun-if-changed={}", input.display());
+        }
+    }
+}
+
+/// Generates what the configuration file at `config` says: for build scripts.
+///
+/// ```no_run
+/// let generated = uavspec_codegen::cli::generate("uavspec.toml").unwrap_or_else(|failure| panic!("{failure}"));
+/// generated.print_rerun_if_changed();
+/// ```
+pub fn generate(config: impl AsRef<Path>) -> Result<Generated, Failure> {
+    let config = config.as_ref();
+    let plan = Config::find(Some(config))?.plan();
+    let (loaded, schema, diagnostics) = read(&plan)?;
+    let rendered = render::render(&diagnostics, &loaded.sources, false);
+    if has_errors(&diagnostics) {
+        return Err(Failure::new(format!("the definitions have mistakes\n{rendered}")));
+    }
+    let changed = output::write(&emit_all(&plan, &schema, &loaded.sources)?)?;
+    let mut inputs = loaded.files;
+    inputs.insert(0, config.to_path_buf());
+    Ok(Generated { inputs, changed: changed.into_iter().map(Difference::into_path).collect(), warnings: rendered })
 }
 
 /// The whole command line of an `xtask` that does nothing else.
@@ -276,7 +319,7 @@ fn report(command: &str, loaded: &Loaded, diagnostics: &[Diagnostic], consequenc
         .map(|(count, what)| plural(count, what))
         .collect();
     let consequence = if errors > 0 { format!("; {consequence}") } else { String::new() };
-    let place = format!("{} of {}", files.len(), plural(loaded.file_count, "file"));
+    let place = format!("{} of {}", files.len(), plural(loaded.files.len(), "file"));
     anstream::eprintln!("{command}: {} in {place}{consequence}", counts.join(", "));
 }
 
@@ -286,7 +329,7 @@ fn summarise(loaded: &Loaded, schema: &Schema, folders: &[Folder], result: &str,
     let outputs: usize = folders.iter().map(|folder| folder.files.len()).sum();
     anstream::eprintln!(
         "codegen: {} read, {}, {}, {}: {result} ({} ms)",
-        plural(loaded.file_count, "file"),
+        plural(loaded.files.len(), "file"),
         plural(messages, "message"),
         plural(codes, "error code"),
         plural(outputs, "output"),

@@ -127,7 +127,7 @@ problems! {
     InvalidType { text: String } = Error "invalid-type"
         "`{text}` is no type", "write a built-in type such as `uint8`, or the name of a message";
     InvalidArray { text: String } = Error "invalid-array"
-        "`{text}` is no array length", "write `[N]`, `[]` or `[<=N]`, with N in decimal and no spaces";
+        "`{text}` is no array length", "write a decimal number without blanks: `[8]`, in ROS 2 also `[<=8]` or `[]`";
     MultiDimensional = Error "multi-dimensional"
         "arrays have one dimension", "put the inner array into a message of its own";
     ArrayAfterName { name: String } = Error "array-after-name"
@@ -138,48 +138,51 @@ problems! {
         "{what} takes more than {max} bytes", "no transport carries a message of this size";
     TooManyFields { name: String, max: u64 } = Error "too-many-fields"
         "`{name}` has more than {max} fields with all that it nests", "hold fewer messages";
+    TooMuchNesting { name: String, max: u64 } = Error "too-much-nesting"
+        "with `{name}` all messages have more than {max} fields, nested ones counted in each that holds them",
+        "let messages hold fewer others";
     NotInDialect { what: String, dialect: &'static str } = Error "not-in-dialect"
-        "the {dialect} dialect has no {what}", "see the dialect of this package";
+        "the {dialect} dialect has no {what}", "if this is a ROS 2 definition, give its package the dialect `ros2`";
     InvalidName { name: String } = Error "invalid-name"
         "`{name}` is no name", "names are letters, digits and `_`, and start with a letter";
     NameStyle { name: String, style: &'static str } = Warning "name-style"
-        "`{name}` is not in {style}", "other tools refuse or rename it";
+        "`{name}` is not in {style}", "rename it: other tools refuse or change it";
     NameStyleRos { name: String, style: &'static str } = Error "name-refused"
-        "`{name}` is not in {style}, which ROS 2 demands", "rename it";
+        "`{name}` is not in {style}, which ROS 2 demands", "rename it; a `_` stands single, and not at the end";
     UnexpectedText { text: String } = Error "unexpected-text"
         "`{text}` after the end of the declaration", "start a comment with `#`, or remove it";
     MissingValue { name: String } = Error "missing-value"
         "the constant `{name}` has no value", "write one after the `=`";
     ConstantType { type_name: String } = Error "constant-type"
-        "a constant can't be of type `{type_name}`", "constants are scalars, and in ROS 2 also strings";
+        "a constant can't be of type `{type_name}`", "constants are scalars, and in ROS 2 also strings without a bound";
     InvalidLiteral { text: String, type_name: String } = Error "invalid-literal"
-        "`{text}` is no value of type {type_name}", "write the value out";
+        "`{text}` is no value of type `{type_name}`", "write the value itself: no expression and no name";
     ConstantOutOfRange { text: String, type_name: String, least: String, greatest: String } = Error "constant-out-of-range"
-        "{text} doesn't fit {type_name} ({least} to {greatest})", "widen the type, or pick a value in its range";
+        "{text} doesn't fit `{type_name}` ({least} to {greatest})", "pick a value in the range, or a wider type";
     UnterminatedString = Error "unterminated-string"
         "the string has no closing quote", "close it in the same line";
     UnknownEscape { escape: String } = Warning "unknown-escape"
         "`{escape}` is no escape sequence", "it is kept as it stands; write `\\\\` for a backslash";
     ArrayDefault { found: usize, length: usize } = Error "array-default"
-        "{found} default values for an array of {length}", "give as many as the array holds";
-    MisplacedSeparator { expected: usize } = Error "misplaced-separator"
-        "`---` where no further part can start", "a .srv file has one of them, an .action file two, a .msg file none; parts expected here: {expected}";
+        "{found} default values for an array of {length}", "give {length}";
+    MisplacedSeparator = Error "misplaced-separator"
+        "`---` where no further part can start", "a .srv file has one of them, an .action file two, a .msg file none";
     MissingSeparator { found: usize, expected: usize } = Error "missing-separator"
-        "{found} of {expected} parts", "separate the parts by a line `---`, also where one is empty";
-    NotPortable { text: String, value: String } = Warning "not-portable"
-        "PX4's own generator doesn't read `{text}`", "write `{value}`";
+        "the file has {found} of {expected} parts", "divide the parts by a line `---`, also where one is empty";
+    NotPortable { text: String } = Warning "not-portable"
+        "PX4's own generator doesn't read `{text}` as it stands", "write it as PX4 does";
 
     // Annotations in comments
     UnknownAnnotation { name: String } = Warning "unknown-annotation"
-        "no annotation is called `@{name}`", "it stays part of the text";
-    MalformedAnnotation { name: &'static str, text: String } = Warning "malformed-annotation"
-        "`{text}` says nothing that `@{name}` could mean", "it stays part of the text";
+        "no annotation is called `@{name}`", "it stays part of the text; known are enum, flags, range, invalid, uncontrolled, frame and count";
+    MalformedAnnotation { text: String, form: &'static str } = Warning "malformed-annotation"
+        "`{text}` can't be read", "write `{form}`; as it is, it stays part of the text";
     AnnotationNearMiss { found: String, meant: String } = Warning "annotation-near-miss"
         "`{found}` is read as `{meant}`", "write `{meant}`";
     AnnotationAfterText { found: String } = Warning "annotation-after-text"
         "`{found}` stands after the text", "annotations come first: `# [unit] [@…] text`";
     UnknownUnit { unit: String } = Warning "unknown-unit"
-        "`{unit}` is no known unit", "see the table of units; `-` says that the number has none";
+        "`{unit}` is no known unit", "units are written as in `m/s`, `deg` or `us`; `-` says that the number has none";
 
     // Resolving
     UnknownType { name: String, package: String } = Error "unknown-type"
@@ -187,7 +190,7 @@ problems! {
     UnknownPackage { package: String } = Error "unknown-package"
         "no package `{package}` among the inputs", "add its definitions to the inputs";
     Cycle { path: String } = Error "cycle"
-        "a message can't hold itself: {path}", "no message of finite size can: break the cycle";
+        "a message can't hold itself: {path}", "break the cycle: neither PX4 nor ROS 2 takes one";
     DuplicateField { name: String } = Error "duplicate-field"
         "a second field `{name}`", "rename or remove one of them";
     DuplicateConstant { name: String } = Error "duplicate-constant"
@@ -195,19 +198,23 @@ problems! {
     DuplicateMessage { name: String, package: String } = Error "duplicate-message"
         "a second definition of `{name}` in package {package}", "leave one of the two files out";
     MessageName { stem: String } = Error "message-name"
-        "the file name `{stem}` gives no message name", "call the file `PascalCase.msg`";
+        "the file name `{stem}` gives no message name", "name the file after its message: letters and digits, in PascalCase";
     MessageNameStyle { stem: String } = Warning "message-name-style"
         "the message name `{stem}` is not in PascalCase", "rename the file";
-    InvalidVersion { what: &'static str } = Error "invalid-version"
-        "{what} is an unsigned integer", "write `uint32 MESSAGE_VERSION = N` or `uint8 ORB_QUEUE_LENGTH = N` with N from 1";
+    InvalidVersion { what: &'static str, least: u32 } = Error "invalid-version"
+        "`{what}` is an integer of at most 32 bits, and from {least} on", "PX4 knows it by this name: correct it, or call the constant otherwise";
     InvalidTopic { topic: String } = Error "invalid-topic"
         "`{topic}` is no topic name", "topics are in lower_snake_case, separated by spaces";
     DuplicateTopic { topic: String } = Warning "duplicate-topic"
         "the topic `{topic}` is listed twice", "remove one";
     UnknownEnum { prefix: String, place: String } = Warning "unknown-enum"
-        "no constant of {place} starts with `{prefix}_`", "the field stays a plain number";
+        "no constant of {place} starts with `{prefix}_`", "correct the prefix; as it is, the field stays a plain number";
+    TooManyMembers { max: usize } = Error "too-many-members"
+        "all enums have more than {max} members", "let fewer fields hold each constant";
+    UnknownConstant { name: String } = Warning "unknown-constant"
+        "no constant of this message is called `{name}`", "write a number, or the name of a constant; as it is, the annotation says nothing";
     EnumOnNonInteger { type_name: String } = Warning "enum-on-non-integer"
-        "values of an enum are integers, not `{type_name}`", "the field keeps its type";
+        "values of an enum are integers, not `{type_name}`", "remove the annotation, or give the field an integer type";
     EnumValueOutOfRange { constant: String, value: String, type_name: String } = Warning "enum-value-out-of-range"
         "`{constant}` = {value} doesn't fit the field's {type_name}", "the field can never hold it: widen the field, or correct the constant";
     UnknownCountTarget { name: String } = Error "unknown-count-target"
@@ -215,9 +222,9 @@ problems! {
     CountOnNonInteger { type_name: String } = Error "count-on-non-integer"
         "a field of type `{type_name}` can't count", "counts are integers";
     RangeReversed { low: String, high: String } = Warning "range-reversed"
-        "the range ends ({high}) before it starts ({low})", "it is read the other way round";
+        "the range ends ({high}) before it starts ({low})", "it is read as `{high}, {low}`: write it so";
     AnnotationValueType { text: String, type_name: String } = Warning "annotation-value-type"
-        "a {type_name} is never {text}", "correct the value, or the type of the field";
+        "a field of type `{type_name}` is never {text}", "correct the value, or the type of the field";
 
     // Specification tables
     NoTable = Error "no-table"
@@ -233,7 +240,7 @@ problems! {
     MissingHeading = Error "missing-heading"
         "the table stands under no heading", "the heading names its class, for example `Warnings (codes 64-127)`";
     InvalidCode { text: String } = Error "invalid-code"
-        "`{text}` is no error code", "codes are decimal integers from 0";
+        "`{text}` is no error code", "codes are decimal integers from 0, without sign or leading zeros";
     UnknownClass { heading: String } = Error "unknown-class"
         "the heading `{heading}` names no class or range of error codes", "write for example `Warnings (codes 64-127)`";
     ClassRange { class: String, found: String, expected: String } = Error "class-range"
@@ -245,9 +252,9 @@ problems! {
     DuplicateAbbreviation { abbreviation: String, code: u32 } = Error "duplicate-abbreviation"
         "`{abbreviation}` is also the abbreviation of code {code} in this class", "within a class each abbreviation names one code";
     MissingAbbreviation { code: u32 } = Warning "missing-abbreviation"
-        "code {code} has no abbreviation", "user interfaces will show the number";
+        "code {code} has no abbreviation", "user interfaces will show the number; write `-` where that is meant";
     DanglingCode { code: String } = Error "dangling-code"
-        "no table has a code {code}", "correct the reference";
+        "no table has a code {code}", "correct the reference, or define the code";
     OneSidedAlternative { code: u32, other: u32 } = Warning "one-sided-alternative"
         "code {code} names {other} as its alternative, but not the reverse", "they are read as alternatives of each other";
     TooManyAlternatives { code: u32, max: usize } = Error "too-many-alternatives"

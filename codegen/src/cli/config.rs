@@ -18,7 +18,7 @@ const FILE_NAMES: [&str; 2] = ["uavspec.toml", "definitions/uavspec.toml"];
 /// A kind of output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 #[value(rename_all = "snake_case")]
-pub enum Emitter {
+pub(super) enum Emitter {
     /// Rust modules.
     Rust,
     /// JSON Schemas.
@@ -29,7 +29,7 @@ pub enum Emitter {
 
 /// A `uavspec.toml` that has been read.
 #[derive(Debug)]
-pub struct Config {
+pub(super) struct Config {
     /// Its folder: paths in it are relative to this.
     folder: PathBuf,
     /// Its own path, as it is shown.
@@ -50,39 +50,39 @@ struct File {
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Outputs {
-    rust: Option<RustOutput>,
-    json_schema: Option<JsonSchemaOutput>,
-    docs: Option<DocsOutput>,
+    rust: Option<Output<RustTable>>,
+    json_schema: Option<Output<JsonSchemaTable>>,
+    docs: Option<Output<DocsTable>>,
 }
 
-/// Declares an output that is either a path, or a table of a path and options.
-macro_rules! output {
-    ($name:ident { $($option:ident),* }) => {
-        #[derive(Debug, Deserialize)]
-        #[serde(untagged, expecting = "a path, or a table with `path` and options")]
-        enum $name {
-            Path(PathBuf),
-            #[serde(deny_unknown_fields)]
-            Table { path: PathBuf, $($option: Option<String>),* },
-        }
-
-        impl $name {
-            #[allow(unused_parens)]
-            fn parts(&self) -> (&Path, ($(output!(@option $option)),*)) {
-                match self {
-                    Self::Path(path) => (path, ($(output!(@none $option)),*)),
-                    Self::Table { path, $($option),* } => (path, ($($option.clone()),*)),
-                }
-            }
-        }
-    };
-    (@option $option:ident) => { Option<String> };
-    (@none $option:ident) => { None };
+/// An output: its folder, or a table of the folder and options.
+#[derive(Debug, Deserialize)]
+#[serde(untagged, expecting = "expected a path, or a table of `path` and `root` (rust), `base` (json_schema) or `title` (docs)")]
+enum Output<T> {
+    Path(PathBuf),
+    Table(T),
 }
 
-output!(RustOutput { root });
-output!(JsonSchemaOutput { base });
-output!(DocsOutput { title });
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RustTable {
+    path: PathBuf,
+    root: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct JsonSchemaTable {
+    path: PathBuf,
+    base: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DocsTable {
+    path: PathBuf,
+    title: Option<String>,
+}
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -162,6 +162,15 @@ pub(super) struct RustOptions {
     pub(super) root: String,
 }
 
+impl<T> Output<T> {
+    fn table(self, of_path: impl FnOnce(PathBuf) -> T) -> T {
+        match self {
+            Self::Path(path) => of_path(path),
+            Self::Table(table) => table,
+        }
+    }
+}
+
 impl RustOptions {
     fn new(root: Option<String>) -> Self {
         Self { root: root.unwrap_or_else(|| "mod.rs".to_owned()) }
@@ -185,11 +194,6 @@ impl Config {
         Self::read(&found)
     }
 
-    /// Reads the configuration file at `path`.
-    pub fn load(path: impl AsRef<Path>) -> Result<Self, String> {
-        Self::read(path.as_ref()).map_err(|failure| failure.to_string())
-    }
-
     fn read(path: &Path) -> Result<Self, Failure> {
         let shown = path.display().to_string();
         let text = std::fs::read_to_string(path).map_err(|error| Failure::new(format!("{shown}: {error}")))?;
@@ -206,20 +210,22 @@ impl Config {
         let folder = &self.folder;
         // Definitions in a folder of their own are shown from the folder above: `definitions/px4/…`.
         let root = if folder.ends_with("definitions") { folder.join("..") } else { folder.clone() };
-        let outputs = &self.file.output;
+        let outputs = self.file.output;
         let mut planned = Vec::new();
-        let mut plan = |path: &Path, emitter| planned.push(PlannedOutput { path: normalise(&folder.join(path)), emitter });
-        if let Some(output) = &outputs.rust {
-            let (path, root) = output.parts();
-            plan(path, EmitterOptions::Rust(RustOptions::new(root)));
+        let mut plan = |path: &Path, emitter| {
+            planned.push(PlannedOutput { path: normalise(&folder.join(path)), emitter });
+        };
+        if let Some(output) = outputs.rust {
+            let RustTable { path, root } = output.table(|path| RustTable { path, root: None });
+            plan(&path, EmitterOptions::Rust(RustOptions::new(root)));
         }
-        if let Some(output) = &outputs.json_schema {
-            let (path, base) = output.parts();
-            plan(path, EmitterOptions::JsonSchema(json_schema_options(base)));
+        if let Some(output) = outputs.json_schema {
+            let JsonSchemaTable { path, base } = output.table(|path| JsonSchemaTable { path, base: None });
+            plan(&path, EmitterOptions::JsonSchema(json_schema_options(base)));
         }
-        if let Some(output) = &outputs.docs {
-            let (path, title) = output.parts();
-            plan(path, EmitterOptions::Docs(docs_options(title)));
+        if let Some(output) = outputs.docs {
+            let DocsTable { path, title } = output.table(|path| DocsTable { path, title: None });
+            plan(&path, EmitterOptions::Docs(docs_options(title)));
         }
         let packages = self
             .file

@@ -26,14 +26,15 @@ pub(super) struct Loaded {
     pub(super) packages: Vec<PackageInput>,
     /// Of sources that can't be read.
     pub(super) diagnostics: Vec<Diagnostic>,
-    pub(super) file_count: usize,
+    /// Every file that was read.
+    pub(super) files: Vec<PathBuf>,
 }
 
 /// Reads all sources of `plan`, and what ROS 2 packages among them refer to beside them.
 pub(super) fn load(plan: &Plan) -> Result<Loaded, Failure> {
     let mut loader = Loader {
         root: &plan.root,
-        loaded: Loaded { sources: SourceMap::default(), packages: Vec::new(), diagnostics: Vec::new(), file_count: 0 },
+        loaded: Loaded { sources: SourceMap::default(), packages: Vec::new(), diagnostics: Vec::new(), files: Vec::new() },
         folders: BTreeMap::new(),
     };
     let config = match &plan.config {
@@ -109,7 +110,7 @@ impl Loader<'_> {
         let mut sources = Vec::with_capacity(files.len());
         for path in files {
             let bytes = fs::read(path).map_err(|error| unreadable(path, &error))?;
-            self.loaded.file_count += 1;
+            self.loaded.files.push(path.clone());
             match self.loaded.sources.add(shown(path, self.root), bytes) {
                 Ok(id) => sources.push(id),
                 Err(diagnostic) => self.loaded.diagnostics.push(diagnostic),

@@ -34,6 +34,14 @@ pub(super) enum Difference {
     Orphaned(PathBuf),
 }
 
+impl Difference {
+    pub(super) fn into_path(self) -> PathBuf {
+        match self {
+            Self::Missing(path) | Self::Changed(path) | Self::Orphaned(path) => path,
+        }
+    }
+}
+
 impl fmt::Display for Difference {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -8,6 +8,9 @@ use crate::source::{SourceMap, Span};
 /// How many diagnostics of one source are shown: what stands there is then no definition.
 const MAX_PER_SOURCE: usize = 200;
 
+/// Longest message or hint, in bytes: what definitions have in them may be of any length.
+const MAX_TEXT_LEN: usize = 400;
+
 /// Longest line that is quoted whole, in bytes.
 const MAX_LINE_LEN: usize = 2_000;
 
@@ -46,13 +49,28 @@ fn report<'a>(diagnostic: &Diagnostic, sources: &'a SourceMap) -> Group<'a> {
         Level::Warning => Title::WARNING,
     };
     let mut group = title
-        .primary_title(diagnostic.problem.to_string())
+        .primary_title(shorten(diagnostic.problem.to_string()))
         .id(diagnostic.problem.code())
-        .element(quote(diagnostic.span, AnnotationKind::Primary, diagnostic.hint(), sources));
+        .element(quote(diagnostic.span, AnnotationKind::Primary, shorten(diagnostic.hint()), sources));
     for (span, label) in &diagnostic.related {
-        group = group.element(quote(*span, AnnotationKind::Context, label.clone(), sources));
+        group = group.element(quote(*span, AnnotationKind::Context, shorten(label.clone()), sources));
     }
     group
+}
+
+fn shorten(mut text: String) -> String {
+    if text.len() > MAX_TEXT_LEN {
+        text.truncate(floor_char_boundary(&text, MAX_TEXT_LEN));
+        text.push('…');
+    }
+    text
+}
+
+fn floor_char_boundary(text: &str, mut at: usize) -> usize {
+    while !text.is_char_boundary(at) {
+        at -= 1;
+    }
+    at
 }
 
 /// The lines that `span` touches, and the caret under them. Only those are handed on, so that the
@@ -81,11 +99,7 @@ fn window(text: &str, first: usize, last: usize, caret: usize) -> (usize, usize)
     if last - first <= MAX_LINE_LEN {
         return (first, last);
     }
-    let floor = |mut at: usize| {
-        while !text.is_char_boundary(at) {
-            at -= 1;
-        }
-        at
-    };
-    (floor(caret.saturating_sub(MAX_LINE_LEN / 2).max(first)), floor((caret + MAX_LINE_LEN / 2).min(last)))
+    let from = caret.saturating_sub(MAX_LINE_LEN / 2).max(first);
+    let to = (caret + MAX_LINE_LEN / 2).min(last);
+    (floor_char_boundary(text, from), floor_char_boundary(text, to))
 }

@@ -290,20 +290,18 @@ fn classify(content: &str, in_parentheses: bool) -> Reading<'_> {
 
 /// Reads the annotation `name`; none where no annotation is called so.
 fn statement<'s>(name: &str, argument: &'s str) -> Option<Result<Statement<'s>, Problem>> {
-    let malformed = |name| Problem::MalformedAnnotation { name, text: argument.to_owned() };
-    let read = match name {
-        "enum" => prefixes(argument).map(Statement::Enum).ok_or_else(|| malformed("enum")),
-        "flags" => prefixes(argument).map(Statement::Flags).ok_or_else(|| malformed("flags")),
-        "range" => range(argument).ok_or_else(|| malformed("range")),
-        "invalid" => special(argument).map(Statement::Invalid).ok_or_else(|| malformed("invalid")),
-        "uncontrolled" => special(argument).map(Statement::Uncontrolled).ok_or_else(|| malformed("uncontrolled")),
-        "frame" if argument.is_empty() => Err(malformed("frame")),
-        "frame" => Ok(Statement::Frame(argument)),
-        "count" if !is_identifier(argument) => Err(malformed("count")),
-        "count" => Ok(Statement::Count(argument)),
+    let (form, read) = match name {
+        "enum" => ("[@enum PREFIX]", prefixes(argument).map(Statement::Enum)),
+        "flags" => ("[@flags PREFIX]", prefixes(argument).map(Statement::Flags)),
+        "range" => ("[@range low, high]", range(argument)),
+        "invalid" => ("[@invalid value]", special(argument).map(Statement::Invalid)),
+        "uncontrolled" => ("[@uncontrolled value]", special(argument).map(Statement::Uncontrolled)),
+        "frame" => ("[@frame name]", (!argument.is_empty()).then_some(Statement::Frame(argument))),
+        "count" => ("[@count field]", is_identifier(argument).then_some(Statement::Count(argument))),
         _ => return None,
     };
-    Some(read)
+    let text = || format!("@{name} {argument}").trim_end().to_owned();
+    Some(read.ok_or_else(|| Problem::MalformedAnnotation { text: text(), form }))
 }
 
 fn prefixes(argument: &str) -> Option<Vec<Prefix<'_>>> {

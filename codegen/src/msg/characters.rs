@@ -25,13 +25,20 @@ fn line_separator(character: char) -> Option<&'static str> {
     }
 }
 
+/// How many of them are reported of one line: a line may hold millions.
+const MAX_PER_LINE: usize = 100;
+
 /// Diagnoses each such character of a line. The common line, plain text and tabs, costs one pass
 /// over its bytes.
 pub(super) fn check(line: &str, span: Span, diagnostics: &mut Vec<Diagnostic>) {
     if line.bytes().all(|byte| matches!(byte, b'\t' | b' '..=b'~')) {
         return;
     }
+    let first = diagnostics.len();
     for (at, character) in line.char_indices() {
+        if diagnostics.len() - first >= MAX_PER_LINE {
+            return;
+        }
         let place = span.part(at..at + character.len_utf8());
         let code = u32::from(character);
         if let Some(name) = line_separator(character) {

@@ -34,11 +34,22 @@ pub fn parse_scalar(text: &str, scalar: Scalar) -> Result<Value, LiteralError> {
     }
 }
 
-/// Whether PX4's own generator, which reads decimal integers and `True`/`False` alone, takes `text` too.
-pub fn is_portable(text: &str, scalar: Scalar) -> bool {
+/// How a literal of type `scalar` is written, for those who wrote it otherwise.
+pub fn form(scalar: Scalar) -> &'static str {
     match scalar {
-        Scalar::Bool => matches!(text, "True" | "False" | "0" | "1"),
-        Scalar::Float32 | Scalar::Float64 => true,
+        Scalar::Bool => "write `True` or `False`",
+        Scalar::Char | Scalar::Byte => "write the number of the character or byte, such as 97",
+        Scalar::Float32 | Scalar::Float64 => "write a number such as `1.5`, `1e-3`, `inf` or `nan`",
+        _ => "write an integer: no expression, and no name of another constant",
+    }
+}
+
+/// Whether PX4's own generator reads `text` as `value` too. It takes decimal integers, `True` and
+/// `False`, and writes floats as integers.
+pub fn is_portable(text: &str, value: &Value) -> bool {
+    match value {
+        Value::Bool(_) => matches!(text, "True" | "False" | "0" | "1"),
+        Value::Float(value) => value.fract() == 0.0,
         _ => text.strip_prefix(['+', '-']).unwrap_or(text).bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'_')),
     }
 }
@@ -95,7 +106,9 @@ fn parse_float(text: &str, scalar: Scalar) -> Result<Value, LiteralError> {
     let greatest = if scalar == Scalar::Float32 { f64::from(f32::MAX) } else { f64::MAX };
     let names_infinity = text.to_ascii_lowercase().contains("inf");
     if value.abs() > greatest && !names_infinity {
-        return Err(LiteralError::Range { least: format!("{:e}", -greatest), greatest: format!("{greatest:e}") });
+        // In its own precision: the digits that tell it from its neighbours.
+        let greatest = if scalar == Scalar::Float32 { format!("{:e}", f32::MAX) } else { format!("{:e}", f64::MAX) };
+        return Err(LiteralError::Range { least: format!("-{greatest}"), greatest });
     }
     Ok(Value::Float(value))
 }

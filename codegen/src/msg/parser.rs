@@ -5,34 +5,48 @@ use uavspec_runtime::Scalar;
 use super::ast::{Comment, Constant, ConstantType, Definition, Element, Field, Item, Line, Name, Part, Shape, Type};
 use super::literal::{self, LiteralError};
 use super::{Dialect, Kind, annotation, characters};
-use crate::diagnostic::{Diagnostic, Problem};
+use crate::diagnostic::{Diagnostic, Problem, has_errors};
 use crate::source::Span;
 use crate::value::Value;
 
 /// Longest array or string bound that is read; what a message may take in all is checked later.
 const MAX_LENGTH: u32 = 16 << 20;
 
+/// After this many lines that can't be read, the rest is left unread: the file is no definition.
+const MAX_BAD_LINES: usize = 1_000;
+
 pub(super) fn parse(text: &str, span: Span, kind: Kind, dialect: Dialect) -> (Definition<'_>, Vec<Diagnostic>) {
     let mut diagnostics = Vec::new();
     let mut parts = vec![Part::default()];
     let expected = kind.part_suffixes().len();
     let mut at = 0;
+    let mut bad_lines = 0;
     for raw in text.split_inclusive('\n') {
+        if bad_lines > MAX_BAD_LINES {
+            return (Definition { parts: padded(parts, expected) }, diagnostics);
+        }
         let line = raw.strip_suffix('\n').unwrap_or(raw);
         let line = line.strip_suffix('\r').filter(|_| raw.ends_with('\n')).unwrap_or(line);
         let place = span.part(at..at + line.len());
         at += raw.len();
+        let so_far = diagnostics.len();
         characters::check(line, place, &mut diagnostics);
+        let has_bad_character = has_errors(&diagnostics[so_far..]);
         if is_separator(line) {
             if parts.len() < expected {
                 parts.push(Part::default());
             } else {
-                diagnostics.push(Diagnostic::new(Problem::MisplacedSeparator { expected }, place));
+                diagnostics.push(Diagnostic::new(Problem::MisplacedSeparator, place));
             }
             continue;
         }
-        let mut parser = LineParser { line, span: place, at: 0, dialect, diagnostics: &mut diagnostics };
-        let line = parser.line();
+        let so_far = diagnostics.len();
+        let line = LineParser { line, span: place, at: 0, dialect, diagnostics: &mut diagnostics }.line();
+        if line.is_broken && has_bad_character {
+            // The character is the reason.
+            diagnostics.truncate(so_far);
+        }
+        bad_lines += usize::from(line.is_broken || has_bad_character);
         if let Some(part) = parts.last_mut() {
             part.lines.push(line);
         }
@@ -40,9 +54,14 @@ pub(super) fn parse(text: &str, span: Span, kind: Kind, dialect: Dialect) -> (De
     if parts.len() < expected {
         let end = span.part(text.len()..text.len());
         diagnostics.push(Diagnostic::new(Problem::MissingSeparator { found: parts.len(), expected }, end));
-        parts.resize_with(expected, Part::default);
     }
-    (Definition { parts }, diagnostics)
+    (Definition { parts: padded(parts, expected) }, diagnostics)
+}
+
+/// `parts`, and empty ones for those that are missing.
+fn padded(mut parts: Vec<Part<'_>>, expected: usize) -> Vec<Part<'_>> {
+    parts.resize_with(expected, Part::default);
+    parts
 }
 
 fn is_separator(line: &str) -> bool {
@@ -84,13 +103,16 @@ impl<'s> LineParser<'s, '_> {
         let start = self.at;
         let type_text = self.word(|c| !is_blank(c) && c != '#');
         let type_span = self.span.part(start..self.at);
-        self.skip_blanks();
+        let blanks = self.word(is_blank);
         if self.is_at_end() {
-            let type_name = type_text.to_owned();
-            return Err(self.report(Problem::MissingName { type_name }, type_span));
+            return Err(self.missing_name(type_text, type_span));
         }
         let ty = self.parse_type(type_text, type_span)?;
-        let name = self.name()?;
+        let name = self.name(type_text)?;
+        if self.dialect == Dialect::Px4 && !blanks.contains(' ') {
+            let problem = Problem::NotPortable { text: format!("{type_text}<tab>{}", name.text) };
+            self.report_with(problem, type_span.to(name.span), "part them by a blank");
+        }
         self.skip_blanks();
         if self.rest().starts_with('=') {
             self.at += 1;
@@ -101,8 +123,18 @@ impl<'s> LineParser<'s, '_> {
         }
     }
 
+    fn missing_name(&mut self, type_text: &str, span: Span) -> Broken {
+        let diagnostic = Diagnostic::new(Problem::MissingName { type_name: type_text.to_owned() }, span);
+        let odd_blank = type_text.chars().find(|c| c.is_whitespace());
+        self.diagnostics.push(match odd_blank {
+            Some(c) => diagnostic.with_hint(format!("U+{:04X} parts no words here: write a blank", u32::from(c))),
+            None => diagnostic,
+        });
+        Broken
+    }
+
     /// `name`, up to white space, `=` or a comment.
-    fn name(&mut self) -> Result<Name<'s>, Broken> {
+    fn name(&mut self, type_text: &str) -> Result<Name<'s>, Broken> {
         let start = self.at;
         let text = self.word(|c| !is_blank(c) && !matches!(c, '=' | '#'));
         let span = self.span.part(start..self.at);
@@ -115,12 +147,18 @@ impl<'s> LineParser<'s, '_> {
             return Ok(Name { text, span });
         }
         if rest.starts_with('[') {
-            return Err(self.report(Problem::ArrayAfterName { name: identifier.to_owned() }, span));
+            let problem = Problem::ArrayAfterName { name: identifier.to_owned() };
+            let hint = match rest.find(']') {
+                Some(end) if end + 1 == rest.len() => format!("it belongs to the type: `{type_text}{rest} {identifier}`"),
+                _ => problem.hint(),
+            };
+            return Err(self.report_with(problem, span, hint));
         }
-        let diagnostic = Diagnostic::new(Problem::InvalidName { name: text.to_owned() }, span);
-        let is_c = rest == ";";
-        self.diagnostics.push(if is_c { diagnostic.with_hint("remove the `;`: the end of the line ends the declaration") } else { diagnostic });
-        Err(Broken)
+        let problem = Problem::InvalidName { name: text.to_owned() };
+        Err(match rest {
+            ";" => self.report_with(problem, span, "remove the `;`: the end of the line ends the declaration"),
+            _ => self.report(problem, span),
+        })
     }
 
     /// ROS 2 refuses names that break its style; PX4 takes most of them.
@@ -154,7 +192,7 @@ impl<'s> LineParser<'s, '_> {
         let element = self.element(element_text, span.part(0..element_text.len()))?;
         if self.dialect == Dialect::Px4 && matches!(shape, Shape::Sequence | Shape::Bounded(_)) {
             let what = format!("arrays of variable length such as `{brackets}`");
-            return Err(self.report(Problem::NotInDialect { what, dialect: "px4" }, span));
+            return Err(self.not_in_px4(what, span, "give the array a length: `[8]`"));
         }
         Ok(Type { span, element, shape })
     }
@@ -193,7 +231,7 @@ impl<'s> LineParser<'s, '_> {
     fn element(&mut self, text: &'s str, span: Span) -> Result<Element<'s>, Broken> {
         if let Some(scalar) = Scalar::from_name(text) {
             if scalar == Scalar::Byte {
-                self.only_in_ros2("type `byte`", span)?;
+                self.only_in_ros2("type `byte`", span, "write `uint8`")?;
             }
             return Ok(Element::Scalar(scalar));
         }
@@ -202,7 +240,7 @@ impl<'s> LineParser<'s, '_> {
             None => (text, None),
         };
         if matches!(base, "string" | "wstring") {
-            self.only_in_ros2(&format!("type `{text}`"), span)?;
+            self.only_in_ros2(&format!("type `{text}`"), span, "write `char[16]`, with as many bytes as the text may have")?;
             let bound = match bound {
                 Some(digits) => Some(self.length(digits, text, span)?),
                 None => None,
@@ -223,19 +261,29 @@ impl<'s> LineParser<'s, '_> {
                 && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
         };
         if !is_identifier(name) || !package.is_none_or(is_identifier) {
-            return Err(self.report(Problem::InvalidType { text: text.to_owned() }, span));
+            let problem = Problem::InvalidType { text: text.to_owned() };
+            return Err(match (package, name.strip_prefix("msg/")) {
+                (Some(package), Some(name)) => self.report_with(problem, span, format!("write `{package}/{name}`")),
+                _ => self.report(problem, span),
+            });
         }
         if package.is_some() {
-            self.only_in_ros2("messages of other packages", span)?;
+            self.only_in_ros2("messages of other packages", span, "name the message alone, and add its definition to this package")?;
         }
         Ok(Element::Message { package, name })
     }
 
-    fn only_in_ros2(&mut self, what: &str, span: Span) -> Result<(), Broken> {
+    fn only_in_ros2(&mut self, what: &str, span: Span, instead: &str) -> Result<(), Broken> {
         if self.dialect == Dialect::Ros2 {
             return Ok(());
         }
-        Err(self.report(Problem::NotInDialect { what: what.to_owned(), dialect: "px4" }, span))
+        Err(self.not_in_px4(what.to_owned(), span, instead))
+    }
+
+    fn not_in_px4(&mut self, what: String, span: Span, instead: &str) -> Broken {
+        let problem = Problem::NotInDialect { what, dialect: "px4" };
+        let hint = format!("{instead}; {}", problem.hint());
+        self.report_with(problem, span, hint)
     }
 
     /// What follows the `=`.
@@ -295,17 +343,21 @@ impl<'s> LineParser<'s, '_> {
         let type_name = scalar.name().to_owned();
         match literal::parse_scalar(text, scalar) {
             Ok(value) => {
-                if self.dialect == Dialect::Px4 && !literal::is_portable(text, scalar) {
-                    let shown = match value {
-                        Value::Bool(true) => "True".to_owned(),
-                        Value::Bool(false) => "False".to_owned(),
-                        ref value => value.to_string(),
+                if self.dialect == Dialect::Px4 && !literal::is_portable(text, &value) {
+                    let hint = match value {
+                        Value::Bool(true) => "write `True`".to_owned(),
+                        Value::Bool(false) => "write `False`".to_owned(),
+                        Value::Float(_) => "it cuts every constant to an integer".to_owned(),
+                        ref value => format!("write `{value}`"),
                     };
-                    self.report(Problem::NotPortable { text: text.to_owned(), value: shown }, span);
+                    self.report_with(Problem::NotPortable { text: text.to_owned() }, span, hint);
                 }
                 Ok(value)
             }
-            Err(LiteralError::Form) => Err(self.report(Problem::InvalidLiteral { text: text.to_owned(), type_name }, span)),
+            Err(LiteralError::Form) => {
+                let problem = Problem::InvalidLiteral { text: text.to_owned(), type_name };
+                Err(self.report_with(problem, span, literal::form(scalar)))
+            }
             Err(LiteralError::Range { least, greatest }) => {
                 Err(self.report(Problem::ConstantOutOfRange { text: text.to_owned(), type_name, least, greatest }, span))
             }
@@ -321,7 +373,9 @@ impl<'s> LineParser<'s, '_> {
         if self.dialect == Dialect::Px4 {
             let text = self.word(|c| c != '#').trim_end();
             let span = self.span.part(start..start + text.len());
-            return Err(self.report(Problem::UnexpectedText { text: text.to_owned() }, span));
+            let problem = Problem::UnexpectedText { text: text.to_owned() };
+            let hint = format!("{}; px4 has no default values", problem.hint());
+            return Err(self.report_with(problem, span, hint));
         }
         let default = match ty.shape {
             Shape::Single => self.default_value(ty.element, |c| c != '#')?,
@@ -349,14 +403,16 @@ impl<'s> LineParser<'s, '_> {
                 if bound.is_some_and(|bound| length > bound as usize) {
                     let span = self.span.part(start..self.at);
                     let type_name = format!("string<={}", bound.unwrap_or(0));
-                    return Err(self.report(Problem::InvalidLiteral { text, type_name }, span));
+                    let problem = Problem::InvalidLiteral { text, type_name };
+                    return Err(self.report_with(problem, span, format!("it has {length} characters")));
                 }
                 Ok(Value::Text(text))
             }
             Element::Message { name, .. } => {
                 let text = self.word(within).trim_end().to_owned();
                 let span = self.span.part(start..start + text.len());
-                Err(self.report(Problem::InvalidLiteral { text, type_name: name.to_owned() }, span))
+                let problem = Problem::InvalidLiteral { text, type_name: name.to_owned() };
+                Err(self.report_with(problem, span, "a field that is a message has no default"))
             }
         }
     }
@@ -368,7 +424,7 @@ impl<'s> LineParser<'s, '_> {
         if !self.rest().starts_with('[') {
             let text = self.word(|c| c != '#').trim_end().to_owned();
             let span = self.span.part(start..start + text.len());
-            return Err(self.report(Problem::InvalidLiteral { text, type_name: "array".to_owned() }, span));
+            return Err(self.no_list(text, span));
         }
         self.at += 1;
         self.skip_blanks();
@@ -376,7 +432,7 @@ impl<'s> LineParser<'s, '_> {
             if self.is_at_end() {
                 let text = self.line[start..self.at].trim_end().to_owned();
                 let span = self.span.part(start..self.at);
-                return Err(self.report(Problem::InvalidLiteral { text, type_name: "array".to_owned() }, span));
+                return Err(self.no_list(text, span));
             }
             values.push(self.default_value(element, |c| !matches!(c, '#' | ',' | ']'))?);
             self.skip_blanks();
@@ -398,7 +454,16 @@ impl<'s> LineParser<'s, '_> {
             }
         };
         let span = self.span.part(start..self.at);
-        Err(self.report(Problem::ArrayDefault { found, length: length as usize }, span))
+        let problem = Problem::ArrayDefault { found, length: length as usize };
+        Err(match shape {
+            Shape::Bounded(_) => self.report_with(problem, span, format!("give at most {length}")),
+            _ => self.report(problem, span),
+        })
+    }
+
+    fn no_list(&mut self, text: String, span: Span) -> Broken {
+        let problem = Problem::InvalidLiteral { text, type_name: "array".to_owned() };
+        self.report_with(problem, span, "write the elements in brackets: `[1, 2]`")
     }
 
     fn expect_end(&mut self) -> Result<(), Broken> {
@@ -447,6 +512,11 @@ impl<'s> LineParser<'s, '_> {
 
     fn report(&mut self, problem: Problem, span: Span) -> Broken {
         self.diagnostics.push(Diagnostic::new(problem, span));
+        Broken
+    }
+
+    fn report_with(&mut self, problem: Problem, span: Span, hint: impl Into<String>) -> Broken {
+        self.diagnostics.push(Diagnostic::new(problem, span).with_hint(hint));
         Broken
     }
 }

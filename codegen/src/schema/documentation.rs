@@ -133,7 +133,12 @@ impl<'s> Reader<'s> {
     /// An indented comment below a declaration goes on with the comment of that declaration.
     fn continue_comment(&mut self, comment: &Comment<'_>) {
         if let Some(item) = self.commentary.items.last_mut() {
-            item.description = join([item.description.as_str(), comment.text.trim()], " ");
+            let text = comment.text.trim();
+            if !item.description.is_empty() && !text.is_empty() {
+                item.description.push(' ');
+            }
+            // In place: the comment may go on for any number of lines.
+            item.description.push_str(text);
         }
     }
 

@@ -51,9 +51,12 @@ pub(super) fn uorb(schema: &Schema, message: &Message) -> Option<UorbLayout> {
                 Shape::Bounded(_) | Shape::Sequence => return None,
             };
             match field.ty.element {
-                Element::Scalar(scalar) => Some(Member::scalar(scalar.size(), count)),
+                Element::Scalar(scalar) => Some(Member { element_size: scalar.size(), count, is_nested: false }),
                 Element::String { .. } => None,
-                Element::Message(id) => Some(Member::nested(schema.message(id).uorb.as_ref()?.size, count)),
+                Element::Message(id) => {
+                    let element_size = schema.message(id).uorb.as_ref()?.size;
+                    Some(Member { element_size, count, is_nested: true })
+                }
             }
         })
         .collect();

@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::documentation::{self, ItemDocs};
-use super::enumeration::{self, EnumRef};
+use super::enumeration::{self, ByPrefix, EnumRef};
 use super::fingerprint::{self, MAX_NESTED_FIELDS};
 use super::layout::{self, MAX_MESSAGE_SIZE};
 use super::{
@@ -21,6 +21,33 @@ use uavspec_runtime::Scalar;
 
 /// Beyond this many mistakes no similar names are looked for: the search is over all names.
 const MAX_SUGGESTIONS: usize = 100;
+
+/// Names that ROS 2 takes without their package, and where they are defined.
+const WELL_KNOWN: [(&str, &str, &str); 3] = [
+    ("Header", "std_msgs", "Header"),
+    ("time", "builtin_interfaces", "Time"),
+    ("duration", "builtin_interfaces", "Duration"),
+];
+
+/// Types of other languages, and what they are called here.
+const FOREIGN: [(&str, &str); 6] = [
+    ("float", "float32"),
+    ("double", "float64"),
+    ("int", "int32"),
+    ("boolean", "bool"),
+    ("time", "uint64"),
+    ("duration", "uint64"),
+];
+
+/// A path of a cycle longer than twice this is shown by its ends.
+const MAX_CYCLE_END: usize = 8;
+
+/// Most fields that all messages of a run may have together with all that they nest. Their hashes run
+/// over each of them; the largest release of PX4 has some thousands.
+const MAX_NESTED_FIELDS_IN_ALL: u64 = 1 << 22;
+
+/// Most members that all enums of a run may have together.
+const MAX_MEMBERS: usize = 1 << 20;
 
 /// A package before it is resolved.
 #[derive(Debug)]
@@ -76,6 +103,9 @@ struct PendingEnum {
     span: Span,
 }
 
+/// Owner, prefixes, type, and whether it is a mask.
+type EnumKey = (MessageId, Vec<String>, Scalar, bool);
+
 #[derive(Default)]
 struct Resolver<'s> {
     schema: Schema,
@@ -89,6 +119,14 @@ struct Resolver<'s> {
     claimed: Vec<BTreeSet<String>>,
     suggestions: usize,
     selections: Vec<Option<Vec<(String, Span)>>>,
+    /// The constants of the part that is being lowered.
+    constants: HashMap<&'s str, Value>,
+    /// The enums that have been gathered: none where there is nothing to gather.
+    gathered: HashMap<EnumKey, Option<EnumRef>>,
+    /// The constants of each message that has enums.
+    by_prefix: HashMap<MessageId, ByPrefix>,
+    /// How many members they have.
+    members: usize,
 }
 
 #[derive(Clone, Copy)]
@@ -108,19 +146,23 @@ impl<'s> Resolver<'s> {
             files.sort_by_key(|file| (source.files[*file].1, source.files[*file].0));
             let mut interfaces = Vec::new();
             let mut messages = Vec::new();
-            let mut first: BTreeMap<(Kind, String), Span> = BTreeMap::new();
+            let mut first: BTreeMap<(Kind, String), (&str, Span)> = BTreeMap::new();
             for file in files {
                 let (stem, kind, span, ref definition) = source.files[file];
-                self.check_message_name(stem, span);
-                // Names that differ only in case would be one file on some systems.
-                if let Some(earlier) = first.insert((kind, stem.to_lowercase()), span) {
+                self.check_message_name(stem, source.form, span);
+                if let Some((earlier, place)) = first.insert((kind, stem.to_lowercase()), (stem, span)) {
                     let problem = Problem::DuplicateMessage { name: stem.to_owned(), package: source.name.clone() };
-                    self.report(Diagnostic::new(problem, span.part(0..0)).with_related(earlier.part(0..0), "the first one"));
+                    let mut diagnostic = Diagnostic::new(problem, span.part(0..0)).with_related(place.part(0..0), "the first one");
+                    if earlier != stem {
+                        let hint = format!("on some systems `{earlier}` and `{stem}` are one file: rename one of them");
+                        diagnostic = diagnostic.with_hint(hint);
+                    }
+                    self.report(diagnostic);
                     continue;
                 }
                 let mut parts = Vec::new();
                 for (part, suffix) in kind.part_suffixes().iter().enumerate().take(definition.parts.len()) {
-                    let id = MessageId(u32::try_from(self.schema.messages.len()).unwrap_or(u32::MAX));
+                    let id = id(self.schema.messages.len());
                     self.origins.push(Origin { package, file, part });
                     self.schema.messages.push(empty_message(package, kind, format!("{stem}{suffix}"), span));
                     parts.push(id);
@@ -145,15 +187,20 @@ impl<'s> Resolver<'s> {
         }
     }
 
-    fn check_message_name(&mut self, stem: &str, span: Span) {
-        let is_identifier = stem.starts_with(|c: char| c.is_ascii_alphabetic())
-            && stem.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
+    fn check_message_name(&mut self, stem: &str, form: Form, span: Span) {
+        let is_pascal_case = stem.starts_with(|c: char| c.is_ascii_uppercase()) && !stem.contains('_');
         let stem_text = stem.to_owned();
-        if !is_identifier {
-            self.report(Diagnostic::new(Problem::MessageName { stem: stem_text }, span.part(0..0)));
-        } else if !stem.starts_with(|c: char| c.is_ascii_uppercase()) || stem.contains('_') {
-            self.report(Diagnostic::new(Problem::MessageNameStyle { stem: stem_text }, span.part(0..0)));
-        }
+        let problem = if !is_identifier(stem) {
+            Problem::MessageName { stem: stem_text }
+        } else if is_pascal_case {
+            return;
+        } else if form == Form::Msg(Dialect::Ros2) {
+            Problem::NameStyleRos { name: stem_text, style: "PascalCase" }
+        } else {
+            Problem::MessageNameStyle { stem: stem_text }
+        };
+        let diagnostic = Diagnostic::new(problem, span.part(0..0));
+        self.report(if is_identifier(stem) { diagnostic.with_hint("rename the file") } else { diagnostic });
     }
 
     /// Fills in fields, constants, groups and topics of each message.
@@ -172,12 +219,19 @@ impl<'s> Resolver<'s> {
     fn lower_part(&mut self, index: usize, part: &Part<'s>, dialect: Dialect) -> Pending {
         let commentary = documentation::read(part, dialect);
         let mut pending = Pending { enums: Vec::new() };
+        let duplicates = self.duplicates(part);
+        // Before all fields: an annotation may name a constant that stands below.
+        self.constants = part.lines.iter().filter_map(constant).map(|found| (found.name.text, found.value.clone())).collect();
         let items = part.lines.iter().filter(|line| line.item.is_some());
         for (line, docs) in items.zip(commentary.items) {
             match &line.item {
-                Some(Item::Field(field)) => self.field(index, line, field, docs, &mut pending),
-                Some(Item::Constant(constant)) => self.constant(index, line, constant, docs),
-                None => {}
+                Some(Item::Field(field)) if !duplicates.contains(&field.name.span) => {
+                    self.field(index, line, field, docs, &mut pending);
+                }
+                Some(Item::Constant(constant)) if !duplicates.contains(&constant.name.span) => {
+                    self.constant(index, line, constant, docs);
+                }
+                _ => {}
             }
         }
         let message = &mut self.schema.messages[index];
@@ -191,17 +245,34 @@ impl<'s> Resolver<'s> {
         pending
     }
 
-    fn field(&mut self, index: usize, line: &Line<'s>, field: &ast::Field<'s>, docs: ItemDocs, pending: &mut Pending) {
-        let name = field.name.text;
-        if let Some(first) = self.schema.messages[index].fields.iter().find(|other| other.name == name) {
-            let problem = Problem::DuplicateField { name: name.to_owned() };
-            let related = first.span;
-            self.report(Diagnostic::new(problem, field.name.span).with_related(related, "the first one"));
-            return;
+    /// The second and further declarations of a name, by its place.
+    fn duplicates(&mut self, part: &Part<'s>) -> BTreeSet<Span> {
+        let mut fields: HashMap<&str, Span> = HashMap::new();
+        let mut constants: HashMap<&str, Span> = HashMap::new();
+        let mut duplicates = BTreeSet::new();
+        for item in part.lines.iter().filter_map(|line| line.item.as_ref()) {
+            let (known, name, whole) = match item {
+                Item::Field(field) => (&mut fields, field.name, field.ty.span.to(field.name.span)),
+                Item::Constant(constant) => (&mut constants, constant.name, constant.name.span.to(constant.value_span)),
+            };
+            let Some(first) = known.get(name.text) else {
+                known.insert(name.text, whole);
+                continue;
+            };
+            let problem = match item {
+                Item::Field(_) => Problem::DuplicateField { name: name.text.to_owned() },
+                Item::Constant(_) => Problem::DuplicateConstant { name: name.text.to_owned() },
+            };
+            self.diagnostics.push(Diagnostic::new(problem, name.span).with_related(*first, "the first one"));
+            duplicates.insert(name.span);
         }
+        duplicates
+    }
+
+    fn field(&mut self, index: usize, line: &Line<'s>, field: &ast::Field<'s>, docs: ItemDocs, pending: &mut Pending) {
         let Some(ty) = self.field_type(index, &field.ty) else { return };
         let mut lowered = Field {
-            name: name.to_owned(),
+            name: field.name.text.to_owned(),
             ty,
             default: field.default.clone(),
             description: docs.description,
@@ -247,26 +318,25 @@ impl<'s> Resolver<'s> {
             let problem =
                 Problem::UnknownType { name: name.to_owned(), package: self.schema.packages[package].name.clone() };
             let diagnostic = Diagnostic::new(problem, span);
-            let similar = self.similar(package, name);
-            self.report(match similar {
-                Some(similar) => diagnostic.with_hint(format!("did you mean `{similar}`?")),
-                None => diagnostic,
-            });
+            let is_ros2 = self.schema.packages[package].form == Form::Msg(Dialect::Ros2);
+            let well_known = WELL_KNOWN.iter().find(|(short, ..)| is_ros2 && *short == name);
+            let hint = match well_known {
+                Some((_, package, message)) => {
+                    Some(format!("it stands for `{package}/{message}`: add that package to the inputs"))
+                }
+                None => self.similar(package, name).map(|similar| format!("did you mean `{similar}`?")),
+            };
+            self.report(Diagnostic { hint, ..diagnostic });
         }
         found.1
     }
 
-    /// The three names that ROS 2 takes without their package.
+    /// The message behind a name that ROS 2 takes without its package.
     fn well_known(&self, package: usize, name: &str) -> Option<MessageId> {
         if self.schema.packages[package].form != Form::Msg(Dialect::Ros2) {
             return None;
         }
-        let (package, name) = match name {
-            "Header" => ("std_msgs", "Header"),
-            "time" => ("builtin_interfaces", "Time"),
-            "duration" => ("builtin_interfaces", "Duration"),
-            _ => return None,
-        };
+        let (_, package, name) = *WELL_KNOWN.iter().find(|(short, ..)| *short == name)?;
         self.by_name.get(&(*self.package_by_name.get(package)?, name)).copied()
     }
 
@@ -276,8 +346,7 @@ impl<'s> Resolver<'s> {
         if self.suggestions > MAX_SUGGESTIONS {
             return None;
         }
-        let foreign = [("float", "float32"), ("double", "float64"), ("int", "int32"), ("boolean", "bool")];
-        if let Some((_, meant)) = foreign.iter().find(|(foreign, _)| *foreign == name) {
+        if let Some((_, meant)) = FOREIGN.iter().find(|(foreign, _)| *foreign == name) {
             return Some((*meant).to_owned());
         }
         let messages = &self.schema.packages[package].messages;
@@ -285,6 +354,8 @@ impl<'s> Resolver<'s> {
         known.extend(Scalar::ALL.map(Scalar::name));
         known
             .into_iter()
+            // No distance is under that of the lengths, and to find it takes time and room with their product.
+            .filter(|known| known.len().abs_diff(name.len()) <= 1 + known.len() / 5)
             .map(|known| (strsim::damerau_levenshtein(known, name), known))
             .filter(|(distance, known)| *distance <= 1 + known.len() / 5)
             .min()
@@ -295,10 +366,15 @@ impl<'s> Resolver<'s> {
         for annotation in &note.annotations {
             match &annotation.statement {
                 Statement::Unit(unit) => field.unit = Some((*unit).to_owned()),
-                Statement::Range { low, high } => field.range = Some(range(low, high)),
-                Statement::Invalid(special) => field.invalid = self.special(index, special, field.ty, annotation.span),
+                Statement::Range { low, high } => {
+                    for bound in [low, high] {
+                        self.check_value(bound.as_ref(), field.ty, annotation.span);
+                    }
+                    field.range = Some(range(low, high));
+                }
+                Statement::Invalid(special) => field.invalid = self.special(special, field.ty, annotation.span),
                 Statement::Uncontrolled(special) => {
-                    field.uncontrolled = self.special(index, special, field.ty, annotation.span);
+                    field.uncontrolled = self.special(special, field.ty, annotation.span);
                 }
                 Statement::Frame(frame) => field.frame = Some((*frame).to_owned()),
                 // Resolved with the whole message: the array may stand below.
@@ -319,50 +395,46 @@ impl<'s> Resolver<'s> {
 
     /// The message whose constants are meant: this one, or the one that the prefix names.
     fn enum_owner(&mut self, index: usize, prefixes: &[Prefix<'s>], span: Span) -> Option<MessageId> {
-        let own = MessageId(u32::try_from(index).unwrap_or(u32::MAX));
         match prefixes.iter().find_map(|prefix| prefix.message) {
             Some(message) => self.reference(index, None, message, span),
-            None => Some(own),
+            None => Some(id(index)),
         }
     }
 
-    fn special(&mut self, index: usize, special: &crate::msg::annotation::Special<'s>, ty: Type, span: Span) -> Option<Special> {
+    fn special(&mut self, special: &crate::msg::annotation::Special<'s>, ty: Type, span: Span) -> Option<Special> {
         let text = special.text.to_owned();
         let value = match &special.value {
             SpecialValue::Empty => None,
             SpecialValue::Number(value) => Some(value.clone()),
             SpecialValue::Name(name) => {
-                let constants = &self.schema.messages[index].constants;
-                let Some(constant) = constants.iter().find(|constant| constant.name == *name) else {
-                    let problem = Problem::MalformedAnnotation { name: "invalid", text: (*name).to_owned() };
+                let Some(value) = self.constants.get(name).cloned() else {
+                    let problem = Problem::UnknownConstant { name: (*name).to_owned() };
                     self.report(Diagnostic::new(problem, span));
                     return None;
                 };
-                Some(constant.value.clone())
+                Some(value)
             }
         };
-        if let (Some(value), Element::Scalar(scalar)) = (&value, ty.element)
+        self.check_value(value.as_ref(), ty, span);
+        Some(Special { value, text })
+    }
+
+    /// A field can hold what its annotations say of its values.
+    fn check_value(&mut self, value: Option<&Value>, ty: Type, span: Span) {
+        if let (Some(value), Element::Scalar(scalar)) = (value, ty.element)
             && !can_hold(scalar, value)
         {
             let problem =
                 Problem::AnnotationValueType { text: value.to_string(), type_name: scalar.name().to_owned() };
             self.report(Diagnostic::new(problem, span));
         }
-        Some(Special { value, text })
     }
 
     fn constant(&mut self, index: usize, line: &Line<'s>, constant: &ast::Constant<'s>, docs: ItemDocs) {
-        let name = constant.name.text;
-        if let Some(first) = self.schema.messages[index].constants.iter().find(|other| other.name == name) {
-            let problem = Problem::DuplicateConstant { name: name.to_owned() };
-            let related = first.span;
-            self.report(Diagnostic::new(problem, constant.name.span).with_related(related, "the first one"));
-            return;
-        }
         let parameters = note(line).map_or(&[][..], |note| note.parameters.as_slice());
         let parameters = parameters.iter().map(|note| self.parameter(index, note)).collect();
         self.schema.messages[index].constants.push(Constant {
-            name: name.to_owned(),
+            name: constant.name.text.to_owned(),
             ty: match constant.ty {
                 ConstantType::Scalar(scalar) => Element::Scalar(scalar),
                 ConstantType::String { wide } => Element::String { wide, bound: None },
@@ -388,7 +460,7 @@ impl<'s> Resolver<'s> {
             match &annotation.statement {
                 Statement::Unit(unit) => parameter.unit = Some((*unit).to_owned()),
                 Statement::Range { low, high } => parameter.range = Some(range(low, high)),
-                Statement::Invalid(special) => parameter.invalid = self.special(index, special, number, annotation.span),
+                Statement::Invalid(special) => parameter.invalid = self.special(special, number, annotation.span),
                 Statement::Enum(prefixes) | Statement::Flags(prefixes) => {
                     parameter.enum_prefixes = prefixes.iter().map(prefix_text).collect();
                     self.claimed[index].extend(prefixes.iter().map(|prefix| prefix.prefix.to_owned()));
@@ -401,15 +473,16 @@ impl<'s> Resolver<'s> {
 
     fn topics(&mut self, index: usize, listed: &[(&str, Span)]) {
         let mut topics: Vec<String> = Vec::new();
+        let mut first: HashMap<&str, Span> = HashMap::new();
         for (topic, span) in listed {
-            let is_identifier = topic.starts_with(|c: char| c.is_ascii_alphabetic())
-                && topic.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
             let name = (*topic).to_owned();
-            if !is_identifier {
+            if !is_identifier(topic) {
                 self.report(Diagnostic::new(Problem::InvalidTopic { topic: name }, *span));
-            } else if topics.contains(&name) {
-                self.report(Diagnostic::new(Problem::DuplicateTopic { topic: name }, *span));
+            } else if let Some(earlier) = first.get(topic) {
+                let diagnostic = Diagnostic::new(Problem::DuplicateTopic { topic: name }, *span);
+                self.report(diagnostic.with_related(*earlier, "the first one"));
             } else {
+                first.insert(topic, *span);
                 topics.push(name);
             }
         }
@@ -432,51 +505,52 @@ impl<'s> Resolver<'s> {
                 _ => message.queue_length = value,
             }
             if value.is_none() {
-                self.report(Diagnostic::new(Problem::InvalidVersion { what }, span));
+                self.report(Diagnostic::new(Problem::InvalidVersion { what, least }, span));
             }
         }
     }
 
     /// Which fields count the entries in use of an array: as annotated, else by their names.
     fn counts(&mut self, index: usize, part: &Part<'s>) {
+        let fields = &self.schema.messages[index].fields;
+        let places: HashMap<Span, usize> = fields.iter().enumerate().map(|(at, field)| (field.span, at)).collect();
+        let arrays: HashMap<String, usize> = fields
+            .iter()
+            .enumerate()
+            .filter(|(_, field)| field.ty.shape != ast::Shape::Single)
+            .map(|(at, field)| (field.name.clone(), at))
+            .collect();
         for line in &part.lines {
             let (Some(Item::Field(field)), Some(note)) = (&line.item, note(line)) else { continue };
+            let Some(at) = places.get(&field.ty.span.to(field.name.span)) else { continue };
             for annotation in &note.annotations {
                 if let Statement::Count(target) = annotation.statement {
-                    self.count(index, field.name.text, target, annotation.span);
+                    self.count(index, *at, target, &arrays, annotation.span);
                 }
             }
         }
-        let message = &self.schema.messages[index];
-        let mut inferred = Vec::new();
-        for (at, field) in message.fields.iter().enumerate() {
+        for field in &mut self.schema.messages[index].fields {
             let counted = field.name.strip_prefix("num_").or_else(|| field.name.strip_suffix("_count"));
-            if let Some(counted) = counted
-                && field.counts.is_none()
-                && is_count(field.ty)
-                && let Some(array) = array_named(message, counted)
-            {
-                inferred.push((at, array));
+            if field.counts.is_none() && is_count(field.ty) {
+                field.counts = counted.and_then(|counted| arrays.get(counted)).copied();
             }
-        }
-        for (at, array) in inferred {
-            self.schema.messages[index].fields[at].counts = Some(array);
         }
     }
 
-    fn count(&mut self, index: usize, field: &str, target: &str, span: Span) {
+    fn count(&mut self, index: usize, field: usize, target: &str, arrays: &HashMap<String, usize>, span: Span) {
         let message = &mut self.schema.messages[index];
-        let Some(array) = array_named(message, target) else {
-            self.report(Diagnostic::new(Problem::UnknownCountTarget { name: target.to_owned() }, span));
-            return;
+        let ty = message.fields[field].ty;
+        let problem = match arrays.get(target) {
+            None => Problem::UnknownCountTarget { name: target.to_owned() },
+            Some(_) if !is_count(ty) => {
+                Problem::CountOnNonInteger { type_name: self.schema.type_text(self.schema.message(id(index)), ty) }
+            }
+            Some(array) => {
+                message.fields[field].counts = Some(*array);
+                return;
+            }
         };
-        let Some(field) = message.fields.iter_mut().find(|other| other.name == field) else { return };
-        if is_count(field.ty) {
-            field.counts = Some(array);
-        } else if let Element::Scalar(scalar) = field.ty.element {
-            let type_name = format!("{}{}", scalar.name(), super::shape_text(field.ty.shape));
-            self.report(Diagnostic::new(Problem::CountOnNonInteger { type_name }, span));
-        }
+        self.report(Diagnostic::new(problem, span));
     }
 
     fn tables(&mut self, packages: Vec<PackageSource<'s>>) {
@@ -504,7 +578,7 @@ impl<'s> Resolver<'s> {
         let mut ready: Vec<usize> = (0..count).filter(|index| missing[*index] == 0).collect();
         let mut order = Vec::with_capacity(count);
         while let Some(index) = ready.pop() {
-            order.push(MessageId(u32::try_from(index).unwrap_or(u32::MAX)));
+            order.push(id(index));
             for holder in &holders[index] {
                 missing[*holder] -= 1;
                 if missing[*holder] == 0 {
@@ -539,14 +613,18 @@ impl<'s> Resolver<'s> {
     fn report_cycle(&mut self, cycle: &[usize]) {
         let messages = &self.schema.messages;
         let closing = |from: usize, to: usize| {
-            let holds = |field: &&Field| field.ty.element == Element::Message(MessageId(u32::try_from(to).unwrap_or(u32::MAX)));
+            let holds = |field: &&Field| field.ty.element == Element::Message(id(to));
             messages[from].fields.iter().find(holds).map(|field| field.span)
         };
         let names: Vec<&str> = cycle.iter().chain(&cycle[..1]).map(|index| messages[*index].name.as_str()).collect();
         let mut steps = (0..cycle.len()).filter_map(|at| closing(cycle[at], cycle[(at + 1) % cycle.len()]));
         let Some(span) = steps.next() else { return };
-        let mut diagnostic = Diagnostic::new(Problem::Cycle { path: names.join(" → ") }, span);
-        for (span, name) in steps.zip(&names[2..]).take(8) {
+        let mut path = names.clone();
+        if path.len() > 2 * MAX_CYCLE_END {
+            path.splice(MAX_CYCLE_END..path.len() - MAX_CYCLE_END, ["…"]);
+        }
+        let mut diagnostic = Diagnostic::new(Problem::Cycle { path: path.join(" → ") }, span);
+        for (span, name) in steps.zip(&names[2..]).take(MAX_CYCLE_END) {
             diagnostic = diagnostic.with_related(span, format!("holds `{name}`"));
         }
         self.report(diagnostic);
@@ -575,44 +653,57 @@ impl<'s> Resolver<'s> {
                 return;
             }
         };
+        let key = (wanted.owner, wanted.prefixes.clone(), scalar, wanted.is_flags);
+        let reference = match self.gathered.get(&key) {
+            Some(known) => *known,
+            None => self.gather(wanted, scalar),
+        };
+        self.gathered.insert(key, reference);
+        self.schema.messages[index].fields[wanted.field].enumeration = reference;
+    }
+
+    /// Gathers an enum that no field has asked for before; none where it has no members.
+    fn gather(&mut self, wanted: &PendingEnum, scalar: Scalar) -> Option<EnumRef> {
         let owner = self.schema.message(wanted.owner);
-        let claimed = &self.claimed[wanted.owner.0 as usize];
-        let candidate = enumeration::gather(owner, &wanted.prefixes, claimed, scalar, wanted.is_flags);
-        let place = owner.name.clone();
+        let by_prefix = self.by_prefix.entry(wanted.owner).or_insert_with(|| {
+            enumeration::by_prefix(owner, &self.claimed[wanted.owner.0 as usize])
+        });
         for prefix in &wanted.prefixes {
-            let start = format!("{prefix}_");
-            if !owner.constants.iter().any(|constant| constant.name.starts_with(&start)) {
-                let problem = Problem::UnknownEnum { prefix: prefix.clone(), place: place.clone() };
+            if !by_prefix.is_used(prefix) {
+                let problem = Problem::UnknownEnum { prefix: prefix.clone(), place: owner.name.clone() };
                 self.diagnostics.push(Diagnostic::new(problem, wanted.span));
             }
         }
+        self.members += wanted.prefixes.iter().map(|prefix| by_prefix.count(prefix)).sum::<usize>();
+        if self.members > MAX_MEMBERS {
+            let problem = Problem::TooManyMembers { max: MAX_MEMBERS };
+            self.diagnostics.push(Diagnostic::new(problem, wanted.span));
+            return None;
+        }
+        let candidate = by_prefix.gather(owner, &wanted.prefixes, scalar, wanted.is_flags);
         for (constant, value) in candidate.out_of_range {
+            let constant = &owner.constants[constant];
             let problem = Problem::EnumValueOutOfRange {
-                constant,
+                constant: constant.name.clone(),
                 value: value.to_string(),
                 type_name: scalar.name().to_owned(),
             };
-            self.diagnostics.push(Diagnostic::new(problem, wanted.span));
+            let diagnostic = Diagnostic::new(problem, wanted.span);
+            self.diagnostics.push(diagnostic.with_related(constant.span, "the constant"));
         }
         if candidate.found.members.is_empty() {
-            return;
+            return None;
         }
         let enums = &mut self.schema.messages[wanted.owner.0 as usize].enums;
-        let known = enums.iter().position(|known| {
-            (&known.prefixes, known.scalar, known.is_flags) == (&wanted.prefixes, scalar, wanted.is_flags)
-        });
-        let at = known.unwrap_or_else(|| {
-            enums.push(candidate.found);
-            enums.len() - 1
-        });
-        let reference = EnumRef { message: wanted.owner, index: at };
-        self.schema.messages[index].fields[wanted.field].enumeration = Some(reference);
+        enums.push(candidate.found);
+        Some(EnumRef { message: wanted.owner, index: enums.len() - 1 })
     }
 
     /// Layouts, sizes, and the limits on both.
     fn measure(&mut self, order: &[MessageId]) {
         let sizes = layout::cdr(&self.schema, order);
         let mut nested_fields: Vec<u64> = vec![0; self.schema.messages.len()];
+        let mut in_all = 0_u64;
         for id in order {
             let index = id.0 as usize;
             let message = &self.schema.messages[index];
@@ -622,14 +713,16 @@ impl<'s> Resolver<'s> {
             }
             let uorb = layout::uorb(&self.schema, message);
             let size = uorb.as_ref().map_or(0, |layout| layout.size as u64).max(sizes[index].least);
-            self.check_size(index, size, nested_fields[index]);
+            let was_over = in_all > MAX_NESTED_FIELDS_IN_ALL;
+            in_all = in_all.saturating_add(nested_fields[index]);
+            self.check_size(index, size, nested_fields[index], !was_over && in_all > MAX_NESTED_FIELDS_IN_ALL);
             let message = &mut self.schema.messages[index];
             message.uorb = uorb;
             message.cdr = sizes[index];
         }
     }
 
-    fn check_size(&mut self, index: usize, size: u64, nested_fields: u64) {
+    fn check_size(&mut self, index: usize, size: u64, nested_fields: u64, exceeds_all: bool) {
         let message = &self.schema.messages[index];
         let largest = message.fields.iter().max_by_key(|field| match field.ty.shape {
             ast::Shape::Array(length) => length,
@@ -642,12 +735,15 @@ impl<'s> Resolver<'s> {
         } else if nested_fields > MAX_NESTED_FIELDS {
             let problem = Problem::TooManyFields { name: message.name.clone(), max: MAX_NESTED_FIELDS };
             self.report(Diagnostic::new(problem, span));
+        } else if exceeds_all {
+            let problem = Problem::TooMuchNesting { name: message.name.clone(), max: MAX_NESTED_FIELDS_IN_ALL };
+            self.report(Diagnostic::new(problem, span));
         }
     }
 
     fn fingerprints(&mut self) {
         for index in 0..self.schema.messages.len() {
-            let id = MessageId(u32::try_from(index).unwrap_or(u32::MAX));
+            let id = id(index);
             let hash = fingerprint::message_hash(&self.schema, self.schema.message(id));
             let type_hash = fingerprint::type_hash(&self.schema, id);
             let message = &mut self.schema.messages[index];
@@ -709,6 +805,11 @@ impl<'s> Resolver<'s> {
     }
 }
 
+/// The id of the message at `index` of [`Schema::messages`]; there are fewer than bytes of sources.
+fn id(index: usize) -> MessageId {
+    MessageId(u32::try_from(index).unwrap_or(u32::MAX))
+}
+
 fn empty_message(package: usize, kind: Kind, name: String, span: Span) -> Message {
     Message {
         package,
@@ -727,6 +828,13 @@ fn empty_message(package: usize, kind: Kind, name: String, span: Span) -> Messag
         cdr: CdrSize::default(),
         hash: 0,
         type_hash: String::new(),
+    }
+}
+
+fn constant<'l, 's>(line: &'l Line<'s>) -> Option<&'l ast::Constant<'s>> {
+    match &line.item {
+        Some(Item::Constant(constant)) => Some(constant),
+        _ => None,
     }
 }
 
@@ -754,10 +862,6 @@ fn is_count(ty: Type) -> bool {
     is_integer && ty.shape == ast::Shape::Single
 }
 
-fn array_named(message: &Message, name: &str) -> Option<usize> {
-    message.fields.iter().position(|field| field.name == name && field.ty.shape != ast::Shape::Single)
-}
-
 fn can_hold(scalar: Scalar, value: &Value) -> bool {
     match (scalar.integer_bounds(), value) {
         (Some((least, greatest)), Value::Int(value)) => (least..=greatest).contains(value),
@@ -765,6 +869,10 @@ fn can_hold(scalar: Scalar, value: &Value) -> bool {
         (None, _) => scalar != Scalar::Bool || matches!(value, Value::Int(0 | 1) | Value::Bool(_)),
         (Some(_), _) => false,
     }
+}
+
+fn is_identifier(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
 }
 
 /// The topic of a message that lists none: PX4 puts `_` before every capital but the first.

@@ -5,7 +5,7 @@ mod inline;
 use std::ops::Range;
 
 use super::text::{TextBuilder, trim};
-use super::{Cell, Heading, Page, Table, into_rows, lines};
+use super::{Cell, Heading, Page, Table, Text, into_rows, lines};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::Span;
 
@@ -57,34 +57,36 @@ struct Parser<'s, 'l> {
 
 impl Parser<'_, '_> {
     fn blocks(&mut self) {
-        let mut attributes = "";
+        let mut prelude = Prelude::default();
         let mut index = 0;
         while let Some((at, line)) = self.lines.get(index).copied() {
             index += 1;
-            if is_verbatim_fence(line) {
-                index = self.lines[index..].iter().position(|(_, end)| *end == line).map_or(index, |end| index + end + 1);
-            } else if is_table_fence(line) {
-                index = self.table(index, attributes);
-            } else if let Some((level, start)) = heading_level(line) {
-                self.heading(level, at + start..at + line.len());
+            if prelude.read(at, line) {
+                continue;
             }
-            // Attributes belong to the next block, whose title, comments and blank lines may precede it.
-            attributes = match line {
-                _ if line.starts_with('[') && line.ends_with(']') => line,
-                _ if line.is_empty() || line.starts_with('.') || is_comment(line) => attributes,
-                _ => "",
-            };
+            let prelude = std::mem::take(&mut prelude);
+            if is_verbatim_fence(line) {
+                index = self.lines[index..]
+                    .iter()
+                    .position(|(_, end)| *end == line)
+                    .map_or(index, |end| index + end + 1);
+            } else if is_table_fence(line) {
+                index = self.table(index, prelude);
+            } else if let Some((level, start)) = heading_level(line) {
+                let text = self.line_text(at + start..at + line.len());
+                self.page.headings.push(Heading { level, text });
+            }
         }
     }
 
-    fn heading(&mut self, level: usize, range: Range<usize>) {
+    fn line_text(&self, range: Range<usize>) -> Text {
         let mut builder = TextBuilder::new(self.page.span);
         inline::push(&[(range.start, &self.text[range.clone()])], &mut builder);
-        self.page.headings.push(Heading { level, text: builder.finish(range) });
+        builder.finish(range)
     }
 
     /// Reads the table whose rows start at the line `first`, and returns the line after it.
-    fn table(&mut self, first: usize, attributes: &str) -> usize {
+    fn table(&mut self, first: usize, prelude: Prelude) -> usize {
         let (at, fence) = self.lines[first - 1];
         let span = self.page.span.part(at..at + fence.len());
         let is_end = |line: &Line<'_>| line.1 == fence || heading_level(line.1).is_some();
@@ -97,22 +99,47 @@ impl Parser<'_, '_> {
         for line in self.lines[first..end].iter().filter(|line| !is_comment(line.1)) {
             body.line(*line);
         }
-        let (mut header, columns) = body.finish(columns(attributes));
+        let (mut header, columns) = body.finish(prelude.columns);
         let rows = header.split_off(columns.min(header.len()));
         let rows = into_rows(rows, header.len(), self.page.span);
         let heading = self.page.headings.len().checked_sub(1);
-        self.page.tables.push(Table { heading, header, rows, span });
+        let title = prelude.title.map(|title| self.line_text(title));
+        self.page.tables.push(Table { heading, title, header, rows, span });
         if is_closed { end + 1 } else { end }
     }
 }
 
-/// The number of columns that `[cols="1,2*,3"]` gives.
+/// What the lines before a block say about it.
+#[derive(Default)]
+struct Prelude {
+    columns: Option<usize>,
+    title: Option<Range<usize>>,
+}
+
+impl Prelude {
+    /// Whether `line` belongs to the block that follows. Comments and blank lines part nothing.
+    fn read(&mut self, at: usize, line: &str) -> bool {
+        if line.starts_with('[') && line.ends_with(']') {
+            self.columns = columns(line).or(self.columns);
+        } else if line.starts_with('.') && !line[1..].starts_with(['.', ' ']) {
+            self.title = Some(at + 1..at + line.len());
+        } else {
+            return line.is_empty() || is_comment(line);
+        }
+        true
+    }
+}
+
+/// The number of columns that `[cols="1,2*,3"]` gives; it is also the number in `[cols=4]`.
 fn columns(attributes: &str) -> Option<usize> {
     let value = attributes.split_once("cols=")?.1;
     let value = match value.strip_prefix(['"', '\'']) {
         Some(quoted) => quoted.split(['"', '\'']).next()?,
         None => value.split([',', ']']).next()?,
     };
+    if let Ok(count) = value.trim().parse::<usize>() {
+        return Some(count.max(1));
+    }
     let repeats = |column: &str| match column.trim().split_once('*') {
         Some((times, _)) => times.parse().unwrap_or(1),
         None => 1_usize,
@@ -241,7 +268,13 @@ mod tests {
     #[test]
     fn cells_stand_in_any_grouping_of_lines() {
         let head = "[%header,cols=\"1,2\"]\n.Title\n|===\n|C |D\n";
-        for body in ["\n|1 |x y\n|2 |z\n", "|1\n|x\ny\n\n|2\n|z\n", "\n|1 |x\n\ny\n|2 |z", "|1|x y|2|z", "\n|1 a|x y\n// |9 |9\n^.>s|2|z +"] {
+        for body in [
+            "\n|1 |x y\n|2 |z\n",
+            "|1\n|x\ny\n\n|2\n|z\n",
+            "\n|1 |x\n\ny\n|2 |z",
+            "|1|x y|2|z",
+            "\n|1 a|x y\n// |9 |9\n^.>s|2|z +",
+        ] {
             let (page, diagnostics) = parse_text(&format!("{head}{body}\n|===\n"));
             assert_eq!(rows(&page.tables[0]), [["1", "x y"], ["2", "z"]], "{body}");
             assert!(diagnostics.is_empty());
@@ -250,14 +283,22 @@ mod tests {
 
     #[test]
     fn columns_come_from_attributes_or_the_first_row() {
-        for start in ["[cols=2*]\n|===\n|C\n|D\n", "[cols='1a,2']\n\n|===\n|C\n|D\n", "|===\n\n|C |D\n", "|===\n|C\n|D\n\n"] {
+        for start in [
+            "[cols=2]\n|===\n|C\n|D\n",
+            "[cols=2*]\n|===\n|C\n|D\n",
+            "[cols='1a,2']\n\n|===\n|C\n|D\n",
+            "|===\n\n|C |D\n",
+            "|===\n|C\n|D\n\n",
+        ] {
             let (page, _) = parse_text(&format!("{start}|1\n|x\n|==="));
             assert_eq!(page.tables[0].header.len(), 2, "{start}");
         }
-        let (page, _) = parse_text("[cols=\"99999999999999999999*,18446744073709551615*,2\"]\n|===\n|C |D\n|===");
+        let (page, _) =
+            parse_text("[cols=\"99999999999999999999*,18446744073709551615*,2\"]\n|===\n|C |D\n|===");
         assert_eq!(page.tables[0].header.len(), 2);
-        let (page, _) = parse_text("[cols=3]\nA paragraph.\n\n|===\n|C |D\n|1 |2\n|===");
+        let (page, _) = parse_text("[cols=3]\n.T\nA paragraph.\n\n|===\n|C |D\n|1 |2\n|===");
         assert_eq!(page.tables[0].header.len(), 2, "the attributes were the paragraph's");
+        assert_eq!(page.tables[0].title, None);
     }
 
     #[test]

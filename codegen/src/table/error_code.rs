@@ -47,10 +47,12 @@ pub fn read(page: &Page) -> (Vec<ErrorCodeTable<'_>>, Vec<Diagnostic>) {
             diagnostics.extend(heading.and_then(|heading| unknown_columns(table, heading)));
             continue;
         };
-        if heading.is_none() || table.heading != last_heading {
+        let title = table.title.as_ref().filter(|title| Block::parse(title.as_str()).is_ok());
+        let heading = title.or(heading.map(|heading| &heading.text));
+        if heading.is_none() || heading != last_heading {
             tables.push(start(table, heading, &mut diagnostics));
         }
-        last_heading = table.heading;
+        last_heading = heading;
         if let Some(open) = tables.last_mut() {
             for row in &table.rows {
                 columns.read(row, open, &mut diagnostics);
@@ -60,11 +62,11 @@ pub fn read(page: &Page) -> (Vec<ErrorCodeTable<'_>>, Vec<Diagnostic>) {
     (tables, diagnostics)
 }
 
-fn start<'p>(table: &Table, heading: Option<&Heading>, diagnostics: &mut Vec<Diagnostic>) -> ErrorCodeTable<'p> {
-    let span = heading.map_or(table.span, |heading| heading.text.span());
+fn start<'p>(table: &Table, heading: Option<&Text>, diagnostics: &mut Vec<Diagnostic>) -> ErrorCodeTable<'p> {
+    let span = heading.map_or(table.span, Text::span);
     let block = match heading {
         None => Err(Problem::MissingHeading),
-        Some(heading) => Block::parse(heading.text.as_str()),
+        Some(heading) => Block::parse(heading.as_str()),
     };
     let block = block.map_err(|problem| diagnostics.push(Diagnostic::new(problem, span))).ok();
     ErrorCodeTable { span, block, rows: Vec::new(), unread: Vec::new() }
@@ -129,7 +131,11 @@ impl Columns {
             (None, _) => None,
         };
         if let Some((problem, span)) = problem {
-            diagnostics.push(Diagnostic::new(problem, span));
+            let mut diagnostic = Diagnostic::new(problem, span);
+            if merged.is_none() && row.cells.len() > self.count {
+                diagnostic = diagnostic.with_hint("a pipe that belongs to a text is written `\\|`");
+            }
+            diagnostics.push(diagnostic);
             table.unread.extend(code.and_then(|(code, _)| code));
         } else if let Some((Some(code), text)) = code {
             table.rows.push(ErrorCodeRow {
@@ -189,6 +195,28 @@ mod tests {
         assert_eq!(codes("# Warnings (codes 64-127)\n|Value|Description|\n|-|-|\n|1|x|\n"), [""; 0]);
         assert_eq!(codes("# Replies\n|Code|Meaning|\n|-|-|\n|1|x|\n"), [""; 0]);
         assert_eq!(codes("# Warnings (codes 64-127)\n|Code|Meaning|\n|-|-|\n|64|x|\n"), ["unknown-columns"]);
+    }
+
+    #[test]
+    fn a_title_that_names_a_class_counts_more_than_the_heading() {
+        let table = |title: &str, code| {
+            format!("\n{title}\n|===\n|Code |Abbr |Description\n\n|{code} |A{code} |x\n|===\n")
+        };
+        let text = format!(
+            "== Codes\n{}{}",
+            table(".Warnings", 64),
+            table("[cols=3]\n.*Errors* (codes 128-191)\n[#errors]", 128)
+        );
+        let text = format!("{text}== Fatal errors\n{}{}", table(".Some of them", 192), table("", 193));
+        let mut sources = SourceMap::default();
+        let id = sources.add("page.adoc", text.into()).expect("valid");
+        let (page, _) = crate::table::parse(&sources, id);
+        let (tables, diagnostics) = read(&page);
+        assert_eq!(diagnostics, []);
+        let titles: Vec<_> =
+            tables.iter().filter_map(|table| Some(table.block.as_ref()?.title.as_str())).collect();
+        assert_eq!(titles, ["Warnings", "Errors", "Fatal errors"]);
+        assert_eq!(tables[2].rows.len(), 2);
     }
 
     #[test]

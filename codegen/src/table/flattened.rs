@@ -50,10 +50,12 @@ pub(super) fn parse(text: &str, span: Span) -> Page {
             .into_iter()
             .map(|cell| pipe::plain_cell(text, at + cell.start..at + cell.end, span))
             .collect();
-        let cells = Body { text, span, columns: header.len(), cells: Vec::new(), open: Vec::new(), paragraph: None }
-            .read(&lines[head.header + 2..end]);
+        let cells =
+            Body { text, span, columns: header.len(), cells: Vec::new(), open: Vec::new(), paragraph: None }
+                .read(&lines[head.header + 2..end]);
         page.tables.push(Table {
             heading: head.heading.and_then(|_| page.headings.len().checked_sub(1)),
+            title: None,
             rows: into_rows(cells, header.len(), span),
             header,
             span: span.part(trim(text, at..at + line.len())),
@@ -136,7 +138,10 @@ impl<'s> Body<'s> {
             self.open.push(at + part.start..at + part.end);
             self.close();
         }
-        self.open.extend(rest.filter(|rest| !line[rest.clone()].trim().is_empty()).map(|rest| at + rest.start..at + rest.end));
+        self.open.extend(
+            rest.filter(|rest| !line[rest.clone()].trim().is_empty())
+                .map(|rest| at + rest.start..at + rest.end),
+        );
     }
 
     fn close(&mut self) {
@@ -166,7 +171,8 @@ mod tests {
 
     #[test]
     fn tables_follow_each_other_without_a_gap() {
-        let page = parse_text("Intro\n\nA\nC | D |\n---|---|\n1 |\nx |\n2 |\ny\nB\nC | D |\n---|---|\n3 |\nz");
+        let page =
+            parse_text("Intro\n\nA\nC | D |\n---|---|\n1 |\nx |\n2 |\ny\nB\nC | D |\n---|---|\n3 |\nz");
         let headings: Vec<&str> = page.headings.iter().map(|heading| heading.text.as_str()).collect();
         assert_eq!(headings, ["A", "B"]);
         assert_eq!(cells(&page.tables[0]), ["1", "x", "2", "y"], "a missing pipe ends at the next heading");
@@ -175,7 +181,9 @@ mod tests {
 
     #[test]
     fn prose_between_tables_belongs_to_none() {
-        let page = parse_text("A\nC | D |\n---|---|\n1 |\nx |\n\nSome words\nover lines.\n\n## B\n\nC | D |\n-|-|\n3 |\nz\n\nEnd.");
+        let page = parse_text(
+            "A\nC | D |\n---|---|\n1 |\nx |\n\nSome words\nover lines.\n\n## B\n\nC | D |\n-|-|\n3 |\nz\n\nEnd.",
+        );
         assert_eq!(page.headings[1].text.as_str(), "B");
         assert_eq!(cells(&page.tables[0]), ["1", "x"]);
         assert_eq!(cells(&page.tables[1]), ["3", "z"]);

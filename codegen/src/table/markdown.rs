@@ -9,8 +9,9 @@ use super::{Cell, Heading, Page, Row, Table, pipe};
 use crate::source::Span;
 
 /// Front matter and `{#anchors}` are no part of the text; documentation generators demand both.
-const OPTIONS: Options =
-    Options::ENABLE_TABLES.union(Options::ENABLE_HEADING_ATTRIBUTES).union(Options::ENABLE_YAML_STYLE_METADATA_BLOCKS);
+const OPTIONS: Options = Options::ENABLE_TABLES
+    .union(Options::ENABLE_HEADING_ATTRIBUTES)
+    .union(Options::ENABLE_YAML_STYLE_METADATA_BLOCKS);
 
 pub(super) fn parse(text: &str, span: Span) -> Page {
     let mut reader = Reader { text, page: Page::new(span), open: None, cells: Vec::new() };
@@ -66,7 +67,9 @@ impl Reader<'_> {
 
     fn end_heading(&mut self, level: usize, range: Range<usize>) {
         if let Some(open) = self.open.take() {
-            let text = open.finish(trim(self.text, range));
+            let line = self.text[range.clone()].lines().next().unwrap_or("");
+            let marks = line.len() - line.trim_start_matches('#').len();
+            let text = open.finish(trim(self.text, range.start + marks..range.start + line.len()));
             self.page.headings.push(Heading { level, text });
         }
     }
@@ -75,6 +78,7 @@ impl Reader<'_> {
         let line = self.text[range.clone()].lines().next().map_or(0, str::len);
         self.page.tables.push(Table {
             heading: self.page.headings.len().checked_sub(1),
+            title: None,
             header: Vec::new(),
             rows: Vec::new(),
             span: self.page.span.part(range.start..range.start + line),

@@ -13,7 +13,7 @@ use uavspec_codegen::{Diagnostic, PackageInput, SourceMap, read};
 /// # Panics
 ///
 /// Where there is none although `UAVSPEC_REQUIRE_CORPUS` is set.
-pub fn shared(path: &str) -> Option<PathBuf> {
+pub(crate) fn shared(path: &str) -> Option<PathBuf> {
     let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/corpus");
     let corpus = std::env::var_os("UAVSPEC_CORPUS").map_or(default, PathBuf::from);
     let found = corpus.parent()?.join(path);
@@ -30,12 +30,12 @@ pub fn shared(path: &str) -> Option<PathBuf> {
 }
 
 /// A package without sources.
-pub fn package(name: &str, form: Form) -> PackageInput {
+pub(crate) fn package(name: &str, form: Form) -> PackageInput {
     PackageInput { name: name.to_owned(), form, ros_package: None, origin: None, revision: None, select: None, sources: Vec::new() }
 }
 
 /// All files below `folder` whose extension is one of `extensions`, sorted.
-pub fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
+pub(crate) fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
     let mut files = Vec::new();
     let mut open = vec![folder.to_path_buf()];
     while let Some(folder) = open.pop() {
@@ -53,7 +53,7 @@ pub fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
 }
 
 /// Adds the definitions below `folder` to `package`.
-pub fn add_folder(sources: &mut SourceMap, package: &mut PackageInput, folder: &Path) -> Vec<Diagnostic> {
+pub(crate) fn add_folder(sources: &mut SourceMap, package: &mut PackageInput, folder: &Path) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
     for path in files_below(folder, &["msg", "srv", "action"]) {
         match sources.add(path.to_string_lossy(), fs::read(&path).expect("a readable file")) {
@@ -65,7 +65,7 @@ pub fn add_folder(sources: &mut SourceMap, package: &mut PackageInput, folder: &
 }
 
 /// Reads a release of PX4 from the corpus.
-pub fn px4(folder: &Path) -> (SourceMap, Schema, Vec<Diagnostic>) {
+pub(crate) fn px4(folder: &Path) -> (SourceMap, Schema, Vec<Diagnostic>) {
     let mut sources = SourceMap::default();
     let mut package = package("px4", Form::Msg(Dialect::Px4));
     let mut diagnostics = add_folder(&mut sources, &mut package, folder);
@@ -75,7 +75,7 @@ pub fn px4(folder: &Path) -> (SourceMap, Schema, Vec<Diagnostic>) {
 }
 
 /// Reads all ROS 2 packages below a folder, one a subfolder.
-pub fn ros2(folder: &Path) -> (SourceMap, Schema, Vec<Diagnostic>) {
+pub(crate) fn ros2(folder: &Path) -> (SourceMap, Schema, Vec<Diagnostic>) {
     let mut sources = SourceMap::default();
     let mut packages = Vec::new();
     let mut diagnostics = Vec::new();
@@ -93,7 +93,7 @@ pub fn ros2(folder: &Path) -> (SourceMap, Schema, Vec<Diagnostic>) {
 }
 
 /// Reads files given as name and text.
-pub fn texts(form: Form, files: &[(&str, &str)]) -> (SourceMap, Schema, Vec<Diagnostic>) {
+pub(crate) fn texts(form: Form, files: &[(&str, &str)]) -> (SourceMap, Schema, Vec<Diagnostic>) {
     let mut sources = SourceMap::default();
     let mut package = package("demo", form);
     let mut diagnostics = Vec::new();

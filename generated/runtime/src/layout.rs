@@ -20,16 +20,6 @@ pub struct Member {
 }
 
 impl Member {
-    /// A member that holds `count` scalars of `element_size` bytes each.
-    pub const fn scalar(element_size: usize, count: usize) -> Self {
-        Self { element_size, count, is_nested: false }
-    }
-
-    /// A member that holds `count` messages of `element_size` bytes each, padding included.
-    pub const fn nested(element_size: usize, count: usize) -> Self {
-        Self { element_size, count, is_nested: true }
-    }
-
     /// Size of the whole member in bytes, or `usize::MAX` where that doesn't fit.
     pub const fn size(self) -> usize {
         self.element_size.saturating_mul(self.count)
@@ -86,53 +76,108 @@ const fn align(offset: usize) -> usize {
     }
 }
 
-/// Whether `members` are laid out at `offsets` and give `size`: generated code asserts it while it
-/// compiles, so that a nested message of another size can't go unnoticed.
-pub const fn is<const N: usize>(members: [Member; N], offsets: [usize; N], size: Size) -> bool {
-    let mut placed = [0; N];
-    let found = place(&members, &mut placed);
+/// A field in memory: its name, its offset, the size of an element in bytes, and the number of elements.
+pub type Placed = (&'static str, usize, usize, usize);
+
+/// Whether fields lie where they should and give `size`: first `scalars` scalar ones, then nested
+/// messages, all in the order of their offsets.
+///
+/// Generated code asserts it while it compiles, with the sizes that nested messages really have, so
+/// that one of another size can't go unnoticed.
+pub const fn is_laid_out(fields: &[Placed], scalars: usize, size: Size) -> bool {
+    let mut end = 0;
+    let mut greatest = ALIGNMENT;
     let mut index = 0;
-    while index < N {
-        if placed[index] != offsets[index] {
+    while index < fields.len() {
+        let (_, offset, element_size, count) = fields[index];
+        if index >= scalars {
+            end = align(end);
+        } else if element_size > greatest {
+            return false;
+        } else {
+            greatest = element_size;
+        }
+        if offset != end {
             return false;
         }
+        end += element_size * count;
         index += 1;
     }
-    found.padded == size.padded && found.no_padding == size.no_padding
+    size.no_padding == end && size.padded == align(end)
+}
+
+/// Implements [`UorbMessage`](crate::UorbMessage) for a message from its size, its size without the
+/// padding at its end, the number of its scalar fields, and its fields as [`Placed`], nested messages
+/// last. The compiler checks that these go together.
+#[macro_export]
+macro_rules! uorb_message {
+    ($type:ident, $size:literal, $no_padding:literal, $scalars:literal;
+        $($field:literal $offset:literal $element:literal $count:literal;)*
+        $(nested $nested:literal $nested_offset:literal $message:ty, $nested_count:literal;)*) => {
+        impl $crate::UorbMessage for $type {
+            const SIZE: usize = $size;
+            const SIZE_NO_PADDING: usize = $no_padding;
+            const LAYOUT: &'static [$crate::layout::Placed] = &[
+                $(($field, $offset, $element, $count),)*
+                $(($nested, $nested_offset, <$message as $crate::UorbMessage>::SIZE, $nested_count),)*
+            ];
+        }
+
+        const _: () = assert!(
+            $crate::layout::is_laid_out(
+                <$type as $crate::UorbMessage>::LAYOUT,
+                $scalars,
+                $crate::layout::Size { padded: $size, no_padding: $no_padding },
+            ),
+            "the layout doesn't follow from the fields",
+        );
+    };
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    const fn scalar(element_size: usize, count: usize) -> Member {
+        Member { element_size, count, is_nested: false }
+    }
+
+    const fn nested(element_size: usize, count: usize) -> Member {
+        Member { element_size, count, is_nested: true }
+    }
+
+    fn placed<const N: usize>(members: [Member; N]) -> ([usize; N], Size) {
+        let mut offsets = [0; N];
+        let size = place(&members, &mut offsets);
+        (offsets, size)
+    }
+
     #[test]
     fn orders_by_element_size_and_keeps_the_declared_order_within_a_size() {
-        let members = [
-            Member::scalar(1, 1),
-            Member::scalar(8, 1),
-            Member::scalar(4, 3),
-            Member::scalar(1, 2),
-            Member::scalar(8, 1),
-        ];
-        assert!(is(members, [28, 0, 16, 29, 8], Size { padded: 32, no_padding: 31 }));
+        let found = placed([scalar(1, 1), scalar(8, 1), scalar(4, 3), scalar(1, 2), scalar(8, 1)]);
+        assert_eq!(found, ([28, 0, 16, 29, 8], Size { padded: 32, no_padding: 31 }));
     }
 
     #[test]
     fn nested_messages_come_last_aligned_to_eight() {
-        let members = [Member::nested(40, 5), Member::scalar(8, 1), Member::scalar(1, 3)];
-        assert!(is(members, [16, 0, 8], Size { padded: 216, no_padding: 216 }));
+        let found = placed([nested(40, 5), scalar(8, 1), scalar(1, 3)]);
+        assert_eq!(found, ([16, 0, 8], Size { padded: 216, no_padding: 216 }));
     }
 
     #[test]
     fn sizes_saturate() {
-        let mut offsets = [0; 2];
-        let size = place(&[Member::scalar(8, usize::MAX), Member::scalar(1, 1)], &mut offsets);
-        assert_eq!(size.padded, usize::MAX);
+        assert_eq!(placed([scalar(8, usize::MAX), scalar(1, 1)]).1.padded, usize::MAX);
     }
 
     #[test]
-    fn a_wrong_offset_is_noticed() {
-        assert!(!is([Member::scalar(1, 1)], [1], Size { padded: 8, no_padding: 1 }));
-        assert!(!is([Member::scalar(1, 1)], [0], Size { padded: 8, no_padding: 2 }));
+    fn what_is_placed_is_laid_out_and_nothing_else_is() {
+        let size = Size { padded: 216, no_padding: 216 };
+        let fields = |nested_offset, nested_size| [("a", 0, 8, 1), ("b", 8, 1, 3), ("c", nested_offset, nested_size, 5)];
+        assert!(is_laid_out(&fields(16, 40), 2, size));
+        assert!(!is_laid_out(&fields(11, 40), 2, size), "nested messages are aligned");
+        assert!(!is_laid_out(&fields(16, 48), 2, size), "a nested message has grown");
+        let size = Size { padded: 16, no_padding: 9 };
+        assert!(!is_laid_out(&[("a", 0, 1, 1), ("b", 1, 8, 1)], 2, size), "scalars go from large to small");
+        assert!(!is_laid_out(&[("a", 1, 8, 1)], 1, size), "no gap at the start");
     }
 }

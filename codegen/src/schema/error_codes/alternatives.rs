@@ -14,7 +14,8 @@ const MAX_NAMED: usize = 16;
 pub(super) struct Alternatives {
     /// For each code the alternatives that its own description names, and where.
     named: BTreeMap<u32, BTreeMap<u32, Span>>,
-    diagnostics: Vec<Diagnostic>,
+    /// Where a description names one more than it may.
+    too_many: BTreeMap<u32, Span>,
 }
 
 impl Alternatives {
@@ -24,19 +25,23 @@ impl Alternatives {
         if named.len() < MAX_NAMED || named.contains_key(&other) {
             named.entry(other).or_insert(span);
         } else {
-            let problem = Problem::TooManyAlternatives { code, max: MAX_NAMED };
-            self.diagnostics.push(Diagnostic::new(problem, span));
+            self.too_many.entry(code).or_insert(span);
         }
     }
 
     /// What is wrong with them: most often that two codes don't name each other.
-    pub(super) fn check(&mut self, known: &BTreeMap<u32, Option<Span>>) -> Vec<Diagnostic> {
-        let mut diagnostics = std::mem::take(&mut self.diagnostics);
+    pub(super) fn check(&self, known: &BTreeMap<u32, Option<Span>>) -> Vec<Diagnostic> {
+        let too_many = |code| Problem::TooManyAlternatives { code, max: MAX_NAMED };
+        let mut diagnostics: Vec<Diagnostic> =
+            self.too_many.iter().map(|(code, span)| Diagnostic::new(too_many(*code), *span)).collect();
         for (code, others) in &self.named {
             for (other, span) in others {
-                let is_mutual = self.named.get(other).is_some_and(|back| back.contains_key(code));
+                let names_back = self.named.get(other).is_some_and(|back| back.contains_key(code));
+                let is_mutual = names_back || self.too_many.contains_key(other);
                 // A row that can't be read may well name this one.
-                let Some(definition) = known.get(other).copied().flatten().filter(|_| !is_mutual) else { continue };
+                let Some(definition) = known.get(other).copied().flatten().filter(|_| !is_mutual) else {
+                    continue;
+                };
                 let problem = Problem::OneSidedAlternative { code: *code, other: *other };
                 let label = format!("{other} doesn't name {code}");
                 diagnostics.push(Diagnostic::new(problem, *span).with_related(definition, label));

@@ -18,7 +18,8 @@ const FOREIGN: &[&str] = &["exit", "http", "key", "response", "result", "return"
 const OBJECT: &[&str] = &["code", "error", "it", "one", "only", "that", "the", "this", "warning"];
 
 /// First words of a condition.
-const CONDITION: &[&str] = &["if", "for", "in", "on", "unless", "until", "when", "whenever", "where", "while"];
+const CONDITION: &[&str] =
+    &["if", "for", "in", "on", "unless", "until", "when", "whenever", "where", "while"];
 
 /// Words before and in a version: "since version 2.10 of the specification".
 const VERSION_WORDS: &[&str] = &["flockwave", "protocol", "release", "spec", "specification", "version"];
@@ -36,7 +37,9 @@ pub(super) fn references(description: &str) -> Vec<Reference> {
     while let [token, after @ ..] = rest {
         rest = after;
         match &token.kind {
-            Kind::Word(word @ ("code" | "codes")) if !is_foreign(&tokens[..tokens.len() - after.len() - 1]) => {
+            Kind::Word(word @ ("code" | "codes"))
+                if !is_foreign(&tokens[..tokens.len() - after.len() - 1]) =>
+            {
                 let is_alternative = clause.is_choice && clause.has_use;
                 let numbers = list(&mut rest, *word == "codes");
                 references.extend(numbers.into_iter().map(|range| Reference { range, is_alternative }));
@@ -204,7 +207,9 @@ fn word_len(text: &str) -> usize {
         len += rest.find(|c: char| !c.is_alphanumeric()).unwrap_or(rest.len());
         let mut next = text[len..].chars();
         match (next.next(), next.next()) {
-            (Some(joint @ ('.' | '-' | '–' | '_' | '\'' | '’')), Some(letter)) if letter.is_alphanumeric() => {
+            (Some(joint @ ('.' | '-' | '–' | '_' | '\'' | '’')), Some(letter))
+                if letter.is_alphanumeric() =>
+            {
                 len += joint.len_utf8();
             }
             _ => return len,
@@ -246,7 +251,10 @@ mod tests {
     #[test]
     fn alternatives_are_what_to_use_otherwise() {
         for (text, expected) in [
-            ("Fuel low. Use this error code only if there is enough (e.g. for the way home); otherwise use code 5 or 6. See code 7.", &["5", "6"][..]),
+            (
+                "Fuel low. Use this error code only if there is enough (e.g. for the way home); otherwise use code 5 or 6. See code 7.",
+                &["5", "6"][..],
+            ),
             ("USE IT ONLY FOR boats; OTHERWISE USE CODES 5, 6 AND 7.", &["5", "6", "7"]),
             ("Use this error code if it floats; when it sinks use code 5.", &["5"]),
             ("Use only while afloat. Otherwise, use either error code 5 or code 6!", &["5", "6"]),
@@ -263,7 +271,12 @@ mod tests {
 
     #[test]
     fn versions_have_dots() {
-        for text in ["Leak (since 2.10).", "Leak. Since specification 2.10", "since version v2.10 of it", "since the flood; since 2.10"] {
+        for text in [
+            "Leak (since 2.10).",
+            "Leak. Since specification 2.10",
+            "since version v2.10 of it",
+            "since the flood; since 2.10",
+        ] {
             assert_eq!(since(text), Some("2.10"), "{text}");
         }
         for text in ["since 5 minutes", "ever since", "since", "since version two", "since 2..1", "2.10"] {

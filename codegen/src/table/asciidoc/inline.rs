@@ -139,14 +139,12 @@ impl<'s> Scanner<'s, '_> {
         }
         let target = rest.find(|c: char| c == '[' || c.is_whitespace()).unwrap_or(rest.len());
         let has_text = rest[target..].starts_with('[') && self.at + target < last_bracket;
-        match rest[target..].find(']').filter(|_| has_text) {
-            Some(len) => {
-                self.at += target + 1;
-                self.text(len - 1);
-                self.at += 1;
-            }
-            None => self.text(target),
+        if !has_text {
+            return self.text(target);
         }
+        self.at += target + 1;
+        self.text(self.rest().find(']').unwrap_or(0));
+        self.at += 1;
     }
 }
 

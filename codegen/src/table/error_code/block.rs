@@ -64,7 +64,8 @@ impl Block {
             (named, Some(range)) => {
                 let class = ErrorClass::of(range.first);
                 let expected = named.filter(|named| !is_severity_of(*named, &range)).unwrap_or(class);
-                let is_within = expected == class && range.first <= range.last && class.codes().contains(&range.last);
+                let is_within =
+                    expected == class && range.first <= range.last && class.codes().contains(&range.last);
                 if is_within {
                     Ok(Self { title, class, codes: range.first..=range.last })
                 } else {
@@ -140,7 +141,8 @@ fn find_range(heading: &str) -> Option<HeadingRange> {
 fn range(text: &str) -> Option<(u32, u32, &str)> {
     let (first, rest) = number(text)?;
     let after = rest.trim_start();
-    let dash = ["-", "–", "—", "to ", "through ", "..."].into_iter().find_map(|dash| after.strip_prefix(dash));
+    let dash =
+        ["-", "–", "—", "to ", "through ", "..."].into_iter().find_map(|dash| after.strip_prefix(dash));
     let open = ["and above", "and up", "or above", "and higher", "or higher", "onwards", "+"];
     let (last, rest) = if let Some(second) = dash {
         number(second.trim_start())?
@@ -184,16 +186,34 @@ mod tests {
             ("UAV-specific error codes", "UAV-specific error codes", ErrorClass::UavSpecific, 256..=32_767),
             ("Vendor X (codes 512-767)", "Vendor X", ErrorClass::UavSpecific, 512..=767),
             ("Warnings (codes 576-639)", "Warnings", ErrorClass::UavSpecific, 576..=639),
-            ("User-defined error codes (codes 32768 and above)", "User-defined error codes", ErrorClass::UserDefined, 32_768..=u32::MAX),
+            (
+                "User-defined error codes (codes 32768 and above)",
+                "User-defined error codes",
+                ErrorClass::UserDefined,
+                32_768..=u32::MAX,
+            ),
             ("Codes 70-80", "Codes 70-80", ErrorClass::Warning, 70..=80),
         ] {
-            assert_eq!(Block::parse(heading), Ok(Block { title: title.to_owned(), class, codes }), "{heading}");
+            assert_eq!(
+                Block::parse(heading),
+                Ok(Block { title: title.to_owned(), class, codes }),
+                "{heading}"
+            );
         }
     }
 
     #[test]
     fn a_heading_without_class_or_range_is_unknown() {
-        for heading in ["", "Error codes", "Lemons", "Lemons (codes 1, 2)", "Lemons (codes 64-", "Lemons (codes 99999999999-1)", "Codes", "Änderungen"] {
+        for heading in [
+            "",
+            "Error codes",
+            "Lemons",
+            "Lemons (codes 1, 2)",
+            "Lemons (codes 64-",
+            "Lemons (codes 99999999999-1)",
+            "Codes",
+            "Änderungen",
+        ] {
             assert!(matches!(Block::parse(heading), Err(Problem::UnknownClass { .. })), "{heading}");
         }
     }
@@ -209,7 +229,11 @@ mod tests {
             ("UAV-specific error codes (codes 256 and above)", "UAV-specific", "256 and above", "256-32767"),
             ("User-defined (code 5)", "user-defined", "5", "32768 and above"),
         ] {
-            let problem = Problem::ClassRange { class: name.to_owned(), found: found.to_owned(), expected: expected.to_owned() };
+            let problem = Problem::ClassRange {
+                class: name.to_owned(),
+                found: found.to_owned(),
+                expected: expected.to_owned(),
+            };
             assert_eq!(Block::parse(heading), Err(problem), "{heading}");
         }
     }

@@ -1,0 +1,133 @@
+//! How long it takes to read and to generate the whole of PX4: 261 messages, and 4 and 16 times as
+//! many, to show that time grows with their number.
+//!
+//! `cargo bench -p uavspec-codegen`, or `cargo xtask bench codegen`. Needs the corpus.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use divan::Bencher;
+use divan::counter::ItemsCount;
+use tempfile::TempDir;
+use uavspec_codegen::emit::{self, OutputFile};
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::{Form, Schema};
+use uavspec_codegen::{PackageInput, SourceMap, cli, read};
+
+/// How many times over the corpus is read.
+const TIMES: [usize; 3] = [1, 4, 16];
+
+fn main() {
+    if corpus().is_none() {
+        eprintln!("left out: corpus/px4/main is absent; set UAVSPEC_CORPUS to the corpus");
+        return;
+    }
+    divan::main();
+}
+
+fn corpus() -> Option<Vec<PathBuf>> {
+    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/corpus");
+    let folder = std::env::var_os("UAVSPEC_CORPUS").map_or(default, PathBuf::from).join("px4/main/msg");
+    let mut files: Vec<PathBuf> = fs::read_dir(folder).ok()?.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    files.sort();
+    Some(files)
+}
+
+struct Input {
+    sources: SourceMap,
+    packages: Vec<PackageInput>,
+    messages: usize,
+}
+
+fn input(times: usize) -> Input {
+    let files = corpus().unwrap_or_default();
+    let mut sources = SourceMap::default();
+    let packages = (0..times)
+        .map(|number| PackageInput {
+            name: format!("px4_{number}"),
+            form: Form::Msg(Dialect::Px4),
+            ros_package: None,
+            origin: None,
+            revision: None,
+            select: None,
+            sources: files
+                .iter()
+                .map(|file| sources.add(file.to_string_lossy(), fs::read(file).expect("readable")).expect("valid"))
+                .collect(),
+        })
+        .collect();
+    Input { sources, packages, messages: files.len() * times }
+}
+
+/// Text to model: parse and resolve.
+#[divan::bench(args = TIMES)]
+fn read_definitions(bencher: Bencher<'_, '_>, times: usize) {
+    let input = input(times);
+    bencher.counter(ItemsCount::new(input.messages)).bench_local(|| read(&input.sources, &input.packages));
+}
+
+fn emitter(bencher: Bencher<'_, '_>, times: usize, emit: impl Fn(&Schema, &SourceMap) -> Vec<OutputFile>) {
+    let input = input(times);
+    let (schema, _) = read(&input.sources, &input.packages);
+    bencher.counter(ItemsCount::new(input.messages)).bench_local(|| emit(&schema, &input.sources));
+}
+
+/// Model to Rust.
+#[divan::bench(args = TIMES)]
+fn emit_rust(bencher: Bencher<'_, '_>, times: usize) {
+    emitter(bencher, times, |schema, sources| emit::rust::emit(schema, sources, &emit::rust::Options::default()));
+}
+
+/// Model to JSON Schemas.
+#[divan::bench(args = TIMES)]
+fn emit_json_schema(bencher: Bencher<'_, '_>, times: usize) {
+    emitter(bencher, times, |schema, _| emit::json_schema::emit(schema, &emit::json_schema::Options::default()));
+}
+
+/// Model to documentation.
+#[divan::bench(args = TIMES)]
+fn emit_docs(bencher: Bencher<'_, '_>, times: usize) {
+    emitter(bencher, times, |schema, sources| emit::docs::emit(schema, sources, &emit::docs::Options::default()));
+}
+
+/// A workspace on disk whose definitions are those of the corpus.
+fn workspace(times: usize) -> TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut config = "[output]\nrust = \"rust\"\njson_schema = \"schemas\"\ndocs = \"docs\"\n".to_owned();
+    for number in 0..times {
+        let name = format!("px4_{number}");
+        fs::create_dir(folder.path().join(&name)).expect("a folder");
+        for file in corpus().unwrap_or_default() {
+            let target = folder.path().join(&name).join(file.file_name().expect("a name"));
+            fs::copy(&file, target).expect("a copy");
+        }
+        config += &format!("[[package]]\nname = \"{name}\"\ndialect = \"px4\"\ninclude = [\"{name}/*.msg\"]\n");
+    }
+    fs::write(folder.path().join("uavspec.toml"), config).expect("a configuration");
+    folder
+}
+
+/// The whole command, files to files, where no output is there yet.
+#[divan::bench(args = TIMES, sample_count = 10, sample_size = 1)]
+fn generate_all(bencher: Bencher<'_, '_>, times: usize) {
+    let messages = corpus().unwrap_or_default().len() * times;
+    let folder = workspace(times);
+    bencher
+        .counter(ItemsCount::new(messages))
+        .with_inputs(|| {
+            for output in ["rust", "schemas", "docs"] {
+                let _ = fs::remove_dir_all(folder.path().join(output));
+            }
+        })
+        .bench_local_values(|()| cli::generate(folder.path().join("uavspec.toml")).expect("output"));
+}
+
+/// The whole command, where all output is up to date.
+#[divan::bench(args = TIMES, sample_count = 10, sample_size = 1)]
+fn generate_unchanged(bencher: Bencher<'_, '_>, times: usize) {
+    let messages = corpus().unwrap_or_default().len() * times;
+    let folder = workspace(times);
+    let config = folder.path().join("uavspec.toml");
+    cli::generate(&config).expect("output");
+    bencher.counter(ItemsCount::new(messages)).bench_local(|| cli::generate(&config).expect("output"));
+}

@@ -1,0 +1,67 @@
+//! Documentation: Markdown pages that an mdBook takes as they are and that read well on GitHub.
+//!
+//! ```text
+//! README.md  SUMMARY.md  book.toml  book.css
+//! <package>/README.md  <Message>.md  <Message>.svg  <Service>.srv.md  <Action>.action.md
+//! <package>/error-codes.md  error-codes/<table>.md
+//! ```
+//!
+//! [`Site`] knows where everything is described and what refers to it; a page is written from top to
+//! bottom with the vocabulary of [`markdown`]. All text of definitions goes through [`Scope`] or one
+//! of the escapes there, which all lead to [`super::prose`].
+
+mod book;
+mod commands;
+mod constants;
+mod enums;
+mod error_codes;
+mod fields;
+mod index;
+mod interface;
+mod markdown;
+mod message;
+mod picture;
+mod scope;
+mod site;
+#[cfg(test)]
+mod tests;
+
+use self::site::Site;
+use super::{GENERATED_BY, OutputFile};
+use crate::schema::Schema;
+use crate::source::SourceMap;
+
+/// What the definitions don't say.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Title of the book and of its first page.
+    pub title: String,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { title: "Interface definitions".to_owned() }
+    }
+}
+
+/// Describes all that `schema` lists. The order of the files is that of the schema.
+pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<OutputFile> {
+    let site = Site::new(schema, sources);
+    let mut files =
+        vec![book::config(options), book::style(), book::summary(&site), index::overview(&site, options)];
+    for package in site.packages() {
+        files.push(index::package(&site, package));
+        for id in &package.messages {
+            files.push(message::page(&site, *id));
+            files.extend(picture::file(&site, *id));
+        }
+        files.extend(package.interfaces.iter().map(|interface| interface::page(&site, package, interface)));
+        files.extend(error_codes::pages(&site, package));
+    }
+    files
+}
+
+/// The line that every file begins with, between the marks of its kind of comment.
+fn notice() -> String {
+    format!("{GENERATED_BY} from definitions. Do not edit: run `cargo xtask codegen`.")
+}

@@ -1,0 +1,126 @@
+//! What makes a book of the pages: its configuration, its table of contents, its style.
+
+use super::error_codes;
+use super::interface::kind_name;
+use super::markdown::{append, href, inline, link};
+use super::site::{Site, interface_path};
+use super::{Options, notice};
+use crate::emit::OutputFile;
+use crate::schema::Package;
+
+/// The table of contents.
+const SUMMARY: &str = "SUMMARY.md";
+
+/// `book.toml`.
+pub(super) fn config(options: &Options) -> OutputFile {
+    let text = format!(
+        "# {notice}
+
+[book]
+title = {title}
+language = \"en\"
+src = \".\"
+
+[build]
+create-missing = false
+# Descriptions are text: nothing in them is to be expanded. And a README.md stays README.html, so
+# that links to it work on GitHub, on a server and from files alike.
+use-default-preprocessors = false
+
+[output.html]
+additional-css = [\"book.css\"]
+no-section-label = true
+smart-punctuation = false
+
+[output.html.fold]
+enable = true
+level = 1
+",
+        notice = notice(),
+        title = toml_string(&options.title),
+    );
+    OutputFile { path: "book.toml".to_owned(), text }
+}
+
+/// A string as TOML writes it.
+fn toml_string(text: &str) -> String {
+    let mut quoted = String::from("\"");
+    for character in text.chars() {
+        match character {
+            '"' | '\\' => quoted.extend(['\\', character]),
+            _ if character.is_control() => append(&mut quoted, format_args!("\\u{:04X}", u32::from(character))),
+            _ => quoted.push(character),
+        }
+    }
+    quoted + "\""
+}
+
+/// `book.css`: tables of fields are wide, and need more room than mdBook leaves them.
+pub(super) fn style() -> OutputFile {
+    let text = format!(
+        "/* {} */
+
+:root {{
+    --content-max-width: 1100px;
+}}
+
+.content table {{
+    margin-inline: 0;
+}}
+
+.content td,
+.content th {{
+    padding: 3px 10px;
+}}
+
+.content td {{
+    vertical-align: top;
+}}
+",
+        notice()
+    );
+    OutputFile { path: "book.css".to_owned(), text }
+}
+
+/// `SUMMARY.md`: every page, package by package.
+pub(super) fn summary(site: &Site<'_>) -> OutputFile {
+    let mut text = format!("<!-- {} -->\n\n# Summary\n\n[Overview](README.md)\n\n", notice());
+    for package in site.packages() {
+        let mut item = |depth: usize, name: &str, path: &str| {
+            text.push_str(&"  ".repeat(depth));
+            text.push_str("- ");
+            text.push_str(&link(&inline(name), &href(SUMMARY, path, "")));
+            text.push('\n');
+        };
+        item(0, &package.name, &format!("{}/README.md", package.name));
+        contents(site, package, |depth, name, path| item(depth + 1, name, path));
+    }
+    OutputFile { path: SUMMARY.to_owned(), text }
+}
+
+fn contents(site: &Site<'_>, package: &Package, mut item: impl FnMut(usize, &str, &str)) {
+    for id in &package.messages {
+        item(0, &site.schema.message(*id).name, site.path(*id));
+    }
+    for interface in &package.interfaces {
+        let name = format!("{} {}", interface.name, kind_name(interface.kind));
+        item(0, &name, &interface_path(package, interface));
+    }
+    if !package.error_tables.is_empty() {
+        item(0, error_codes::TITLE, &error_codes::overview_path(package));
+        for (table, path) in package.error_tables.iter().zip(error_codes::table_paths(package)) {
+            item(1, &table.title, &path);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn titles_are_quoted() {
+        let options = Options { title: "A \"b\" \\ c\n".to_owned() };
+        assert!(config(&options).text.contains(r#"title = "A \"b\" \\ c\u000A""#));
+    }
+}

@@ -1,0 +1,156 @@
+//! Constants that are in no enum: those that parameters of commands hold, and all others.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::commands::parameter_link;
+use super::fields::{constant_type, in_groups, value_cell};
+use super::markdown::{Page, Table, anchor, code, number_column, text_column};
+use super::scope::Scope;
+use super::site::{Part, is_fact};
+use crate::schema::{Message, MessageId};
+
+/// Constants whose anchors are on the page already: two enums may share some.
+#[derive(Debug, Default)]
+pub(super) struct Anchored(BTreeSet<usize>);
+
+impl Anchored {
+    /// The anchor of a constant, where the page has none yet.
+    pub(super) fn place(&mut self, scope: Scope<'_, '_>, id: MessageId, constant: usize) -> String {
+        let is_new = self.0.insert(constant);
+        if is_new { anchor(&scope.site.anchor(id, Part::Constant(constant))) } else { String::new() }
+    }
+}
+
+/// A parameter: its command, and its index among the parameters of that.
+pub(super) type ParameterRef = (usize, usize);
+
+/// Constants that parameters of commands hold.
+#[derive(Debug, Default)]
+pub(super) struct ParameterEnum {
+    pub(super) holders: Vec<ParameterRef>,
+    pub(super) constants: Vec<usize>,
+}
+
+/// Constants of a message by where they are shown.
+#[derive(Debug, Default)]
+pub(super) struct Constants<'s> {
+    /// Those with parameters, and those that are called like them.
+    pub(super) commands: Vec<usize>,
+    /// By prefix, what parameters of commands hold.
+    pub(super) of_parameters: BTreeMap<&'s str, ParameterEnum>,
+    /// All others that no enum lists.
+    pub(super) others: Vec<usize>,
+    /// Those that enums list.
+    pub(super) members: BTreeSet<usize>,
+}
+
+impl<'s> Constants<'s> {
+    pub(super) fn of(message: &'s Message) -> Self {
+        let members = message.enums.iter().flat_map(|found| &found.members).map(|member| member.constant).collect();
+        let mut constants = Self { members, of_parameters: parameter_enums(message), ..Self::default() };
+        let command_prefix = command_prefix(message);
+        for (index, constant) in message.constants.iter().enumerate() {
+            let is_called_so = command_prefix.is_some_and(|prefix| constant.name.starts_with(prefix));
+            if !constant.parameters.is_empty() || is_called_so {
+                constants.commands.push(index);
+            } else if !constants.members.contains(&index) && !is_fact(message, index) {
+                match longest_prefix(&constant.name, &mut constants.of_parameters) {
+                    Some(found) => found.constants.push(index),
+                    None => constants.others.push(index),
+                }
+            }
+        }
+        constants.of_parameters.retain(|_, found| !found.constants.is_empty());
+        constants
+    }
+}
+
+/// What the names of all commands start with, underscore included, where there are several.
+fn command_prefix(message: &Message) -> Option<&str> {
+    let commands = message.constants.iter().filter(|constant| !constant.parameters.is_empty());
+    let mut names = commands.map(|constant| constant.name.as_str());
+    let (first, second) = (names.next()?, names.next()?);
+    let shared = names.fold(common_start(first, second), common_start);
+    shared.rfind('_').map(|at| &shared[..=at])
+}
+
+fn common_start<'n>(left: &'n str, right: &str) -> &'n str {
+    let length = left.bytes().zip(right.bytes()).take_while(|(left, right)| left == right).count();
+    left.get(..length).unwrap_or_default()
+}
+
+/// The prefixes that parameters of commands name, without those of the enums of the message.
+fn parameter_enums(message: &Message) -> BTreeMap<&str, ParameterEnum> {
+    let known: BTreeSet<&str> = message.enums.iter().flat_map(|found| &found.prefixes).map(String::as_str).collect();
+    let mut found: BTreeMap<&str, ParameterEnum> = BTreeMap::new();
+    for (command, constant) in message.constants.iter().enumerate() {
+        for (index, parameter) in constant.parameters.iter().enumerate() {
+            let prefixes = parameter.enum_prefixes.iter().map(String::as_str);
+            for prefix in prefixes.filter(|prefix| !known.contains(prefix)) {
+                found.entry(prefix).or_default().holders.push((command, index));
+            }
+        }
+    }
+    found
+}
+
+/// What the longest prefix of `name` stands for.
+fn longest_prefix<'f>(name: &str, found: &'f mut BTreeMap<&str, ParameterEnum>) -> Option<&'f mut ParameterEnum> {
+    let (at, _) = name.rmatch_indices('_').find(|(at, _)| found.contains_key(&name[..*at]))?;
+    found.get_mut(&name[..at])
+}
+
+/// The anchor of the constants that parameters hold by this prefix.
+pub(super) fn prefix_anchor(prefix: &str) -> String {
+    format!("enum-{}", prefix.to_ascii_lowercase())
+}
+
+/// Writes what parameters of commands hold, prefix by prefix.
+pub(super) fn write_parameter_enums(
+    page: &mut Page,
+    scope: Scope<'_, '_>,
+    id: MessageId,
+    constants: &Constants<'_>,
+    anchored: &mut Anchored,
+) {
+    let message = scope.site.schema.message(id);
+    for (prefix, found) in &constants.of_parameters {
+        page.anchor(&prefix_anchor(prefix));
+        page.heading(3, &code(prefix));
+        let holders: Vec<String> = found.holders.iter().map(|holder| parameter_link(message, *holder)).collect();
+        page.block(&format!("Held by {}.", holders.join(", ")));
+        let mut table = Table::new(&[number_column("Value"), text_column("Name"), text_column("Description")]);
+        for index in &found.constants {
+            let constant = &message.constants[*index];
+            let name = anchored.place(scope, id, *index) + &code(&constant.name);
+            table.row([value_cell(&constant.value), name, scope.at(Part::Constant(*index)).inline(&constant.description)]);
+        }
+        page.table(&table);
+    }
+}
+
+/// Writes constants that stand for themselves, group by group.
+pub(super) fn write(
+    page: &mut Page,
+    scope: Scope<'_, '_>,
+    id: MessageId,
+    indexes: &[usize],
+    level: usize,
+    anchored: &mut Anchored,
+) {
+    let message = scope.site.schema.message(id);
+    let columns =
+        [text_column("Constant"), text_column("Type"), number_column("Value"), text_column("Description")];
+    let mut table = Table::new(&columns);
+    for index in indexes {
+        let constant = &message.constants[*index];
+        table.row([
+            anchored.place(scope, id, *index) + &code(&constant.name),
+            constant_type(scope, message, constant.ty),
+            value_cell(&constant.value),
+            scope.at(Part::Constant(*index)).inline(&constant.description),
+        ]);
+    }
+    let groups: Vec<Option<usize>> = indexes.iter().map(|index| message.constants[*index].group).collect();
+    in_groups(page, scope, table, &groups, &message.groups, level);
+}

@@ -1,0 +1,209 @@
+//! The fields of a message, group by group.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use super::enums;
+use super::markdown::{Page, Table, anchor, code, gist, inline, link, number_column, text_column, unbroken};
+use super::scope::Scope;
+use super::site::Part;
+use crate::schema::{Docs, Element, Field, Form, Kind, Message, MessageId, Range, Shape, Special, Type, shape_text};
+use crate::unit;
+use crate::value::Value;
+
+/// Longest heading of a group, in characters; what is longer is a text below its start.
+const MAX_HEADING: usize = 100;
+
+/// Writes the fields of a message; the headings of groups are of `level`.
+pub(super) fn write(page: &mut Page, scope: Scope<'_, '_>, id: MessageId, level: usize) {
+    let message = scope.site.schema.message(id);
+    if message.fields.is_empty() {
+        page.block("None.");
+        return;
+    }
+    let columns = [
+        text_column("Field"),
+        text_column("Type"),
+        text_column("Unit"),
+        text_column("Values"),
+        text_column("Description"),
+        number_column("Offset"),
+    ];
+    let mut table = Table::new(&columns);
+    let offsets = offsets(scope, message);
+    for (index, offset) in offsets.into_iter().enumerate() {
+        table.row(row(scope, id, index, offset));
+    }
+    let groups: Vec<Option<usize>> = message.fields.iter().map(|field| field.group).collect();
+    in_groups(page, scope, table, &groups, &message.groups, level);
+}
+
+/// Writes a table in parts, one for each run of rows of the same group.
+pub(super) fn in_groups(
+    page: &mut Page,
+    scope: Scope<'_, '_>,
+    table: Table,
+    groups: &[Option<usize>],
+    docs: &[Docs],
+    level: usize,
+) {
+    let runs: Vec<&[Option<usize>]> = groups.chunk_by(|left, right| left == right).collect();
+    let tables = table.split(runs.iter().map(|run| run.len()));
+    for (index, (run, table)) in runs.iter().zip(tables).enumerate() {
+        match run[0].map(|group| &docs[group]) {
+            Some(docs) => group_heading(page, scope, docs, level),
+            None if index > 0 => page.heading(level, "Others"),
+            None => {}
+        }
+        page.table(&table);
+    }
+}
+
+fn group_heading(page: &mut Page, scope: Scope<'_, '_>, docs: &Docs, level: usize) {
+    let heading = gist(&docs.summary, MAX_HEADING);
+    page.heading(level, &inline(heading.trim_end_matches(['.', ':'])));
+    if heading == docs.summary {
+        page.block(&scope.block(&docs.description));
+    } else {
+        page.block(&scope.block(&docs.text()));
+    }
+}
+
+/// Where each field lies; nothing where that depends on values or nobody asks.
+fn offsets(scope: Scope<'_, '_>, message: &Message) -> Vec<String> {
+    let mut offsets = vec![String::new(); message.fields.len()];
+    if has_layout(scope, message) {
+        for slot in message.uorb.iter().flat_map(|layout| &layout.slots) {
+            if let Some(field) = slot.field {
+                offsets[field] = slot.offset.to_string();
+            }
+        }
+    }
+    offsets
+}
+
+/// Whether a message has a memory layout that means something: ROS has no uORB.
+pub(super) fn has_layout(scope: Scope<'_, '_>, message: &Message) -> bool {
+    message.kind == Kind::Message && message.uorb.is_some() && is_px4(scope.site.schema.package_of(message).form)
+}
+
+pub(super) fn is_px4(form: Form) -> bool {
+    form == Form::Msg(crate::schema::Dialect::Px4)
+}
+
+fn row(scope: Scope<'_, '_>, id: MessageId, index: usize, offset: String) -> [String; 6] {
+    let message = scope.site.schema.message(id);
+    let field = &message.fields[index];
+    let place = anchor(&scope.site.anchor(id, Part::Field(index)));
+    let scope = scope.at(Part::Field(index));
+    [
+        place + &code(&field.name),
+        type_cell(scope, message, field.ty),
+        unit(field.unit.as_deref()),
+        values(scope, id, index).join("<br>"),
+        scope.inline(&field.description),
+        offset,
+    ]
+}
+
+/// A type, which leads to the message that it names.
+fn type_cell(scope: Scope<'_, '_>, message: &Message, ty: Type) -> String {
+    let text = code(&scope.site.schema.type_text(message, ty));
+    match ty.element {
+        Element::Message(nested) => {
+            link(&text, &super::markdown::href(scope.from, scope.site.path(nested), ""))
+        }
+        Element::Scalar(_) | Element::String { .. } => text,
+    }
+}
+
+/// The symbol of a unit; nothing where there is none.
+pub(super) fn unit(symbol: Option<&str>) -> String {
+    inline(symbol.filter(|symbol| *symbol != unit::NONE).unwrap_or_default())
+}
+
+/// What is said of the values of a field, a line each.
+fn values(scope: Scope<'_, '_>, id: MessageId, index: usize) -> Vec<String> {
+    let message = scope.site.schema.message(id);
+    let field = &message.fields[index];
+    let mut lines = Vec::new();
+    lines.extend(enums::of_field(scope, field));
+    lines.extend(field.range.as_ref().and_then(range));
+    lines.extend(field.invalid.as_ref().map(|special| meaning(scope, special, "no data")));
+    lines.extend(field.uncontrolled.as_ref().map(|special| meaning(scope, special, "not controlled")));
+    lines.extend(field.frame.as_deref().map(|frame| format!("frame: {}", scope.inline(frame))));
+    lines.extend(field.default.as_ref().map(|value| format!("default {}", code(&value.to_string()))));
+    lines.extend(count(scope, id, index));
+    if matches!(scope.site.schema.package_of(message).form, Form::Msg(dialect) if field.is_text(dialect)) {
+        lines.push("text".to_owned());
+    }
+    lines
+}
+
+/// What connects an array with the field that counts its entries in use.
+fn count(scope: Scope<'_, '_>, id: MessageId, index: usize) -> Option<String> {
+    let fields = &scope.site.schema.message(id).fields;
+    let to = |other: usize| link(&code(&fields[other].name), &scope.site.href(scope.from, id, Part::Field(other)));
+    if let Some(array) = fields[index].counts {
+        let most = match fields[array].ty.shape {
+            Shape::Array(most) | Shape::Bounded(most) => format!(", at most {most}"),
+            Shape::Single | Shape::Sequence => String::new(),
+        };
+        return Some(format!("entries of {} in use{most}", to(array)));
+    }
+    // Only arrays are counted, and messages have few of them.
+    if fields[index].ty.shape == Shape::Single {
+        return None;
+    }
+    let counter = fields.iter().position(|field: &Field| field.counts == Some(index))?;
+    Some(format!("in use: the first {}", to(counter)))
+}
+
+/// Bounds in words; nothing where there are none.
+pub(super) fn range(range: &Range) -> Option<String> {
+    let finite = |bound: &Option<Value>| {
+        bound.as_ref().filter(|value| !matches!(value, Value::Float(float) if float.is_infinite())).map(number)
+    };
+    match (finite(&range.low), finite(&range.high)) {
+        (Some(low), Some(high)) => Some(unbroken(&format!("{low} to {high}"))),
+        (Some(low), None) => Some(unbroken(&format!("≥ {low}"))),
+        (None, Some(high)) => Some(unbroken(&format!("≤ {high}"))),
+        (None, None) => None,
+    }
+}
+
+/// A bound; multiples of π as such.
+fn number(value: &Value) -> String {
+    let known = [(PI, "π"), (FRAC_PI_2, "π/2"), (TAU, "2π")];
+    let name = match value {
+        Value::Float(float) => known.iter().find(|(multiple, _)| multiple.to_bits() == float.abs().to_bits()),
+        _ => None,
+    };
+    match (name, value) {
+        (Some((_, name)), Value::Float(float)) if *float < 0.0 => format!("−{name}"),
+        (Some((_, name)), _) => (*name).to_owned(),
+        (None, _) => inline(&value.to_string().replace('-', "−")),
+    }
+}
+
+/// A value with a meaning of its own, and when it applies.
+pub(super) fn meaning(scope: Scope<'_, '_>, special: &Special, meaning: &str) -> String {
+    let value = special.value.as_ref().map_or_else(|| "empty".to_owned(), |value| code(&value.to_string()));
+    let meaning = format!("{value}:&nbsp;{}", unbroken(meaning));
+    let text = scope.inline(&special.text);
+    if text.is_empty() { meaning } else { format!("{meaning} ({text})") }
+}
+
+/// The value of a constant or default; texts as code.
+pub(super) fn value_cell(value: &Value) -> String {
+    match value {
+        Value::Bool(_) | Value::Int(_) | Value::Float(_) => value.to_string(),
+        Value::Text(_) | Value::List(_) => code(&value.to_string()),
+    }
+}
+
+/// The type of a constant.
+pub(super) fn constant_type(scope: Scope<'_, '_>, message: &Message, element: Element) -> String {
+    let ty = Type { element, shape: Shape::Single };
+    debug_assert!(shape_text(ty.shape).is_empty());
+    code(&scope.site.schema.type_text(message, ty))
+}

@@ -1,0 +1,311 @@
+//! The Markdown that pages are made of: headings, paragraphs, tables, links.
+
+use std::fmt::{self, Write as _};
+
+use super::notice;
+use crate::emit::{OutputFile, prose};
+
+/// A page while it is written.
+#[derive(Debug)]
+pub(super) struct Page {
+    path: String,
+    text: String,
+}
+
+impl Page {
+    /// A page with its first heading, which is given as Markdown.
+    pub(super) fn new(path: &str, heading: &str) -> Self {
+        let mut page = Self { path: path.to_owned(), text: format!("<!-- {} -->\n", notice()) };
+        page.heading(1, heading);
+        page
+    }
+
+    /// A heading, given as Markdown.
+    pub(super) fn heading(&mut self, level: usize, heading: &str) {
+        // `#` at its end would be taken for a closing mark.
+        let (heading, end) = heading.strip_suffix('#').map_or((heading, ""), |start| (start, "\\#"));
+        self.put(format_args!("\n{:#<level$} {heading}{end}\n", ""));
+    }
+
+    /// A place before a heading that links can lead to. It stands apart, since mdBook makes a link
+    /// of each heading, and there is no link within a link.
+    pub(super) fn anchor(&mut self, id: &str) {
+        self.put(format_args!("\n{}\n", anchor(id)));
+    }
+
+    /// A paragraph, or any other block, given as Markdown; nothing where it is empty.
+    pub(super) fn block(&mut self, markdown: &str) {
+        if !markdown.is_empty() {
+            self.put(format_args!("\n{markdown}\n"));
+        }
+    }
+
+    /// An item of a list, given as Markdown.
+    pub(super) fn item(&mut self, depth: usize, markdown: &str) {
+        self.put(format_args!("{:depth$}- {markdown}\n", "", depth = 2 * depth));
+    }
+
+    /// A blank line, as before a list.
+    pub(super) fn gap(&mut self) {
+        self.text.push('\n');
+    }
+
+    /// A table without the columns that have nothing to say; nothing where it has no rows.
+    pub(super) fn table(&mut self, table: &Table) {
+        if table.is_empty() {
+            return;
+        }
+        let columns = table.used_columns();
+        self.gap();
+        self.row(columns.iter().map(|column| table.columns[*column].heading));
+        self.row(columns.iter().map(|column| table.columns[*column].rule()));
+        for row in &table.rows {
+            self.row(columns.iter().map(|column| row.get(*column).map_or("", String::as_str)));
+        }
+    }
+
+    fn row<'c>(&mut self, cells: impl Iterator<Item = &'c str>) {
+        self.text.push('|');
+        for cell in cells {
+            self.text.push(' ');
+            self.text.push_str(cell);
+            self.text.push_str(" |");
+        }
+        self.gap();
+    }
+
+    fn put(&mut self, text: fmt::Arguments<'_>) {
+        append(&mut self.text, text);
+    }
+
+    /// The file.
+    pub(super) fn finish(self) -> OutputFile {
+        OutputFile { path: self.path, text: self.text }
+    }
+}
+
+/// Formats to the end of a text.
+pub(super) fn append(to: &mut String, text: fmt::Arguments<'_>) {
+    // Writing to a `String` can't fail.
+    let _ = to.write_fmt(text);
+}
+
+/// A column of a table.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Column {
+    heading: &'static str,
+    is_number: bool,
+}
+
+impl Column {
+    fn rule(self) -> &'static str {
+        if self.is_number { "---:" } else { "---" }
+    }
+}
+
+/// A column of text.
+pub(super) const fn text_column(heading: &'static str) -> Column {
+    Column { heading, is_number: false }
+}
+
+/// A column of numbers, which are aligned at their ends.
+pub(super) const fn number_column(heading: &'static str) -> Column {
+    Column { heading, is_number: true }
+}
+
+/// A table; its cells are Markdown.
+#[derive(Clone, Debug)]
+pub(super) struct Table {
+    columns: Vec<Column>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    pub(super) fn new(columns: &[Column]) -> Self {
+        Self { columns: columns.to_vec(), rows: Vec::new() }
+    }
+
+    pub(super) fn row(&mut self, cells: impl IntoIterator<Item = String>) {
+        self.rows.push(cells.into_iter().collect());
+    }
+
+    /// Whether it has no rows.
+    pub(super) fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// The columns in which any cell says something, and the first.
+    fn used_columns(&self) -> Vec<usize> {
+        let says = |column: usize| self.rows.iter().any(|row| row.get(column).is_some_and(|cell| !cell.is_empty()));
+        (0..self.columns.len()).filter(|column| *column == 0 || says(*column)).collect()
+    }
+
+    /// The same rows, `lengths` of them to each table.
+    pub(super) fn split(self, lengths: impl IntoIterator<Item = usize>) -> Vec<Self> {
+        let mut rows = self.rows.into_iter();
+        let part = |length| Self { columns: self.columns.clone(), rows: rows.by_ref().take(length).collect() };
+        lengths.into_iter().map(part).collect()
+    }
+}
+
+/// A text of a definition on one line.
+///
+/// Braces go beyond what [`prose`] escapes, for the templates of mdBook and of GitHub's pages, and
+/// for the attributes that mdBook reads from headings.
+pub(super) fn inline(text: &str) -> String {
+    let escaped = prose::inline(text);
+    if escaped.contains('{') { escaped.replace('{', "&#123;") } else { escaped }
+}
+
+/// A text that stays on one line, given as Markdown.
+pub(super) fn unbroken(markdown: &str) -> String {
+    markdown.replace(' ', "&nbsp;")
+}
+
+/// A name or value as code, fit for a table.
+pub(super) fn code(text: &str) -> String {
+    // What means something to tables or templates keeps its meaning even between backticks.
+    if !text.is_empty() && text.bytes().all(|byte| matches!(byte, b' '..=b'~') && !matches!(byte, b'`' | b'|' | b'{')) {
+        return prose::code(text);
+    }
+    let mut escaped = String::from("<code>");
+    for character in prose::xml(text).chars() {
+        match character {
+            // Already an entity, or the parts of one.
+            '&' | ';' | '#' | ' ' => escaped.push(character),
+            _ if character.is_alphanumeric() => escaped.push(character),
+            _ => append(&mut escaped, format_args!("&#{};", u32::from(character))),
+        }
+    }
+    escaped + "</code>"
+}
+
+/// A link with text given as Markdown.
+pub(super) fn link(markdown: &str, href: &str) -> String {
+    format!("[{markdown}]({href})")
+}
+
+/// A place within a line that links can lead to.
+pub(super) fn anchor(id: &str) -> String {
+    format!("<a id=\"{}\"></a>", prose::xml(id))
+}
+
+/// The address of the page `to`, or of a place in it, as seen from the page `from`.
+pub(super) fn href(from: &str, to: &str, anchor: &str) -> String {
+    let mark = if anchor.is_empty() { "" } else { "#" };
+    if from == to && !anchor.is_empty() {
+        return format!("#{}", encoded(anchor));
+    }
+    let shared = from.bytes().zip(to.bytes()).take_while(|(left, right)| left == right).count();
+    let folder = from.as_bytes()[..shared].iter().rposition(|byte| *byte == b'/').map_or(0, |at| at + 1);
+    let up = "../".repeat(from[folder..].matches('/').count());
+    format!("{up}{}{mark}{}", encoded(&to[folder..]), encoded(anchor))
+}
+
+/// A path or anchor in which only plain characters stand for themselves.
+fn encoded(text: &str) -> String {
+    let mut encoded = String::with_capacity(text.len());
+    for byte in text.bytes() {
+        if byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_' | b'.' | b'/') {
+            encoded.push(char::from(byte));
+        } else {
+            append(&mut encoded, format_args!("%{byte:02X}"));
+        }
+    }
+    encoded
+}
+
+/// What a text says in short: its first sentence, cut where it is longer than `limit` characters.
+pub(super) fn gist(text: &str, limit: usize) -> String {
+    let sentence = &text[..sentence_end(text)];
+    let Some((cut, _)) = sentence.char_indices().nth(limit) else { return sentence.to_owned() };
+    let end = sentence[..cut].rfind(char::is_whitespace).unwrap_or(cut);
+    format!("{} …", sentence[..end].trim_end())
+}
+
+/// Where the first sentence ends: before white space that a capital follows, or at a blank line.
+fn sentence_end(text: &str) -> usize {
+    let paragraph = text.find("\n\n").unwrap_or(text.len());
+    let ends = text[..paragraph].match_indices(['.', '!', '?']).map(|(at, _)| at + 1);
+    let is_end = |at: &usize| {
+        let rest = &text[*at..paragraph];
+        let next = rest.trim_start();
+        next.len() < rest.len() && next.starts_with(char::is_uppercase)
+    };
+    ends.into_iter().find(is_end).unwrap_or(paragraph)
+}
+
+/// A number of things, in words.
+pub(super) fn plural(count: u64, noun: &str) -> String {
+    let ending = if count == 1 { "" } else { "s" };
+    format!("{} {noun}{ending}", thousands(count))
+}
+
+/// A number with a comma after each three digits.
+pub(super) fn thousands(number: u64) -> String {
+    let digits = number.to_string();
+    let mut grouped = String::with_capacity(digits.len() + digits.len() / 3);
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            grouped.push(',');
+        }
+        grouped.push(digit);
+    }
+    grouped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_are_relative_to_the_page() {
+        for (from, to, anchor, expected) in [
+            ("README.md", "px4/A.md", "", "px4/A.md"),
+            ("px4/A.md", "px4/AB.md", "field-x", "AB.md#field-x"),
+            ("px4/A.md", "px4/A.md", "field-x", "#field-x"),
+            ("px4/A.md", "px5/A.md", "", "../px5/A.md"),
+            ("a/error-codes/w.md", "a/error-codes.md", "code-1", "../error-codes.md#code-1"),
+            ("a/error-codes/w.md", "README.md", "", "../../README.md"),
+            ("README.md", "a (b)/x.md", "", "a%20%28b%29/x.md"),
+        ] {
+            assert_eq!(href(from, to, anchor), expected, "{from} to {to}");
+        }
+    }
+
+    #[test]
+    fn a_gist_is_the_first_sentence() {
+        assert_eq!(gist("One (e.g. this). Two.", 99), "One (e.g. this).");
+        assert_eq!(gist("Version 2.10 of it", 99), "Version 2.10 of it");
+        assert_eq!(gist("One\n\nTwo", 99), "One");
+        assert_eq!(gist("Many words in one", 9), "Many …");
+        assert_eq!(gist("", 9), "");
+    }
+
+    #[test]
+    fn code_survives_tables_and_templates() {
+        assert_eq!(code("uint8[<=4]"), "`uint8[<=4]`");
+        assert_eq!(code("a|b"), "<code>a&#124;b</code>");
+        assert_eq!(code("{{#include `x`}}"), "<code>&#123;&#123;#include &#96;x&#96;&#125;&#125;</code>");
+        assert_eq!(code("<b>&"), "`<b>&`");
+        assert_eq!(code("|<b>"), "<code>&#124;&lt;b&gt;</code>");
+    }
+
+    #[test]
+    fn numbers_are_readable() {
+        assert_eq!(thousands(0), "0");
+        assert_eq!(thousands(123), "123");
+        assert_eq!(thousands(1_234_567), "1,234,567");
+        assert_eq!(plural(1, "byte"), "1 byte");
+    }
+
+    #[test]
+    fn a_table_drops_what_is_empty() {
+        let mut table = Table::new(&[text_column("A"), number_column("B"), number_column("C")]);
+        table.row(["x".to_owned(), String::new(), "1".to_owned()]);
+        table.row(["y".to_owned()]);
+        let mut page = Page::new("p.md", "P");
+        page.table(&table);
+        assert!(page.finish().text.ends_with("\n| A | C |\n| --- | ---: |\n| x | 1 |\n| y |  |\n"));
+    }
+}

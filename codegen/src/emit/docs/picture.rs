@@ -1,0 +1,46 @@
+//! The picture of a memory layout: rows of eight bytes, a box for each field.
+
+mod grid;
+mod svg;
+
+use self::grid::{Grid, Member, Tint};
+use super::fields::has_layout;
+use super::markdown::plural;
+use super::scope::Scope;
+use super::site::Site;
+use crate::emit::OutputFile;
+use crate::schema::{Element, Message, MessageId, Slot, UorbLayout};
+
+/// The picture that belongs to the page of a message.
+pub(super) fn path(page: &str) -> String {
+    format!("{}.svg", page.strip_suffix(".md").unwrap_or(page))
+}
+
+/// The picture of a message's layout, where it has one.
+pub(super) fn file(site: &Site<'_>, id: MessageId) -> Option<OutputFile> {
+    let message = site.schema.message(id);
+    let layout = message.uorb.as_ref().filter(|_| has_layout(Scope::of(site, id), message))?;
+    let members: Vec<Member<'_>> = layout.slots.iter().map(|slot| member(site, message, slot)).collect();
+    let grid = Grid::new(&members, layout.size);
+    let text = svg::draw(&grid, &message.name, &caption(layout));
+    Some(OutputFile { path: path(site.path(id)), text })
+}
+
+fn member<'s>(site: &Site<'s>, message: &'s Message, slot: &'s Slot) -> Member<'s> {
+    let field = slot.field.map(|index| &message.fields[index]);
+    let (tint, element_size) = match field.map(|field| field.ty.element) {
+        None => (Tint::Padding, slot.size),
+        Some(Element::Scalar(scalar)) => (Tint::of_scalar(scalar.size()), scalar.size()),
+        Some(Element::Message(id)) => (Tint::Nested, site.schema.message(id).uorb.as_ref().map_or(0, |layout| layout.size)),
+        Some(Element::String { .. }) => (Tint::Padding, 0),
+    };
+    let unit = field.and_then(|field| field.unit.as_deref()).filter(|unit| *unit != crate::unit::NONE);
+    Member { slot, tint, element_size, unit }
+}
+
+/// The sizes, below the boxes.
+fn caption(layout: &UorbLayout) -> String {
+    let padding: usize = layout.slots.iter().filter(|slot| slot.field.is_none()).map(|slot| slot.size).sum();
+    let size = plural(layout.size as u64, "byte");
+    if padding == 0 { size } else { format!("{size}, {padding} of them padding") }
+}

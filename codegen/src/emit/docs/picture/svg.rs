@@ -1,0 +1,377 @@
+//! Boxes to SVG, small and without anything that a browser would have to fetch.
+//!
+//! The background is the page's, be it light or dark: what stands on it is of a grey that both bear,
+//! and all other text stands on boxes that bring their own colour.
+
+use std::fmt;
+
+use super::grid::{Cell, Grid, Line, ROW, Segment, Tint};
+use crate::emit::docs::markdown::{append, plural, thousands};
+use crate::emit::docs::notice;
+use crate::emit::prose;
+
+/// Room for the offsets of the rows, left of the boxes.
+const LEFT: usize = 44;
+/// Width of a byte. Fifteen letters fit.
+const BYTE: usize = 88;
+/// Room for the numbers of the columns.
+const TOP: usize = 18;
+/// Height of a break.
+const BREAK: usize = 30;
+/// Height of a row besides its names: offset, type, and the space around.
+const ROW_HEAD: usize = 17;
+/// Height of a row that goes on with what the one above started.
+const ROW_PLAIN: usize = 15;
+/// Height of a line of a name.
+const LINE: usize = 11;
+/// Room for a torn edge below a row.
+const TORN: usize = 4;
+/// Most lines that a name is broken into.
+const MAX_NAME_LINES: usize = 3;
+/// Room for the legend.
+const BOTTOM: usize = 30;
+/// Width of a letter of a name, in tenths: of the usual size, and in boxes with room for more.
+const LETTER: usize = 53;
+const WIDE_LETTER: usize = 68;
+/// Space between the edge of a box and its text.
+const INSET: usize = 4;
+
+const STYLE: &str = "text{font:9px ui-monospace,SFMono-Regular,Menlo,Consolas,'Liberation Mono',monospace;fill:#1f2328}\
+.w{font-size:11px}\
+.s{font-size:8px;fill:#1f2328;fill-opacity:.72}\
+.o{font-size:9px;fill:#777c82}\
+.b{stroke:#6a737d;stroke-width:.75}\
+.d{stroke:#1f2328;stroke-opacity:.22;stroke-width:.75;fill:none}";
+
+/// The tints with their colours and what they stand for.
+const TINTS: [(Tint, &str, &str); 6] = [
+    (Tint::Eight, "#a9c9f7", "8 bytes"),
+    (Tint::Four, "#a6dfb5", "4 bytes"),
+    (Tint::Two, "#f3df8f", "2 bytes"),
+    (Tint::One, "#f6c3a0", "1 byte"),
+    (Tint::Nested, "#d6c0f2", "message"),
+    (Tint::Padding, "url(#p)", "padding"),
+];
+
+/// The picture of the message `name`.
+pub(super) fn draw(grid: &Grid<'_>, name: &str, caption: &str) -> String {
+    let names: Vec<Vec<&str>> = grid.cells.iter().map(name_lines).collect();
+    let rows = Rows::new(grid, &names);
+    let mut svg = Svg::default();
+    let (width, height) = (LEFT + ROW * BYTE + INSET, rows.bottom() + BOTTOM);
+    svg.put(format_args!(
+        "<!-- {} -->\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
+         viewBox=\"0 0 {width} {height}\" role=\"img\">\n<title>Memory layout of {}: {}</title>\n<style>{STYLE}</style>\n",
+        notice(),
+        prose::xml(name),
+        prose::xml(caption)
+    ));
+    svg.put(format_args!(
+        "<pattern id=\"p\" width=\"6\" height=\"6\" patternUnits=\"userSpaceOnUse\">\
+         <path fill=\"#d8dce1\" d=\"M0 0h6v6H0z\"/><path stroke=\"#b4bbc3\" d=\"M-1 1l2-2M0 6l6-6M5 7l2-2\"/></pattern>\n"
+    ));
+    svg.rulers(grid, &rows);
+    for (tint, colour, _) in TINTS {
+        let cells: Vec<(&Cell<'_>, &Vec<&str>)> =
+            grid.cells.iter().zip(&names).filter(|(cell, _)| cell.member.tint == tint).collect();
+        if !cells.is_empty() {
+            svg.put(format_args!("<g fill=\"{colour}\">\n"));
+            for (cell, name) in cells {
+                svg.cell(cell, name, &rows);
+            }
+            svg.put(format_args!("</g>\n"));
+        }
+    }
+    svg.legend(grid, caption, height - 10);
+    svg.put(format_args!("</svg>\n"));
+    svg.0
+}
+
+/// The name of a cell in lines that fit it.
+fn name_lines<'s>(cell: &Cell<'s>) -> Vec<&'s str> {
+    let room = cell.label().map_or(0, |segment| segment.columns.len() * BYTE - 2 * INSET) * 10 / LETTER;
+    broken(&cell.member.slot.name, room)
+}
+
+/// A name in lines of at most `room` letters, broken behind underscores where there are any.
+fn broken(name: &str, room: usize) -> Vec<&str> {
+    let mut lines = Vec::new();
+    let mut rest = name;
+    while rest.chars().count() > room && lines.len() + 1 < MAX_NAME_LINES {
+        let limit = rest.char_indices().nth(room).map_or(rest.len(), |(at, _)| at);
+        let cut = rest[..limit].rfind('_').map_or(limit, |at| at + 1);
+        let (line, after) = rest.split_at(cut);
+        lines.push(line);
+        rest = after;
+    }
+    lines.push(rest);
+    lines
+}
+
+/// Where each line of the picture lies.
+struct Rows {
+    tops: Vec<usize>,
+}
+
+impl Rows {
+    fn new(grid: &Grid<'_>, names: &[Vec<&str>]) -> Self {
+        let mut heights: Vec<usize> = grid
+            .lines
+            .iter()
+            .map(|line| match line {
+                Line::Row(_) => ROW_PLAIN,
+                Line::Break(_) => BREAK,
+            })
+            .collect();
+        for (cell, name) in grid.cells.iter().zip(names) {
+            if let Some(segment) = cell.label() {
+                heights[segment.line] = heights[segment.line].max(ROW_HEAD + LINE * name.len());
+            }
+        }
+        for (index, line) in grid.lines.iter().enumerate().skip(1) {
+            if matches!(line, Line::Break(_)) {
+                heights[index - 1] += TORN;
+            }
+        }
+        let mut top = TOP;
+        let mut tops = vec![top];
+        for height in heights {
+            top += height;
+            tops.push(top);
+        }
+        Self { tops }
+    }
+
+    fn top(&self, line: usize) -> usize {
+        self.tops[line]
+    }
+
+    fn below(&self, line: usize) -> usize {
+        self.tops[line + 1]
+    }
+
+    fn bottom(&self) -> usize {
+        self.tops.last().copied().unwrap_or(TOP)
+    }
+}
+
+fn x(column: usize) -> usize {
+    LEFT + column * BYTE
+}
+
+#[derive(Default)]
+struct Svg(String);
+
+impl Svg {
+    fn put(&mut self, text: fmt::Arguments<'_>) {
+        append(&mut self.0, text);
+    }
+
+    /// Numbers of columns and rows, and what breaks leave out.
+    fn rulers(&mut self, grid: &Grid<'_>, rows: &Rows) {
+        self.put(format_args!("<g class=\"r\">\n"));
+        for column in 0..ROW {
+            let middle = x(column) + BYTE / 2;
+            self.put(format_args!("<text class=\"o\" text-anchor=\"middle\" x=\"{middle}\" y=\"12\">+{column}</text>\n"));
+        }
+        for (index, line) in grid.lines.iter().enumerate() {
+            let top = rows.top(index);
+            match line {
+                Line::Row(start) => self.put(format_args!(
+                    "<text class=\"o\" text-anchor=\"end\" x=\"{}\" y=\"{}\">{start}</text>\n",
+                    LEFT - 6,
+                    top + 12
+                )),
+                Line::Break(bytes) => self.put(format_args!(
+                    "<text class=\"o\" text-anchor=\"middle\" x=\"{}\" y=\"{}\">… {} more …</text>\n",
+                    x(ROW / 2),
+                    top + BREAK / 2 + 3,
+                    plural(bytes.len() as u64, "byte")
+                )),
+            }
+        }
+        self.put(format_args!("</g>\n"));
+    }
+
+    fn cell(&mut self, cell: &Cell<'_>, name: &[&str], rows: &Rows) {
+        let slot = cell.member.slot;
+        let unit = cell.member.unit.map(|unit| format!(" [{unit}]")).unwrap_or_default();
+        self.put(format_args!(
+            "<g><title>{} {}{}: {} at {}</title>",
+            prose::xml(&slot.type_text),
+            prose::xml(&slot.name),
+            prose::xml(&unit),
+            plural(slot.size as u64, "byte"),
+            thousands(slot.offset as u64)
+        ));
+        self.outline(&cell.segments, rows);
+        self.dividers(cell, rows);
+        if let Some(segment) = cell.label() {
+            self.label(cell, segment, name, rows);
+        }
+        if let [above, below] = cell.segments.as_slice()
+            && !touch(above, below)
+        {
+            let other = if cell.label() == Some(above) { below } else { above };
+            self.echo(&slot.name, other, rows);
+        }
+        self.put(format_args!("</g>\n"));
+    }
+
+    fn label(&mut self, cell: &Cell<'_>, segment: &Segment, name: &[&str], rows: &Rows) {
+        let slot = cell.member.slot;
+        let (left, right) = (x(segment.columns.start) + INSET, x(segment.columns.end) - INSET);
+        let top = rows.top(segment.line);
+        let element = match cell.member.element_size {
+            size if cell.member.tint == Tint::Nested && size < slot.size => format!(", {} each", plural(size as u64, "byte")),
+            _ => String::new(),
+        };
+        self.put(format_args!(
+            "<text class=\"s\" x=\"{left}\" y=\"{y}\">{}</text><text class=\"s\" text-anchor=\"end\" x=\"{right}\" y=\"{y}\">{}{element}</text>",
+            slot.offset,
+            prose::xml(&slot.type_text),
+            y = top + 10,
+        ));
+        let is_wide = segment.columns.len() > 1 && slot.name.chars().count() * WIDE_LETTER < 10 * (right - left);
+        let class = if is_wide { " class=\"w\"" } else { "" };
+        self.put(format_args!("<text{class} x=\"{left}\" y=\"{}\">", top + ROW_HEAD + 6));
+        for (index, line) in name.iter().enumerate() {
+            if index == 0 {
+                self.put(format_args!("{}", prose::xml(line)));
+            } else {
+                self.put(format_args!("<tspan x=\"{left}\" dy=\"{LINE}\">{}</tspan>", prose::xml(line)));
+            }
+        }
+        self.put(format_args!("</text>"));
+    }
+
+    /// The name again, in the part of a cell that stands apart from the one with the label.
+    fn echo(&mut self, name: &str, segment: &Segment, rows: &Rows) {
+        let room = (segment.columns.len() * BYTE - 2 * INSET) * 10 / LETTER;
+        if name.chars().count() + 2 <= room {
+            let (left, top) = (x(segment.columns.start) + INSET, rows.top(segment.line));
+            self.put(format_args!("<text class=\"s\" x=\"{left}\" y=\"{}\">… {}</text>", top + 10, prose::xml(name)));
+        }
+    }
+
+    /// The edge of a cell: a polygon for each run of lines without a break.
+    fn outline(&mut self, segments: &[Segment], rows: &Rows) {
+        self.put(format_args!("<path class=\"b\" d=\""));
+        let mut runs = segments.chunk_by(|left, right| left.line + 1 == right.line && touch(left, right)).peekable();
+        let mut is_torn_above = false;
+        while let Some(run) = runs.next() {
+            let is_torn_below = runs.peek().is_some_and(|next| is_broken(run, next));
+            self.polygon(run, rows, is_torn_above, is_torn_below);
+            is_torn_above = is_torn_below;
+        }
+        self.put(format_args!("\"/>"));
+    }
+
+    /// A run of segments: only the first may start, and only the last may end within its line.
+    fn polygon(&mut self, run: &[Segment], rows: &Rows, is_torn_above: bool, is_torn_below: bool) {
+        let [first, .., last] = run else {
+            if let [only] = run {
+                self.polygon_of(only, only, rows, is_torn_above, is_torn_below);
+            }
+            return;
+        };
+        self.polygon_of(first, last, rows, is_torn_above, is_torn_below);
+    }
+
+    fn polygon_of(&mut self, first: &Segment, last: &Segment, rows: &Rows, is_torn_above: bool, is_torn_below: bool) {
+        let (top, bottom) = (rows.top(first.line), rows.below(last.line));
+        let (left, right) = (x(first.columns.start), x(first.columns.end));
+        let (last_left, last_right) = (x(last.columns.start), x(last.columns.end));
+        self.put(format_args!("M{left} {top}"));
+        if is_torn_above { self.wave(right - left, 1) } else { self.put(format_args!("H{right}")) }
+        if last_right < right {
+            self.put(format_args!("V{}H{last_right}", rows.top(last.line)));
+        }
+        self.put(format_args!("V{bottom}"));
+        if is_torn_below { self.wave(last_right - last_left, -1) } else { self.put(format_args!("H{last_left}")) }
+        if last_left < left {
+            self.put(format_args!("V{}H{left}", rows.below(first.line)));
+        }
+        self.put(format_args!("z"));
+    }
+
+    /// A torn edge, to the right or to the left.
+    fn wave(&mut self, width: usize, direction: isize) {
+        const HALF: usize = 22;
+        let step = direction * 22;
+        self.put(format_args!("q{} {} {step} 0", step / 2, 6 * direction));
+        for _ in 1..width / HALF {
+            self.put(format_args!("t{step} 0"));
+        }
+    }
+
+    /// Thin lines between the elements of an array.
+    fn dividers(&mut self, cell: &Cell<'_>, rows: &Rows) {
+        let (size, offset) = (cell.member.element_size, cell.member.slot.offset);
+        if size == 0 || size >= cell.member.slot.size {
+            return;
+        }
+        let mut path = String::new();
+        for (index, segment) in cell.segments.iter().enumerate() {
+            let top = rows.top(segment.line);
+            let height = rows.below(segment.line) - top;
+            // Where the row starts, as far as elements are concerned, can't be told from the segment:
+            // nested messages fill whole rows, and smaller elements never straddle them.
+            let columns = segment.columns.clone().skip(1).filter(|column| size < ROW && column % size == offset % size);
+            for column in columns {
+                append(&mut path, format_args!("M{} {top}v{height}", x(column)));
+            }
+            let is_new_element = size == ROW && index > 0;
+            if is_new_element && cell.segments[index - 1].line + 1 == segment.line {
+                let (left, right) = (x(segment.columns.start), x(segment.columns.end));
+                append(&mut path, format_args!("M{left} {top}H{right}"));
+            }
+        }
+        if !path.is_empty() {
+            self.put(format_args!("<path class=\"d\" d=\"{path}\"/>"));
+        }
+    }
+
+    fn legend(&mut self, grid: &Grid<'_>, caption: &str, y: usize) {
+        let mut left = LEFT;
+        for (tint, colour, text) in TINTS {
+            if !grid.cells.iter().any(|cell| cell.member.tint == tint) {
+                continue;
+            }
+            self.put(format_args!(
+                "<path class=\"b\" fill=\"{colour}\" d=\"M{left} {}h10v10h-10z\"/><text class=\"o\" x=\"{}\" y=\"{y}\">{text}</text>\n",
+                y - 8,
+                left + 14,
+            ));
+            left += 30 + text.len() * 6;
+        }
+        self.put(format_args!(
+            "<text class=\"o\" text-anchor=\"end\" x=\"{}\" y=\"{y}\">{}</text>\n",
+            x(ROW),
+            prose::xml(caption)
+        ));
+    }
+}
+
+/// Whether two segments in neighbouring lines touch.
+fn touch(above: &Segment, below: &Segment) -> bool {
+    above.columns.start < below.columns.end
+}
+
+/// Whether a break lies between two runs of a member.
+fn is_broken(run: &[Segment], next: &[Segment]) -> bool {
+    matches!((run.last(), next.first()), (Some(last), Some(first)) if last.line + 1 < first.line)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_break_behind_underscores() {
+        assert_eq!(broken("local_position_invalid_relaxed", 15), ["local_position_", "invalid_relaxed"]);
+        assert_eq!(broken("short", 15), ["short"]);
+        assert_eq!(broken("abcdefgh", 3), ["abc", "def", "gh"]);
+        assert_eq!(broken("a_b_c_d_e_f", 2), ["a_", "b_", "c_d_e_f"]);
+    }
+}

@@ -1,0 +1,166 @@
+//! Descriptions in their surroundings: the names that they mention become links.
+
+use std::ops::Range;
+
+use super::markdown::{code, href, inline, link};
+use super::site::{Part, Site};
+use crate::schema::MessageId;
+
+/// Where a description stands.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scope<'p, 's> {
+    pub(super) site: &'p Site<'s>,
+    /// The page.
+    pub(super) from: &'p str,
+    /// Index of the package whose names mean something.
+    pub(super) package: usize,
+    /// The message whose parts may be named alone.
+    pub(super) message: Option<MessageId>,
+    /// The part of it that the description is of: it needs no link to itself.
+    at: Option<Part>,
+}
+
+impl<'p, 's> Scope<'p, 's> {
+    /// The surroundings of what is said of a message.
+    pub(super) fn of(site: &'p Site<'s>, id: MessageId) -> Self {
+        Self::on(site, site.path(id), id)
+    }
+
+    /// The surroundings of what is said of a message on the page `from`.
+    pub(super) fn on(site: &'p Site<'s>, from: &'p str, id: MessageId) -> Self {
+        Self { site, from, package: site.schema.message(id).package, message: Some(id), at: None }
+    }
+
+    /// The surroundings of what is said of a part of the message.
+    pub(super) fn at(self, part: Part) -> Self {
+        Self { at: Some(part), ..self }
+    }
+
+    /// A description on one line, as in the cell of a table; paragraphs stay apart.
+    pub(super) fn inline(self, text: &str) -> String {
+        let paragraphs: Vec<String> = text.split("\n\n").map(|paragraph| self.line(paragraph)).collect();
+        paragraphs.join("<br>")
+    }
+
+    /// A description of several lines, with its paragraphs and simple lists.
+    pub(super) fn block(self, text: &str) -> String {
+        let lines: Vec<String> = text.lines().map(|line| self.line_of_block(line.trim())).collect();
+        lines.join("\n")
+    }
+
+    fn line_of_block(self, line: &str) -> String {
+        match line.strip_prefix("- ").or_else(|| line.strip_prefix("* ")) {
+            Some(item) => format!("- {}", self.line(item.trim_start())),
+            None => self.line(line),
+        }
+    }
+
+    fn line(self, text: &str) -> String {
+        with_links(text, |_, word| self.target(word))
+    }
+
+    /// A link in place of a word that names something.
+    fn target(self, word: &str) -> Option<String> {
+        let href = match word.split_once('.') {
+            Some((message, part)) => self.part_of(self.other(message)?, part)?,
+            None if word.contains('_') => {
+                let own = self.message.and_then(|id| Some((id, self.site.part_named(id, word)?)));
+                match own {
+                    Some((_, part)) if Some(part) == self.at => return None,
+                    Some((id, part)) => self.site.href(self.from, id, part),
+                    None => self.page(self.other(word)?),
+                }
+            }
+            None => self.page(self.other(word).filter(|_| is_compound(word))?),
+        };
+        Some(link(&code(word), &href))
+    }
+
+    /// The message that is called so and is not the one at hand.
+    fn other(self, name: &str) -> Option<MessageId> {
+        self.site.message_named(self.package, name).filter(|id| Some(*id) != self.message)
+    }
+
+    fn page(self, id: MessageId) -> String {
+        href(self.from, self.site.path(id), "")
+    }
+
+    fn part_of(self, id: MessageId, name: &str) -> Option<String> {
+        let part: Part = self.site.part_named(id, name)?;
+        Some(self.site.href(self.from, id, part))
+    }
+}
+
+/// Whether a name can be nothing else: `Event` at the start of a sentence is just a word.
+fn is_compound(name: &str) -> bool {
+    let capitals = name.chars().filter(char::is_ascii_uppercase).count();
+    capitals > 1 && capitals < name.len()
+}
+
+/// A text on one line, in which `target` may turn words into links. It is given the word before, too.
+pub(super) fn with_links(text: &str, target: impl Fn(&str, &str) -> Option<String>) -> String {
+    let mut linked = String::with_capacity(text.len() + 16);
+    let mut from = 0;
+    let mut previous = "";
+    for range in words(text) {
+        let word = &text[range.clone()];
+        if let Some(link) = target(previous, word) {
+            push(&text[from..range.start], &mut linked);
+            linked.push_str(&link);
+            from = range.end;
+        }
+        previous = word;
+    }
+    push(text[from..].trim_end(), &mut linked);
+    linked
+}
+
+/// Appends a piece of a text, which keeps the white space around it.
+fn push(piece: &str, to: &mut String) {
+    if !to.is_empty() && piece.starts_with(char::is_whitespace) {
+        to.push(' ');
+    }
+    let escaped = inline(piece);
+    to.push_str(&escaped);
+    if !escaped.is_empty() && piece.ends_with(char::is_whitespace) {
+        to.push(' ');
+    }
+}
+
+/// What stands between white space, without the punctuation around it.
+fn words(text: &str) -> impl Iterator<Item = Range<usize>> {
+    let starts = |at: usize| text[at..].find(|c: char| !c.is_whitespace()).map(|skipped| at + skipped);
+    let mut next = 0;
+    std::iter::from_fn(move || {
+        let start = starts(next)?;
+        let end = text[start..].find(char::is_whitespace).map_or(text.len(), |len| start + len);
+        next = end;
+        let word = &text[start..end];
+        let core = word.trim_start_matches(['(', '[', '{', '"', '\'', '`']);
+        let start = end - core.len();
+        let core = core.trim_end_matches(['.', ',', ';', ':', '!', '?', ')', ']', '}', '"', '\'', '`']);
+        Some(start..start + core.len())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_become_links_and_the_rest_is_escaped() {
+        let target = |previous: &str, word: &str| (word == "x" || previous == "code").then(|| format!("<{word}>"));
+        assert_eq!(with_links("x", target), "<x>");
+        assert_eq!(with_links("a (x), |x| and code 12.", target), r"a (<x>), \|x\| and code <12>.");
+        assert_eq!(with_links(" [x]\n x* ", target), r"\[<x>\] x\*");
+        assert_eq!(with_links("http://a.org/x x", target), "<http://a.org/x> <x>");
+        assert_eq!(with_links("", target), "");
+    }
+
+    #[test]
+    fn only_compound_names_stand_out() {
+        assert!(is_compound("BatteryStatus"));
+        assert!(!is_compound("Event"));
+        assert!(!is_compound("GPS"));
+    }
+}

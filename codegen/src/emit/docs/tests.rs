@@ -1,0 +1,432 @@
+//! Whole books of small definitions: links resolve, text stays text, pictures are XML.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use pulldown_cmark::{Event, Parser, Tag};
+
+use super::{Options, emit};
+use crate::emit::OutputFile;
+use crate::msg::Dialect;
+use crate::schema::Form;
+use crate::source::SourceMap;
+use crate::{PackageInput, read};
+
+const SAIL: &str = "\
+# Trim of a sail, see RigStatus for the mast
+#
+# The crew sets it; sheet_length follows.
+# - port tack first
+# - Boat.HULL_RED is no flag
+
+uint32 MESSAGE_VERSION = 2  # Raised with each change
+uint64 timestamp  # [us] Since launch
+Boat[2] boats  # Both hulls
+
+# Sheets
+float32 sheet_length  # [m] [@range 0, 20] [@invalid NaN first seconds] Rope paid out, unlike twist_angle
+float32 twist_angle  # [rad] [@range -pi, pi] [@frame NED] Of the sail
+
+uint8 TACK_PORT = 1  # Wind from the left
+uint8 TACK_STARBOARD = 2
+uint8 TACK_BACKBOARD = 1  # Old name
+uint8 FLAG_WET = 1  # Soaked
+uint8 FLAG_TORN = 4
+uint8 tack  # [@enum TACK] Where the wind is
+uint8 state  # [@flags FLAG] What is wrong
+uint8 hull  # [@enum Boat.HULL] Whose sail
+uint8 num_knots  # [@count knots] Knots tied
+uint16[40] knots  # Their numbers
+char[12] maker  # Sailmaker
+uint8 SPARE_REEFS = 3  # Reefs left
+uint8 ORB_QUEUE_LENGTH = 4
+# TOPICS sail_trim sail_trim_backup
+";
+
+const BOAT: &str = "\
+uint8 HULL_RED = 0 # Red
+uint8 HULL_BLUE = 1 # Blue
+uint64 timestamp
+uint8 hull # [@enum HULL] Colour
+";
+
+const RIG_STATUS: &str = "uint64 timestamp\nSail sail # Held sail\nuint8[2000] log\n";
+
+const ORDER: &str = "\
+uint64 timestamp
+uint16 ORDER_TACK = 10 # Go about. |[@enum SPEED] How|[deg] [@range 0, 90] New course|Unused|Unused|Unused|Unused|Unused|
+uint16 ORDER_ANCHOR = 20 # Drop anchor. |[m] Depth|Unused|Unused|Unused|Unused|Unused|Unused|
+uint16 ORDER_WAIT = 30 # Stay
+uint8 SPEED_SLOW = 0
+uint8 SPEED_FAST = 1
+float32 param1
+";
+
+const CODES: &str = "\
+# Codes
+
+## Warnings (codes 64-127)
+
+| Code | Abbr | Description |
+|-----:|------|-------------|
+| 64 | DAMP | Bilge damp. Use it only if the pumps run; otherwise use code 128. See also code 65. |
+| 65 | `LEE` | Near a lee shore, 65 fathoms. |
+
+## Errors (codes 128-191)
+
+| Code | Abbr | Description |
+|-----:|------|-------------|
+| 128 | FLOOD | Water above the boards. Use it only if the pumps fail; otherwise use code 64. |
+";
+
+/// Emits packages of `(name, form, [(path, text)])`.
+fn book(packages: &[(&str, Form, &[(&str, &str)])]) -> Vec<OutputFile> {
+    let mut sources = SourceMap::default();
+    let mut inputs = Vec::new();
+    for (name, form, files) in packages {
+        let ids = files.iter().map(|(path, text)| sources.add(*path, text.as_bytes().to_vec()).expect("readable"));
+        inputs.push(PackageInput {
+            name: (*name).to_owned(),
+            form: *form,
+            ros_package: None,
+            origin: Some("https://example.org/boats".to_owned()),
+            revision: Some("v1".to_owned()),
+            select: None,
+            sources: ids.collect(),
+        });
+    }
+    let (schema, diagnostics) = read(&sources, &inputs);
+    let errors = crate::diagnostic::has_errors(&diagnostics);
+    assert!(!errors, "{diagnostics:?}");
+    emit(&schema, &sources, &Options::default())
+}
+
+const PX4: Form = Form::Msg(Dialect::Px4);
+const ROS2: Form = Form::Msg(Dialect::Ros2);
+
+fn boats() -> Vec<OutputFile> {
+    book(&[
+        ("boats", PX4, &[("Sail.msg", SAIL), ("Boat.msg", BOAT), ("RigStatus.msg", RIG_STATUS), ("Order.msg", ORDER)]),
+        ("codes", Form::Table, &[("codes.md", CODES)]),
+        (
+            "harbour",
+            ROS2,
+            &[
+                ("Berth.msg", "string<=8 name\nBerth2[<=3] next\n"),
+                ("Berth2.msg", "# Neighbour\nfloat64 width 2.5 # Of the berth\n"),
+                ("Moor.srv", "# Ask for a berth\nuint8 SIDE_PORT=1\nBerth wish\n---\nbool granted # If berth is free\n"),
+                ("Sail.action", "uint8 goal\n---\nuint8 goal\n---\nuint8 goal\n"),
+            ],
+        ),
+    ])
+}
+
+fn one_message(text: &str) -> String {
+    text_of(&book(&[("p", PX4, &[("Kite.msg", text)])]), "p/Kite.md").to_owned()
+}
+
+fn text_of<'f>(files: &'f [OutputFile], path: &str) -> &'f str {
+    let file = files.iter().find(|file| file.path == path);
+    &file.unwrap_or_else(|| panic!("no {path} in {:?}", files.iter().map(|file| &file.path).collect::<Vec<_>>())).text
+}
+
+/// The events of a page, read as GitHub and mdBook read it.
+fn events(text: &str) -> Vec<Event<'_>> {
+    Parser::new_ext(text, pulldown_cmark::Options::ENABLE_TABLES | pulldown_cmark::Options::ENABLE_STRIKETHROUGH).collect()
+}
+
+fn anchors(text: &str) -> Vec<&str> {
+    text.split("<a id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect()
+}
+
+#[test]
+fn every_link_leads_somewhere() {
+    let files = boats();
+    let targets: BTreeMap<&str, BTreeSet<String>> = files
+        .iter()
+        .map(|file| {
+            // Headings are anchors, too.
+            let headings = file.text.lines().filter_map(|line| line.strip_prefix("## "));
+            let headings = headings.map(|heading| heading.to_lowercase().replace(' ', "-"));
+            (file.path.as_str(), anchors(&file.text).into_iter().map(str::to_owned).chain(headings).collect())
+        })
+        .collect();
+    let mut count = 0;
+    for file in files.iter().filter(|file| file.path.ends_with(".md")) {
+        for event in events(&file.text) {
+            let (Event::Start(Tag::Link { dest_url, .. } | Tag::Image { dest_url, .. })) = event else { continue };
+            if dest_url.starts_with("https://") {
+                continue;
+            }
+            count += 1;
+            let (path, anchor) = dest_url.split_once('#').unwrap_or((&dest_url, ""));
+            let path = if path.is_empty() { file.path.clone() } else { resolved(&file.path, path) };
+            let anchors = targets.get(path.as_str());
+            assert!(anchors.is_some(), "{}: {dest_url} leads nowhere", file.path);
+            let is_found = anchor.is_empty() || anchors.is_some_and(|anchors| anchors.contains(anchor));
+            assert!(is_found, "{}: {dest_url} has no such place", file.path);
+        }
+    }
+    assert!(count > 100, "{count} links");
+}
+
+/// The path that `link` means on the page `from`.
+fn resolved(from: &str, link: &str) -> String {
+    let mut parts: Vec<&str> = from.split('/').collect();
+    parts.pop();
+    for part in link.split('/') {
+        if part == ".." {
+            parts.pop().expect("a folder above");
+        } else {
+            parts.push(part);
+        }
+    }
+    parts.join("/")
+}
+
+#[test]
+fn no_place_is_there_twice() {
+    for file in boats() {
+        let mut seen = BTreeSet::new();
+        for anchor in anchors(&file.text) {
+            assert!(seen.insert(anchor), "{}: {anchor}", file.path);
+        }
+    }
+}
+
+#[test]
+fn the_contents_list_every_page() {
+    let files = boats();
+    let summary = text_of(&files, "SUMMARY.md");
+    for file in files.iter().filter(|file| file.path.ends_with(".md") && file.path != "SUMMARY.md") {
+        assert!(summary.contains(&format!("]({})", file.path)), "{}", file.path);
+    }
+    let ordered = "- [boats](boats/README.md)\n  - [Boat](boats/Boat.md)\n  - [Order](boats/Order.md)\n";
+    assert!(summary.contains(ordered), "{summary}");
+}
+
+#[test]
+fn every_file_says_what_made_it() {
+    for file in boats() {
+        let first = file.text.lines().next().unwrap_or_default();
+        assert!(first.contains("Generated by uavspec-codegen from definitions. Do not edit"), "{}", file.path);
+    }
+}
+
+#[test]
+fn a_message_page_says_what_the_definition_says() {
+    let files = boats();
+    let page = text_of(&files, "boats/Sail.md");
+    for expected in [
+        "\n# Sail\n\nTrim of a sail, see [`RigStatus`](RigStatus.md) for the mast\n",
+        "\nThe crew sets it; [`sheet_length`](#field-sheet_length) follows.\n- port tack first\n",
+        "[`Boat.HULL_RED`](Boat.md#constant-hull_red) is no flag",
+        "| Topics | `sail_trim`, `sail_trim_backup` |",
+        "| Message&nbsp;version | 2 |",
+        "| Queue&nbsp;length | 4 |",
+        "from <https://example.org/boats> at `v1`",
+        "| <a id=\"field-boats\"></a>`boats` | [`Boat[2]`](Boat.md) |",
+        "\n### Sheets\n",
+        "| <a id=\"field-sheet_length\"></a>`sheet_length` | `float32` | m | 0&nbsp;to&nbsp;20<br>`NaN`:&nbsp;no&nbsp;data (first seconds) | Rope paid out, unlike [`twist_angle`](#field-twist_angle) |",
+        "| −π&nbsp;to&nbsp;π<br>frame: NED |",
+        "one of [`TACK`](#enum-tack)",
+        "bits of [`FLAG`](#enum-flag)",
+        "one of [`Boat.HULL`](Boat.md#enum-hull)",
+        "entries of [`knots`](#field-knots) in use, at most 40",
+        "in use: the first [`num_knots`](#field-num_knots)",
+        "| text | Sailmaker |",
+        "Held by [`tack`](#field-tack). Other values may occur, too.",
+        "`TACK_BACKBOARD` | Old name<br>Another name of `TACK_PORT`. |",
+        "| `0x04` | 2 | <a id=\"constant-flag_torn\"></a>`FLAG_TORN` |",
+        "`SPARE_REEFS` | `uint8` | 3 | Reefs left |",
+        "[![Memory layout of Sail](Sail.svg)](Sail.svg)",
+        "\n## Used by\n\n- [`RigStatus.sail`](RigStatus.md#field-sail)\n",
+    ] {
+        assert!(page.contains(expected), "{expected}\nis not in\n{page}");
+    }
+    assert!(!page.contains("MESSAGE_VERSION"), "the facts show it");
+    let boat = text_of(&files, "boats/Boat.md");
+    assert!(boat.contains("Held by [`hull`](#field-hull), [`Sail.hull`](Sail.md#field-hull)."), "{boat}");
+}
+
+#[test]
+fn commands_have_their_parameters() {
+    let files = boats();
+    let page = text_of(&files, "boats/Order.md");
+    for expected in [
+        "`ORDER_TACK`](#command-order_tack) | Go about. |",
+        "| 30 | <a id=\"constant-order_wait\"></a>`ORDER_WAIT` | Stay |",
+        "\n### `ORDER_TACK` (10)\n\nGo about.\n",
+        "| 1 |  | one of [`SPEED`](#enum-speed) | How |\n| 2 | deg | 0&nbsp;to&nbsp;90 | New course |\n",
+        "Held by parameter 1 of [`ORDER_TACK`](#command-order_tack).",
+    ] {
+        assert!(page.contains(expected), "{expected}\nis not in\n{page}");
+    }
+    assert!(!page.contains("Unused"), "{page}");
+}
+
+#[test]
+fn parts_of_a_service_share_a_page() {
+    let files = boats();
+    let page = text_of(&files, "harbour/Moor.srv.md");
+    for expected in
+        ["# Moor service\n", "\n## Request\n\nAsk for a berth\n", "id=\"request-field-wish\"", "id=\"response-field-granted\"", "`SIDE_PORT`"]
+    {
+        assert!(page.contains(expected), "{expected}\nis not in\n{page}");
+    }
+    let berth = text_of(&files, "harbour/Berth.md");
+    assert!(berth.contains("[`Moor_Request.wish`](Moor.srv.md#request-field-wish)"), "{berth}");
+    assert!(berth.contains("[`Berth2[<=3]`](Berth2.md)"), "{berth}");
+    assert!(!berth.contains("Offset"), "ROS has no uORB layout");
+    assert!(text_of(&files, "harbour/Berth2.md").contains("default `2.5`"));
+}
+
+#[test]
+fn error_codes_refer_to_each_other() {
+    let files = boats();
+    let page = text_of(&files, "codes/error-codes/warnings.md");
+    for expected in [
+        "Codes 64 to 127, warning: 2 codes defined in `codes.md:3`.",
+        "| <a id=\"code-64\"></a>64 | `DAMP` | 🟡&nbsp;warning | Bilge damp.",
+        "otherwise use code [128](errors.md#code-128). See also code [65](#code-65).",
+        "| 🟠&nbsp;[128](errors.md#code-128) | 🟡&nbsp;[65](#code-65) |",
+        "lee shore, 65 fathoms.",
+    ] {
+        assert!(page.contains(expected), "{expected}\nis not in\n{page}");
+    }
+    let all = text_of(&files, "codes/error-codes.md");
+    assert!(all.contains("| [64](error-codes/warnings.md#code-64) | `DAMP` | 🟡&nbsp;warning | Bilge damp. |"), "{all}");
+}
+
+#[test]
+fn text_of_definitions_stays_text() {
+    let page = one_message(
+        "# [x](javascript:alert(1)) <script>alert(1)</script> {{#include /etc/passwd}} *b* | c\n\
+         #\n\
+         # <img src=x onerror=alert(1)>\n\
+         # ## no heading\n\
+         # {% raw %} and \u{202e}desrever\n\
+         \n\
+         uint8 a # [m] ![x](y) | <b> `code` __z__ {{#include x}}\n\
+         \n\
+         # Group | <i> {#id} ## #\n\
+         uint8 b # </td></table><script>\n\
+         uint8 c\n",
+    );
+    let allowed = |html: &str| html.starts_with("<!--") || html.starts_with("<a id=\"") || matches!(html, "</a>" | "<br>");
+    for event in events(&page) {
+        match event {
+            Event::Html(html) | Event::InlineHtml(html) => assert!(allowed(html.trim()), "{html}\n{page}"),
+            Event::Start(Tag::Link { dest_url, .. } | Tag::Image { dest_url, .. }) => {
+                assert!(!dest_url.contains("javascript") && dest_url != "y", "{dest_url}");
+            }
+            Event::Start(Tag::Emphasis | Tag::Strong) => panic!("{page}"),
+            _ => {}
+        }
+    }
+    assert!(!page.contains("{{") && !page.contains("{%"), "{page}");
+    assert!(!page.contains('\u{202e}'), "{page}");
+    // Each row of the table of fields has all its cells, and no more.
+    let widths: BTreeSet<usize> = page
+        .lines()
+        .filter(|line| line.contains("field-a") || line.contains("field-b"))
+        .map(|line| line.replace("\\|", "").matches('|').count())
+        .collect();
+    assert!(widths.iter().all(|width| (5..=7).contains(width)), "{widths:?}\n{page}");
+    assert!(text_in(&page).contains("{{#include /etc/passwd}}"), "and yet it can be read");
+}
+
+/// The text of a page, without markup.
+fn text_in(page: &str) -> String {
+    let texts = events(page).into_iter().filter_map(|event| match event {
+        Event::Text(text) | Event::Code(text) => Some(text.to_string()),
+        _ => None,
+    });
+    texts.collect()
+}
+
+#[test]
+fn strings_of_definitions_stay_text() {
+    let files = book(&[("p", ROS2, &[("Kite.msg", "string NAME=\"a|`b`{{#include c}}<d>\"\nstring text 'x|y'\n")])]);
+    let page = text_of(&files, "p/Kite.md");
+    assert!(!page.contains("{{") && !page.contains("<d>"), "{page}");
+    assert!(text_in(page).contains("a|`b`{{#include c}}<d>"), "{page}");
+    assert!(text_in(page).contains("x|y"), "{page}");
+}
+
+#[test]
+fn names_of_pages_of_a_book_are_not_taken() {
+    let files = book(&[("p", PX4, &[("Readme.msg", "uint8 a\n"), ("Index.msg", "uint8 a\n")])]);
+    let paths: BTreeSet<String> = files.iter().map(|file| file.path.to_lowercase()).collect();
+    assert_eq!(paths.len(), files.len(), "{paths:?}");
+    assert!(paths.contains("p/readme.msg.md") && paths.contains("p/readme.msg.svg"), "{paths:?}");
+}
+
+#[test]
+fn a_book_of_nothing_is_empty() {
+    let files = emit(&crate::Schema::default(), &SourceMap::default(), &Options::default());
+    let paths: Vec<&str> = files.iter().map(|file| file.path.as_str()).collect();
+    assert_eq!(paths, ["book.toml", "book.css", "SUMMARY.md", "README.md"]);
+}
+
+#[test]
+fn the_order_of_files_does_not_matter() {
+    let files = [("Sail.msg", SAIL), ("Boat.msg", BOAT), ("RigStatus.msg", RIG_STATUS), ("Order.msg", ORDER)];
+    let mut reversed = files;
+    reversed.reverse();
+    assert_eq!(book(&[("boats", PX4, &files)]), book(&[("boats", PX4, &reversed)]));
+}
+
+#[test]
+fn pictures_are_small_and_well_formed() {
+    let files = boats();
+    let pictures: Vec<&OutputFile> = files.iter().filter(|file| file.path.ends_with(".svg")).collect();
+    assert_eq!(pictures.len(), 4);
+    for picture in pictures {
+        assert_well_formed(&picture.text);
+        assert!(picture.text.len() < 8_000, "{}: {} bytes", picture.path, picture.text.len());
+    }
+    let sail = text_of(&files, "boats/Sail.svg");
+    assert!(sail.contains("<title>Memory layout of Sail: "), "{sail}");
+    assert!(sail.contains("<title>float32 sheet_length [m]: 4 bytes at 8</title>"), "{sail}");
+    assert!(text_of(&files, "boats/RigStatus.svg").contains("… 1,984 bytes more …"));
+}
+
+#[test]
+fn a_picture_of_anything_is_well_formed() {
+    for text in [
+        String::new(),
+        "uint8 a\n".to_owned(),
+        "uint16 a # [<&\"]\nuint8[7] b\nuint64[9] c\nuint32[3] d\n".to_owned(),
+        (0..3000).map(|index| format!("bool a_rather_long_name_of_a_flag_{index}\n")).collect(),
+        "uint8[1000000] a\nuint8 b\n".to_owned(),
+    ] {
+        let files = book(&[("p", PX4, &[("Kite.msg", &text)])]);
+        let picture = text_of(&files, "p/Kite.svg");
+        assert_well_formed(picture);
+    }
+}
+
+/// Elements are closed in order, attributes are quoted, and no `&` or `<` stands alone.
+fn assert_well_formed(xml: &str) {
+    let mut open: Vec<&str> = Vec::new();
+    let mut rest = xml.strip_prefix("<!-- ").and_then(|rest| rest.split_once("-->")).expect("a comment").1;
+    while let Some((text, after)) = rest.split_once('<') {
+        assert!(!text.contains('>') && is_escaped(text), "{text}");
+        let (tag, after) = after.split_once('>').expect("an end of the tag");
+        rest = after;
+        if let Some(name) = tag.strip_prefix('/') {
+            assert_eq!(open.pop(), Some(name));
+            continue;
+        }
+        assert!(is_escaped(tag) && tag.matches('"').count() % 2 == 0, "{tag}");
+        if !tag.ends_with('/') {
+            open.push(tag.split(' ').next().unwrap_or_default());
+        }
+    }
+    assert!(open.is_empty() && rest.trim().is_empty(), "{open:?}, {rest}");
+}
+
+fn is_escaped(text: &str) -> bool {
+    let entities = ["amp;", "lt;", "gt;", "quot;"];
+    text.split('&').skip(1).all(|rest| entities.iter().any(|entity| rest.starts_with(entity)))
+}

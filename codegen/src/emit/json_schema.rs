@@ -1,0 +1,189 @@
+//! JSON Schemas, draft 2020-12: one file for each message, part of a service, and set of error codes;
+//! and one bundle for each package, for tools that can't follow references from file to file.
+//!
+//! A message is the whole message: objects are closed and all fields are required. Every assertion
+//! means the same in draft 7, so that tools which know no later draft can read the bundles.
+//!
+//! # Annotations
+//!
+//! Units, frames, topics, hashes and the like are members whose names start with `x-`. They don't stand
+//! among the keywords of the schema that they belong to, since ajv in its strict mode refuses any
+//! keyword that it doesn't know. They stand in a subschema `annotations` below the `$defs` of that
+//! schema, which every draft since 2019-09 allows at any depth, and which nothing refers to, so that no
+//! validator applies it:
+//!
+//! ```json
+//! "voltage_v": {
+//!   "title": "voltage_v",
+//!   "type": ["number", "null"],
+//!   "$defs": { "annotations": { "x-type": "float32", "x-unit": "V" } }
+//! }
+//! ```
+//!
+//! # Numbers
+//!
+//! NaN is null, which every float may be. A range is enforced, but the value that stands for "no data"
+//! passes also outside of it. Readers that keep all numbers as 64-bit floats, as JavaScript does, can't
+//! tell the bounds of 64-bit integers from their neighbours.
+//!
+//! # Texts
+//!
+//! A `char[N]` of PX4 holds N bytes of UTF-8. A schema can count only characters, of which N bytes hold
+//! at most N: it refuses nothing that fits, and takes some texts of other alphabets that don't.
+
+mod address;
+mod annotation;
+mod bounds;
+mod error_code;
+mod field;
+mod message;
+mod tree;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use self::address::{Address, Target};
+use self::tree::{Member, Node, member};
+use super::{GENERATED_BY, OutputFile};
+use crate::schema::{Element, MessageId, Package, Schema};
+
+/// Where the schemas are, unless [`Options::base`] says otherwise.
+pub const DEFAULT_BASE: &str = "https://uavspec.dev/schemas/";
+
+/// The draft that all files are written for.
+const DRAFT: &str = "https://json-schema.org/draft/2020-12/schema";
+
+/// How schemas are emitted.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// The absolute address that every `$id` starts with.
+    pub base: String,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { base: DEFAULT_BASE.to_owned() }
+    }
+}
+
+/// Emits all schemas, sorted by path.
+pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
+    let mut emitter = Emitter { schema, options, definitions: BTreeMap::new() };
+    for (index, package) in schema.packages.iter().enumerate() {
+        for target in targets(package, index) {
+            emitter.define(target);
+        }
+    }
+    let mut files: Vec<OutputFile> = emitter.definitions.keys().map(|target| emitter.file(*target)).collect();
+    let bundles = schema.packages.iter().enumerate();
+    files.extend(bundles.filter_map(|(index, package)| emitter.bundle(package, targets(package, index))));
+    files.sort_by(|left, right| left.path.cmp(&right.path));
+    files
+}
+
+/// What a package defines.
+fn targets(package: &Package, index: usize) -> Vec<Target> {
+    let parts = package.interfaces.iter().flat_map(|interface| &interface.parts);
+    let mut targets: Vec<Target> =
+        package.messages.iter().chain(parts).map(|id| Target::Message(*id)).collect();
+    if !package.error_tables.is_empty() {
+        targets.extend([Target::ErrorCode(index), Target::ErrorList(index)]);
+    }
+    targets
+}
+
+struct Emitter<'s> {
+    schema: &'s Schema,
+    options: &'s Options,
+    /// The members of each schema, without those that only its place gives it.
+    definitions: BTreeMap<Target, Vec<Member<'s>>>,
+}
+
+impl<'s> Emitter<'s> {
+    fn define(&mut self, target: Target) {
+        let members = match target {
+            Target::Message(id) => message::members(self.schema, self.schema.message(id)),
+            Target::ErrorCode(index) => error_code::code_members(&self.schema.packages[index]),
+            Target::ErrorList(index) => error_code::list_members(&self.schema.packages[index], index),
+        };
+        self.definitions.insert(target, members);
+    }
+
+    fn definition(&self, target: Target) -> &[Member<'s>] {
+        self.definitions.get(&target).map_or(&[], Vec::as_slice)
+    }
+
+    fn address(&self, target: Target) -> Address<'s> {
+        Address::of(self.schema, target)
+    }
+
+    fn file(&self, target: Target) -> OutputFile {
+        let here = self.address(target);
+        let head = head(here.id(&self.options.base));
+        let members = head.iter().chain(self.definition(target));
+        OutputFile {
+            path: here.path(),
+            text: tree::print(members, &|other| here.refer_to(self.address(other))),
+        }
+    }
+
+    /// The bundle of a package, with all that its messages refer to. As a schema of its own it stands
+    /// for any of the package's own definitions: one that asserted nothing would let everything pass.
+    fn bundle(&self, package: &Package, own: Vec<Target>) -> Option<OutputFile> {
+        if own.is_empty() {
+            return None;
+        }
+        let definition = |target: Target| self.address(target).definition(package);
+        let reference = |target: &Target| Node::Object(vec![member("$ref", Node::Reference(*target))]);
+        let any: Node<'_> = own.iter().map(reference).collect();
+        let foreign = self.foreign(&own);
+        let entries = own.into_iter().chain(foreign);
+        let entries =
+            entries.map(|target| (definition(target).into(), Node::Shared(self.definition(target))));
+        let mut members = head(address::bundle_id(package, &self.options.base));
+        members.push(member("title", package.name.as_str()));
+        members.push(member("description", describe(package)));
+        members.push(member("anyOf", any));
+        members.push(member("$defs", Node::Object(entries.collect())));
+        let text = tree::print(members.iter(), &|target| address::within_bundle(&definition(target)));
+        Some(OutputFile { path: address::bundle_path(package), text })
+    }
+
+    /// What `own` refers to, directly or not, without what is in it.
+    fn foreign(&self, own: &[Target]) -> BTreeSet<Target> {
+        let mut seen: BTreeSet<Target> = own.iter().copied().collect();
+        let mut open: Vec<Target> = own.to_vec();
+        while let Some(target) = open.pop() {
+            let Target::Message(id) = target else { continue };
+            open.extend(self.nested(id).filter(|nested| seen.insert(*nested)));
+        }
+        for target in own {
+            seen.remove(target);
+        }
+        seen
+    }
+
+    fn nested(&self, id: MessageId) -> impl Iterator<Item = Target> {
+        self.schema.message(id).fields.iter().filter_map(|field| match field.ty.element {
+            Element::Message(id) => Some(Target::Message(id)),
+            Element::Scalar(_) | Element::String { .. } => None,
+        })
+    }
+}
+
+/// The members that a document starts with.
+fn head<'s>(id: String) -> Vec<Member<'s>> {
+    vec![
+        member("$schema", DRAFT),
+        member("$id", id),
+        member("$comment", format!("{GENERATED_BY}. Do not edit: run `cargo xtask codegen`.")),
+    ]
+}
+
+fn describe(package: &Package) -> String {
+    let all = format!("All definitions of package {}", package.name);
+    match (&package.origin, &package.revision) {
+        (None, _) => format!("{all}."),
+        (Some(origin), None) => format!("{all}, from {origin}."),
+        (Some(origin), Some(revision)) => format!("{all}, from {origin}, {revision}."),
+    }
+}

@@ -1,0 +1,148 @@
+//! Bounds of numbers, as a schema enforces them.
+
+use uavspec_runtime::Scalar;
+
+use super::tree::{Member, Node, member};
+use crate::schema::Range;
+use crate::value::Value;
+
+/// The greatest `float32` in the shortest form that reads back as it. Most programs write that form,
+/// and it is slightly above the exact value, so the exact value as a bound would refuse it.
+const MAX_FLOAT32: f64 = 3.402_823_5e38;
+
+/// Inclusive bounds of a number.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Bounds {
+    scalar: Scalar,
+    low: Value,
+    high: Value,
+}
+
+impl Bounds {
+    /// All values of `scalar`; none for `bool`.
+    pub(super) fn of(scalar: Scalar) -> Option<Self> {
+        let (low, high) = match (scalar, scalar.integer_bounds()) {
+            (_, Some((low, high))) => (Value::Int(low), Value::Int(high)),
+            (Scalar::Float32, None) => (Value::Float(-MAX_FLOAT32), Value::Float(MAX_FLOAT32)),
+            // Some readers of JSON take 1e999 and pass it on as infinity.
+            (Scalar::Float64, None) => (Value::Float(f64::MIN), Value::Float(f64::MAX)),
+            _ => return None,
+        };
+        Some(Self { scalar, low, high })
+    }
+
+    /// What of these bounds lies in `range`.
+    pub(super) fn within(mut self, range: &Range) -> Self {
+        if let Some(low) = range.low.as_ref().map(|low| spread(low, self.scalar).0)
+            && is_less(&self.low, &low)
+        {
+            self.low = low;
+        }
+        if let Some(high) = range.high.as_ref().map(|high| spread(high, self.scalar).1)
+            && is_less(&high, &self.high)
+        {
+            self.high = high;
+        }
+        self
+    }
+
+    /// What of these bounds isn't above `greatest`.
+    pub(super) fn at_most(self, greatest: u32) -> Self {
+        self.within(&Range { low: None, high: Some(Value::Int(greatest.into())) })
+    }
+
+    /// Whether `value` is a number within. NaN is in no bounds.
+    pub(super) fn hold(&self, value: &Value) -> bool {
+        let is_number = value.as_f64().is_some_and(|value| !value.is_nan());
+        is_number && !is_less(value, &self.low) && !is_less(&self.high, value)
+    }
+
+    /// `minimum` and `maximum`.
+    pub(super) fn members<'s>(&self) -> [Member<'s>; 2] {
+        [member("minimum", number(&self.low)), member("maximum", number(&self.high))]
+    }
+}
+
+/// What a schema asserts to let through exactly `value` of type `scalar`.
+pub(super) fn exactly<'s>(value: &Value, scalar: Scalar) -> Vec<Member<'s>> {
+    let (low, high) = spread(value, scalar);
+    if low == high {
+        return vec![member("const", number(value))];
+    }
+    Bounds { scalar, low, high }.members().into()
+}
+
+/// A number of a definition; what has no JSON becomes null.
+pub(super) fn number<'s>(value: &Value) -> Node<'s> {
+    match value {
+        Value::Int(value) => Node::Integer(*value),
+        Value::Float(value) if value.is_finite() => Node::Float(*value),
+        _ => Node::Null,
+    }
+}
+
+/// Least and greatest of the forms in which `value` may stand in JSON when a `scalar` held it.
+///
+/// A `float32` isn't exactly pi: it is written widened to 64 bits (3.1415927410125732) or in its
+/// shortest form (3.1415927), and both are greater than pi.
+fn spread(value: &Value, scalar: Scalar) -> (Value, Value) {
+    let exact = value.as_f64().filter(|exact| scalar == Scalar::Float32 && exact.abs() < MAX_FLOAT32);
+    let Some(exact) = exact else { return (value.clone(), value.clone()) };
+    #[allow(clippy::cast_possible_truncation)] // rounding is what this is about
+    let rounded = exact as f32;
+    let widened = f64::from(rounded);
+    let shortest = rounded.to_string().parse().unwrap_or(widened);
+    let (low, high) = (widened.min(shortest), widened.max(shortest));
+    let low = if low < exact { Value::Float(low) } else { value.clone() };
+    let high = if high > exact { Value::Float(high) } else { value.clone() };
+    (low, high)
+}
+
+/// Exact for integers, which floats of 64 bits can't tell apart near the bounds of 64-bit integers.
+fn is_less(left: &Value, right: &Value) -> bool {
+    match (left, right) {
+        (Value::Int(left), Value::Int(right)) => left < right,
+        _ => left.as_f64() < right.as_f64(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn range(low: f64, high: f64) -> Range {
+        Range { low: Some(Value::Float(low)), high: Some(Value::Float(high)) }
+    }
+
+    #[test]
+    fn bounds_of_float32_let_its_own_nearest_value_through() {
+        let pi = std::f64::consts::PI;
+        let bounds = Bounds::of(Scalar::Float32).expect("a number").within(&range(-pi, pi));
+        for value in [f64::from(std::f32::consts::PI), 3.141_592_7, -3.141_592_7, pi] {
+            assert!(bounds.hold(&Value::Float(value)), "{value}");
+        }
+        assert!(!bounds.hold(&Value::Float(3.141_593)));
+        let bounds = Bounds::of(Scalar::Float64).expect("a number").within(&range(-pi, pi));
+        assert!(!bounds.hold(&Value::Float(3.141_592_7)));
+    }
+
+    #[test]
+    fn a_range_only_narrows() {
+        let of = |scalar| Bounds::of(scalar).expect("a number");
+        let byte = of(Scalar::UInt8);
+        assert_eq!(byte.clone().within(&range(-5.0, 300.0)), byte);
+        assert_eq!(byte.clone().at_most(300), byte);
+        assert!(!byte.at_most(5).hold(&Value::Int(6)));
+        let long = of(Scalar::UInt64);
+        assert!(long.hold(&Value::Int(u64::MAX.into())) && !long.hold(&Value::Int(i128::from(u64::MAX) + 1)));
+    }
+
+    #[test]
+    fn both_forms_of_a_float32_are_exactly_it() {
+        let names =
+            |value, scalar| exactly(&value, scalar).into_iter().map(|(name, _)| name).collect::<Vec<_>>();
+        assert_eq!(names(Value::Float(0.1), Scalar::Float32), ["minimum", "maximum"]);
+        assert_eq!(names(Value::Float(0.1), Scalar::Float64), ["const"]);
+        assert_eq!(names(Value::Int(-1), Scalar::Float32), ["const"]);
+    }
+}

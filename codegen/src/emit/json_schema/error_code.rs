@@ -1,0 +1,62 @@
+//! The schemas of error codes.
+
+use super::address::Target;
+use super::annotation::{annotation, annotations, filled, list};
+use super::tree::{Member, Node, member};
+use crate::schema::{ErrorCode, ErrorTable, Package};
+
+/// The members of the schema of one error code.
+///
+/// It is open: a code that no table has is taken, since vendors define their own and later versions of
+/// a specification define more. Its severity is in its number.
+pub(super) fn code_members(package: &Package) -> Vec<Member<'_>> {
+    let known =
+        package.error_tables.iter().flat_map(|table| table.codes.iter().map(move |code| node(table, code)));
+    vec![
+        member("title", "ErrorCode"),
+        member(
+            "description",
+            format!(
+                "An error code of package {}. Codes that are not listed are taken too. The severity of any code is \
+                 (code & 0xFF) >> 6: 0 informational, 1 warning, 2 error, 3 fatal.",
+                package.name
+            ),
+        ),
+        member("type", "integer"),
+        member("minimum", 0_u32),
+        member("maximum", u32::MAX),
+        member("anyOf", known.chain([Node::Bool(true)]).collect::<Node>()),
+    ]
+}
+
+/// The members of the schema of a list of error codes.
+pub(super) fn list_members<'s>(package: &Package, index: usize) -> Vec<Member<'s>> {
+    let description = format!(
+        "Error codes of package {} that hold at the same time. An empty list says that there is nothing to report.",
+        package.name
+    );
+    vec![
+        member("title", "ErrorList"),
+        member("description", description),
+        member("type", "array"),
+        member("items", Node::Object(vec![member("$ref", Node::Reference(Target::ErrorCode(index)))])),
+    ]
+}
+
+fn node<'s>(table: &'s ErrorTable, code: &'s ErrorCode) -> Node<'s> {
+    let abbreviation = code.abbreviation.as_deref();
+    let codes = |codes: &[u32]| list(codes.iter().map(|code| Node::from(*code)));
+    let mut members = vec![member("const", code.code)];
+    members.push(member("title", abbreviation.unwrap_or(code.class.name())));
+    members.extend(annotation("description", filled(&code.description)));
+    members.extend(annotations([
+        annotation("x-abbreviation", abbreviation),
+        annotation("x-severity", Some(code.severity().name())),
+        annotation("x-class", Some(code.class.name())),
+        annotation("x-table", filled(&table.title)),
+        annotation("x-see-also", codes(&code.see_also)),
+        annotation("x-alternatives", codes(&code.alternatives)),
+        annotation("x-since", code.since.as_deref()),
+    ]));
+    Node::Object(members)
+}

@@ -1,0 +1,204 @@
+//! The schema of a field.
+
+use uavspec_runtime::Scalar;
+
+use super::address::Target;
+use super::annotation::{annotation, annotations, filled, prefixes, range, unit};
+use super::bounds::{self, Bounds};
+use super::tree::{Member, Node, member};
+use crate::schema::{Element, Enum, EnumRef, Field, Form, Message, Schema, Shape, Special};
+use crate::value::Value;
+
+/// A field of a message.
+#[derive(Clone, Copy)]
+pub(super) struct FieldSchema<'s> {
+    pub(super) schema: &'s Schema,
+    pub(super) message: &'s Message,
+    pub(super) field: &'s Field,
+}
+
+impl<'s> FieldSchema<'s> {
+    /// The whole schema of the field.
+    pub(super) fn node(self) -> Node<'s> {
+        let mut members = vec![member("title", self.field.name.as_str())];
+        members.extend(annotation("description", filled(&self.field.description)));
+        members.extend(self.assertions());
+        members.extend(annotation(
+            "default",
+            self.field.default.as_ref().and_then(|value| self.instance(value)),
+        ));
+        members.extend(self.annotations());
+        Node::Object(members)
+    }
+
+    fn assertions(self) -> Vec<Member<'s>> {
+        let (least, most) = match self.field.ty.shape {
+            Shape::Array(length) if self.is_text() => {
+                return vec![member("type", "string"), member("maxLength", length)];
+            }
+            Shape::Single => return self.element(),
+            Shape::Array(length) => (Some(length), Some(length)),
+            Shape::Bounded(bound) => (None, Some(bound)),
+            Shape::Sequence => (None, None),
+        };
+        let mut members = vec![member("type", "array"), member("items", Node::Object(self.element()))];
+        members.extend(annotation("minItems", least));
+        members.extend(annotation("maxItems", most));
+        members
+    }
+
+    /// What holds of the value, or of each element of an array.
+    fn element(self) -> Vec<Member<'s>> {
+        match self.field.ty.element {
+            Element::Scalar(scalar) => self.scalar(scalar),
+            Element::String { bound, .. } => {
+                let mut members = vec![member("type", "string")];
+                members.extend(annotation("maxLength", bound));
+                members
+            }
+            Element::Message(id) => vec![member("$ref", Node::Reference(Target::Message(id)))],
+        }
+    }
+
+    fn scalar(self, scalar: Scalar) -> Vec<Member<'s>> {
+        let Some(whole) = Bounds::of(scalar) else { return vec![member("type", "boolean")] };
+        let ty = if scalar.is_float() {
+            ["number", "null"].into_iter().map(Node::from).collect()
+        } else {
+            Node::from("integer")
+        };
+        let used = self.used(&whole);
+        let outside = self.outside(&used, &whole, scalar);
+        let mut members = vec![member("type", ty)];
+        let alternatives = (!outside.is_empty()).then(|| {
+            let within = Node::Object(used.members().into());
+            member("anyOf", std::iter::once(within).chain(outside).collect::<Node>())
+        });
+        if alternatives.is_none() {
+            members.extend(used.members());
+        }
+        let Some((owner, found)) = self.enumeration().filter(|(_, found)| !found.is_flags) else {
+            members.extend(alternatives);
+            return members;
+        };
+        // A schema has one `anyOf`: where the enum takes it, the alternatives stand one level below.
+        members.push(member("anyOf", open_enum(owner, found)));
+        let below = alternatives.map(|alternatives| Node::List(vec![Node::Object(vec![alternatives])]));
+        members.extend(annotation("allOf", below));
+        members
+    }
+
+    /// What the field may hold where it holds data.
+    fn used(self, whole: &Bounds) -> Bounds {
+        let used = match &self.field.range {
+            Some(range) => whole.clone().within(range),
+            None => whole.clone(),
+        };
+        match self.field.counts.and_then(|array| self.message.fields.get(array)).map(|array| array.ty.shape) {
+            Some(Shape::Array(length) | Shape::Bounded(length)) => used.at_most(length),
+            Some(Shape::Single | Shape::Sequence) | None => used,
+        }
+    }
+
+    /// The special values that lie outside of what is used. NaN needs no mention: it is null, which all
+    /// floats may be.
+    fn outside(self, used: &Bounds, whole: &Bounds, scalar: Scalar) -> Vec<Node<'s>> {
+        let specials = [(&self.field.invalid, "No data"), (&self.field.uncontrolled, "Not controlled")];
+        let nodes = specials.into_iter().filter_map(|(special, title)| {
+            let special = special.as_ref()?;
+            let value = special.value.as_ref().filter(|value| whole.hold(value) && !used.hold(value))?;
+            let mut members = bounds::exactly(value, scalar);
+            members.push(member("title", title));
+            members.extend(annotation("description", filled(&special.text)));
+            Some(Node::Object(members))
+        });
+        nodes.collect()
+    }
+
+    fn annotations(self) -> Option<Member<'s>> {
+        let field = self.field;
+        let flags = self.enumeration().filter(|(_, found)| found.is_flags);
+        let counted = field.counts.and_then(|array| self.message.fields.get(array));
+        let group = field.group.and_then(|group| self.message.groups.get(group));
+        let when = |special: &'s Option<Special>| special.as_ref().and_then(|special| filled(&special.text));
+        annotations([
+            annotation("x-type", Some(self.schema.type_text(self.message, field.ty))),
+            annotation("x-unit", unit(field.unit.as_deref())),
+            annotation("x-frame", field.frame.as_deref()),
+            annotation("x-range", field.range.as_ref().map(range)),
+            annotation("x-invalid", field.invalid.as_ref().and_then(|special| self.special(special))),
+            annotation("x-invalid-when", when(&field.invalid)),
+            annotation(
+                "x-uncontrolled",
+                field.uncontrolled.as_ref().and_then(|special| self.special(special)),
+            ),
+            annotation("x-uncontrolled-when", when(&field.uncontrolled)),
+            annotation("x-enum", prefixes(&field.enum_prefixes)),
+            annotation("x-flags", flags.map(|(owner, found)| flag_list(owner, found))),
+            annotation("x-count-of", counted.map(|array| array.name.as_str())),
+            annotation("x-group", group.and_then(|group| filled(&group.summary))),
+        ])
+    }
+
+    /// A special value as an instance holds it.
+    fn special(self, special: &'s Special) -> Option<Node<'s>> {
+        match (&special.value, self.field.ty.shape, self.field.ty.element) {
+            (Some(value), ..) => self.instance(value),
+            (None, ..) if self.is_text() => Some(Node::from("")),
+            (None, Shape::Single, Element::String { .. }) => Some(Node::from("")),
+            (None, Shape::Bounded(_) | Shape::Sequence, _) => Some(Node::List(Vec::new())),
+            // An array of fixed length is never empty.
+            (None, ..) => None,
+        }
+    }
+
+    /// A value of the field's type as an instance holds it; infinity has no JSON.
+    fn instance(self, value: &'s Value) -> Option<Node<'s>> {
+        match value {
+            Value::Int(value) if self.field.ty.element == Element::Scalar(Scalar::Bool) => {
+                Some(Node::Bool(*value != 0))
+            }
+            Value::Bool(value) => Some(Node::Bool(*value)),
+            Value::Float(value) if value.is_infinite() => None,
+            Value::Int(_) | Value::Float(_) => Some(bounds::number(value)),
+            Value::Text(text) => Some(Node::from(text.as_str())),
+            Value::List(values) => {
+                values.iter().map(|value| self.instance(value)).collect::<Option<_>>().map(Node::List)
+            }
+        }
+    }
+
+    /// The enum and the message that owns its constants. Text has none, although `char` is a number.
+    fn enumeration(self) -> Option<(&'s Message, &'s Enum)> {
+        let reference: EnumRef = self.field.enumeration.filter(|_| !self.is_text())?;
+        Some((self.schema.message(reference.message), self.schema.enumeration(reference)))
+    }
+
+    fn is_text(self) -> bool {
+        matches!(self.schema.package_of(self.message).form, Form::Msg(dialect) if self.field.is_text(dialect))
+    }
+}
+
+/// The documented values, and any other: firmware of tomorrow sends values that are unknown today.
+fn open_enum<'s>(owner: &'s Message, found: &'s Enum) -> Node<'s> {
+    let documented = found.members.iter().map(|entry| {
+        let constant = owner.constants.get(entry.constant);
+        let mut members =
+            vec![member("const", Node::Integer(entry.value)), member("title", entry.name.as_str())];
+        members
+            .extend(annotation("description", constant.and_then(|constant| filled(&constant.description))));
+        Node::Object(members)
+    });
+    documented.chain([Node::Bool(true)]).collect()
+}
+
+fn flag_list<'s>(owner: &'s Message, found: &'s Enum) -> Node<'s> {
+    let flags = found.members.iter().map(|entry| {
+        let mut members =
+            vec![member("name", entry.name.as_str()), member("mask", Node::Integer(entry.value))];
+        let description = owner.constants.get(entry.constant).map(|constant| constant.description.as_str());
+        members.extend(annotation("description", description.and_then(filled)));
+        Node::Object(members)
+    });
+    flags.collect()
+}

@@ -1,0 +1,384 @@
+//! Rust: one module a message, one type an enum, one type for the error codes of a package.
+//!
+//! Tokens are made with `quote`, parsed once more by `syn`, so that what is written is Rust, and laid
+//! out by `prettyplease`. Nothing of a definition reaches the output but through identifiers made by
+//! [`identifier`], literals and documentation.
+
+mod enumeration;
+mod error_code;
+mod identifier;
+mod message;
+mod types;
+
+use std::num::NonZero;
+use std::thread;
+
+use proc_macro2::TokenStream;
+use quote::quote;
+
+use self::identifier::{Scope, ident, snake_case};
+use super::{GENERATED_BY, OutputFile, prose};
+use crate::schema::{MessageId, Package, Schema};
+use crate::source::SourceMap;
+
+/// Options of the emitter.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Name of the file at the root of the module tree: `mod.rs`, or `lib.rs` for a whole crate.
+    pub root: String,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { root: "mod.rs".to_owned() }
+    }
+}
+
+/// Modules of a package, in the order in which they are declared.
+struct Modules {
+    /// Module and type of each message of the package.
+    messages: Vec<(MessageId, Place)>,
+    /// The modules of services and actions: folder, then module and parts.
+    interfaces: Vec<InterfaceModule>,
+}
+
+struct InterfaceModule {
+    kind: &'static str,
+    module: String,
+    index: usize,
+    parts: Vec<(MessageId, String)>,
+}
+
+/// Where the type of a message is: the path from the root of the module tree, and the type's name.
+#[derive(Clone, Debug)]
+struct Place {
+    modules: Vec<String>,
+    type_name: String,
+}
+
+/// All that the parts of the emitter look up.
+struct Context<'s> {
+    schema: &'s Schema,
+    sources: &'s SourceMap,
+    /// By [`MessageId`].
+    places: Vec<Option<Place>>,
+    /// Names of the types of the enums of each message, by [`MessageId`].
+    enum_names: Vec<Vec<String>>,
+}
+
+impl Context<'_> {
+    fn place(&self, id: MessageId) -> &Place {
+        // Every message that is listed, or referred to by one that is, has been given a place.
+        self.places[id.0 as usize].as_ref().unwrap_or(&UNPLACED)
+    }
+
+    /// The path of a message's type as the module of another message writes it.
+    fn path(&self, from: MessageId, to: MessageId) -> TokenStream {
+        let place = self.place(to);
+        // Types are re-exported by the package's module, so the message's own module is left out.
+        let public = &place.modules[..place.modules.len().saturating_sub(1)];
+        self.relative(from, public, &place.type_name)
+    }
+
+    /// The path of an enum's type as the module of another message writes it.
+    fn enum_path(&self, from: MessageId, to: MessageId, type_name: &str) -> TokenStream {
+        if self.place(from).modules == self.place(to).modules {
+            let name = ident(type_name);
+            return quote!(#name);
+        }
+        self.relative(from, &self.place(to).modules, type_name)
+    }
+
+    fn relative(&self, from: MessageId, modules: &[String], type_name: &str) -> TokenStream {
+        let own = &self.place(from).modules;
+        let shared = own.iter().zip(modules).take_while(|(left, right)| left == right).count();
+        let ups = (shared..own.len()).map(|_| quote!(super::));
+        let downs = modules[shared..].iter().map(|module| {
+            let module = ident(module);
+            quote!(#module::)
+        });
+        let name = ident(type_name);
+        quote!(#(#ups)* #(#downs)* #name)
+    }
+}
+
+static UNPLACED: Place = Place { modules: Vec::new(), type_name: String::new() };
+
+/// Emits the whole schema as a tree of modules below `options.root`.
+pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<OutputFile> {
+    let mut context = Context {
+        schema,
+        sources,
+        places: vec![None; schema.messages.len()],
+        enum_names: vec![Vec::new(); schema.messages.len()],
+    };
+    let mut root_scope = Scope::default();
+    let mut packages = Vec::new();
+    for package in &schema.packages {
+        let has_content = !package.messages.is_empty() || !package.interfaces.is_empty() || !package.error_tables.is_empty();
+        if has_content {
+            let module = root_scope.unique(snake_case(&package.name));
+            let modules = name_modules(&mut context, package, &module);
+            packages.push((package, module, modules));
+        }
+    }
+    let mut files = vec![OutputFile { path: options.root.clone(), text: root(&packages, options) }];
+    for (package, module, modules) in &packages {
+        files.append(&mut package_files(&context, package, module, modules));
+    }
+    files.append(&mut message_files(&context));
+    files.sort_by(|left, right| left.path.cmp(&right.path));
+    files
+}
+
+fn name_modules(context: &mut Context<'_>, package: &Package, module: &str) -> Modules {
+    let mut modules = Modules { messages: Vec::new(), interfaces: Vec::new() };
+    let mut scope = Scope::default();
+    let mut types = Scope::default();
+    for reserved in ["srv", "action", "error_code"] {
+        scope.unique(reserved.to_owned());
+    }
+    types.unique("ErrorCode".to_owned());
+    let schema = context.schema;
+    for id in &package.messages {
+        let name = &schema.message(*id).name;
+        let place = Place {
+            modules: vec![module.to_owned(), scope.unique(snake_case(name))],
+            type_name: types.unique(identifier::pascal_case(name)),
+        };
+        modules.messages.push((*id, place.clone()));
+        let mut own_types = Scope::default();
+        own_types.unique(place.type_name.clone());
+        set_place(context, *id, place, &mut own_types);
+    }
+    for (index, interface) in package.interfaces.iter().enumerate() {
+        let kind = interface.kind.name();
+        let own = format!("{}_{}", snake_case(&interface.name), kind);
+        let name = scope.unique(own);
+        let mut types = Scope::default();
+        let mut parts = Vec::new();
+        for id in &interface.parts {
+            let type_name = types.unique(identifier::pascal_case(&schema.message(*id).name));
+            let path = vec![module.to_owned(), kind.to_owned(), name.clone()];
+            set_place(context, *id, Place { modules: path, type_name: type_name.clone() }, &mut types);
+            parts.push((*id, type_name));
+        }
+        modules.interfaces.push(InterfaceModule { kind, module: name, index, parts });
+    }
+    modules
+}
+
+/// Gives a message its place, and its enums names in `scope`, that of the module.
+fn set_place(context: &mut Context<'_>, id: MessageId, place: Place, scope: &mut Scope) {
+    let message = context.schema.message(id);
+    let names: Vec<String> = message.enums.iter().map(|found| {
+        let prefix = found.prefixes.first().map_or("Value", String::as_str);
+        let user = message.fields.iter().find(|field| {
+            field.enumeration.is_some_and(|reference| reference.message == id && message.enums[reference.index] == *found)
+        });
+        let fallback = user.map_or_else(|| format!("{prefix}_value"), |field| field.name.clone());
+        scope.first_free(&[identifier::pascal_case(prefix), identifier::pascal_case(&fallback)])
+    }).collect();
+    context.enum_names[id.0 as usize] = names;
+    context.places[id.0 as usize] = Some(place);
+}
+
+/// The header line of a generated file.
+fn header(from: &str) -> String {
+    // A path with a line break would end the comment.
+    let from = from.replace(['\n', '\r'], " ");
+    format!("// {GENERATED_BY} from {from}. Do not edit: run `cargo xtask codegen`.\n\n")
+}
+
+fn root(packages: &[(&Package, String, Modules)], options: &Options) -> String {
+    let modules = packages.iter().map(|(package, module, _)| {
+        let module = ident(module);
+        let doc = documentation(&format!("Package `{}`.", package.name));
+        quote!(#doc pub mod #module;)
+    });
+    let no_std = (options.root == "lib.rs").then(|| quote!(#![no_std]));
+    let doc = inner_documentation(
+        "Types of drone interface definitions, one module a package.\n\n\
+         Every message implements [`Message`](::uavspec_runtime::Message), and those of fixed size also\n\
+         [`UorbMessage`](::uavspec_runtime::UorbMessage). The feature `serde` gives all of them JSON in the\n\
+         form that the published JSON Schemas describe.",
+    );
+    let tokens = quote! {
+        #doc
+        #no_std
+        // Without a feature `serde` of this crate its types have no serde traits: no mistake.
+        #![allow(unexpected_cfgs)]
+        // Names and texts are those of the definitions.
+        #![allow(clippy::doc_markdown, clippy::struct_excessive_bools, clippy::struct_field_names)]
+        #![allow(clippy::module_name_repetitions, clippy::unreadable_literal, clippy::enum_glob_use)]
+        #![allow(clippy::too_long_first_doc_paragraph, clippy::doc_lazy_continuation, clippy::large_types_passed_by_value)]
+        #![allow(clippy::unseparated_literal_suffix, clippy::excessive_precision, clippy::approx_constant)]
+        #![allow(clippy::large_stack_arrays, clippy::must_use_candidate, clippy::similar_names)]
+        #![allow(clippy::default_trait_access, clippy::too_many_lines)]
+        #(#modules)*
+    };
+    header("the definitions") + &layout_file(tokens)
+}
+
+fn package_files(context: &Context<'_>, package: &Package, module: &str, modules: &Modules) -> Vec<OutputFile> {
+    let mut files = Vec::new();
+    let mut lines = vec![format!("Package `{}`, in the {} dialect.", package.name, package.form.name())];
+    if let Some(origin) = &package.origin {
+        lines.push(format!("Origin: {}.", prose::inline(origin)));
+    }
+    if let Some(revision) = &package.revision {
+        lines.push(format!("Revision: {}.", prose::inline(revision)));
+    }
+    let doc = inner_documentation(&lines.join("\n\n"));
+    let messages = modules.messages.iter().map(|(_, place)| {
+        let doc = documentation(&format!("[`{}`] and the types of its fields.", ident(&place.type_name)));
+        re_export(&doc, &place.modules[1], [&place.type_name])
+    });
+    let kinds: Vec<TokenStream> = [("srv", "Services."), ("action", "Actions.")]
+        .into_iter()
+        .filter(|(kind, _)| modules.interfaces.iter().any(|interface| interface.kind == *kind))
+        .map(|(kind, text)| {
+            let doc = documentation(text);
+            let kind = ident(kind);
+            quote!(#doc pub mod #kind;)
+        })
+        .collect();
+    let mut error_codes = None;
+    if !package.error_tables.is_empty() {
+        let doc = documentation("Error codes.");
+        error_codes = Some(re_export(&doc, "error_code", [&"ErrorCode".to_owned()]));
+        let text = error_code::emit(context, package);
+        files.push(OutputFile { path: format!("{module}/error_code.rs"), text });
+    }
+    let tokens = quote!(#doc #error_codes #(#messages)* #(#kinds)*);
+    let text = header(&format!("the definitions of package {}", package.name)) + &layout_file(tokens);
+    files.push(OutputFile { path: format!("{module}.rs"), text });
+    for kind in ["srv", "action"] {
+        let of_kind: Vec<&InterfaceModule> =
+            modules.interfaces.iter().filter(|interface| interface.kind == kind).collect();
+        if !of_kind.is_empty() {
+            files.push(OutputFile { path: format!("{module}/{kind}.rs"), text: kind_module(package, &of_kind) });
+        }
+    }
+    for interface in &modules.interfaces {
+        let path = format!("{module}/{}/{}.rs", interface.kind, interface.module);
+        let from = &package.interfaces[interface.index];
+        let doc = inner_documentation(&format!("The parts of {}.", prose::code(&from.name)));
+        let parts: Vec<TokenStream> = interface.parts.iter().map(|(id, _)| message::tokens(context, *id)).collect();
+        let source = context.sources.path(context.sources.source_of(from.span));
+        files.push(OutputFile { path, text: header(source) + &layout_file(quote!(#doc #(#parts)*)) });
+    }
+    files
+}
+
+fn kind_module(package: &Package, interfaces: &[&InterfaceModule]) -> String {
+    let what = if interfaces[0].kind == "srv" { "Services" } else { "Actions" };
+    let doc = inner_documentation(&format!("{what} of package `{}`.", package.name));
+    let modules = interfaces.iter().map(|interface| {
+        let doc = documentation(&format!("The parts of {}.", prose::code(&package.interfaces[interface.index].name)));
+        re_export(&doc, &interface.module, interface.parts.iter().map(|(_, name)| name))
+    });
+    header(&format!("the definitions of package {}", package.name)) + &layout_file(quote!(#doc #(#modules)*))
+}
+
+fn re_export<'n>(doc: &TokenStream, module: &str, names: impl IntoIterator<Item = &'n String>) -> TokenStream {
+    let module = ident(module);
+    let names = names.into_iter().map(|name| ident(name));
+    quote!(#doc pub mod #module; pub use self::#module::{#(#names),*};)
+}
+
+/// The files of all messages. Each is made on its own, so the work is shared out among the processors.
+fn message_files(context: &Context<'_>) -> Vec<OutputFile> {
+    let ids: Vec<MessageId> =
+        context.schema.packages.iter().flat_map(|package| package.messages.iter().copied()).collect();
+    let file = |id: &MessageId| {
+        let place = context.place(*id);
+        let message = context.schema.message(*id);
+        let source = context.sources.path(context.sources.source_of(message.span));
+        let doc = inner_documentation(&format!("[`{}`] and the types of its fields.", ident(&place.type_name)));
+        let tokens = message::tokens(context, *id);
+        let path = format!("{}.rs", place.modules.join("/"));
+        OutputFile { path, text: header(source) + &layout_file(quote!(#doc #tokens)) }
+    };
+    let workers = thread::available_parallelism().map_or(1, NonZero::get);
+    let share = ids.len().div_ceil(workers).max(1);
+    thread::scope(|scope| {
+        let work: Vec<_> =
+            ids.chunks(share).map(|ids| scope.spawn(move || ids.iter().map(file).collect::<Vec<_>>())).collect();
+        // A panic in a worker is a defect here, and goes on in the caller.
+        work.into_iter().flat_map(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
+    })
+}
+
+/// Tokens as text: laid out, with a blank line between items.
+fn layout_file(tokens: TokenStream) -> String {
+    let file: syn::File = match syn::parse2(tokens) {
+        Ok(file) => file,
+        // The tokens come from `quote` and identifiers alone; were they no Rust, the compiler says so.
+        Err(error) => return format!("compile_error!({:?});\n", error.to_string()),
+    };
+    let attributes = file.attrs;
+    let mut text = prettyplease::unparse(&syn::File { shebang: None, frontmatter: None, attrs: attributes, items: Vec::new() });
+    let mut was_module = false;
+    for item in file.items {
+        let is_module = matches!(item, syn::Item::Mod(_) | syn::Item::Use(_));
+        if !text.is_empty() && !(is_module && was_module) {
+            text.push('\n');
+        }
+        was_module = is_module;
+        let file = syn::File { shebang: None, frontmatter: None, attrs: Vec::new(), items: vec![item] };
+        let laid_out = prettyplease::unparse(&file);
+        if let syn::Item::Macro(_) = file.items[0] {
+            list_entries(&laid_out, &mut text);
+        } else {
+            space_out(&laid_out, &mut text);
+        }
+    }
+    text
+}
+
+/// Puts each entry of a macro call in braces on a line of its own: `name! { first; second; … }`.
+fn list_entries(call: &str, text: &mut String) {
+    for line in call.lines().take_while(|line| !line.starts_with("    ")) {
+        text.push_str(line);
+        text.push('\n');
+    }
+    let inner: Vec<&str> = call.lines().filter(|line| line.starts_with("    ")).map(str::trim).collect();
+    let inner = inner.join(" ");
+    for entry in inner.split_terminator(';') {
+        text.push_str("    ");
+        text.push_str(entry.trim());
+        text.push_str(";\n");
+    }
+    if !inner.is_empty() {
+        text.push_str("}\n");
+    }
+}
+
+/// Puts a blank line after each function, impl and the like that another item follows.
+fn space_out(item: &str, text: &mut String) {
+    let mut closed_at = None;
+    for line in item.lines() {
+        let code = line.trim_start();
+        let depth = line.len() - code.len();
+        let starts_item = ["fn ", "pub ", "impl ", "impl<", "const ", "///", "#[", "::"].iter().any(|start| code.starts_with(start));
+        if closed_at == Some(depth) && depth > 0 && starts_item {
+            text.push('\n');
+        }
+        closed_at = (code == "}").then_some(depth);
+        text.push_str(line);
+        text.push('\n');
+    }
+}
+
+/// A documentation comment; the text is Markdown.
+fn documentation(text: &str) -> TokenStream {
+    let lines = text.lines().map(|line| if line.is_empty() { String::new() } else { format!(" {line}") });
+    quote!(#(#[doc = #lines])*)
+}
+
+/// A documentation comment of the module that it stands in.
+fn inner_documentation(text: &str) -> TokenStream {
+    let lines = text.lines().map(|line| if line.is_empty() { String::new() } else { format!(" {line}") });
+    quote!(#(#![doc = #lines])*)
+}

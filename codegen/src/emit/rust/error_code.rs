@@ -1,0 +1,215 @@
+//! The error codes of a package: one open newtype over all its tables.
+
+use proc_macro2::{Ident, TokenStream};
+use quote::quote;
+
+use super::identifier::{Scope, ident, upper_case};
+use super::{Context, documentation, header, inner_documentation, layout_file, types};
+use crate::emit::prose;
+use crate::schema::{ErrorCode, Package};
+use uavspec_runtime::Severity;
+
+/// The text of the module.
+pub(super) fn emit(context: &Context<'_>, package: &Package) -> String {
+    let codes: Vec<&ErrorCode> = package.error_tables.iter().flat_map(|table| &table.codes).collect();
+    let mut sources: Vec<&str> =
+        package.error_tables.iter().map(|table| context.sources.path(context.sources.source_of(table.span))).collect();
+    sources.dedup();
+    header(&sources.join(", ")) + &layout_file(tokens(package, &codes))
+}
+
+/// The name of each code's constant: its abbreviation; where several codes share one, with the
+/// severity; where that is not enough, with the number.
+fn constant_names(codes: &[&ErrorCode]) -> Vec<Ident> {
+    let plain = |code: &ErrorCode| match &code.abbreviation {
+        Some(abbreviation) if !upper_case(abbreviation).is_empty() => upper_case(abbreviation),
+        _ => format!("CODE_{}", code.code),
+    };
+    let severity = |code: &ErrorCode| Severity::of(code.code).name().to_uppercase();
+    let mut scope = Scope::default();
+    codes
+        .iter()
+        .map(|code| {
+            let name = plain(code);
+            let alike = |with_severity: bool| {
+                let same = |other: &&&ErrorCode| {
+                    plain(other) == name && (!with_severity || severity(other) == severity(code))
+                };
+                codes.iter().filter(same).count() > 1
+            };
+            let name = match (alike(false), alike(true)) {
+                (false, _) => name,
+                (true, false) => format!("{name}_{}", severity(code)),
+                (true, true) => format!("{name}_{}", code.code),
+            };
+            ident(&scope.unique(name))
+        })
+        .collect()
+}
+
+fn tokens(package: &Package, codes: &[&ErrorCode]) -> TokenStream {
+    let module_doc = inner_documentation(&format!("The error codes of package `{}`.", package.name));
+    let names = constant_names(codes);
+    let name_of = |wanted: &u32| {
+        let index = codes.iter().position(|code| code.code == *wanted);
+        match index {
+            Some(index) => {
+                let name = &names[index];
+                quote!(ErrorCode::#name)
+            }
+            None => {
+                let code = types::integer((*wanted).into());
+                quote!(ErrorCode(#code))
+            }
+        }
+    };
+    let constants = codes.iter().zip(&names).map(|(code, name)| {
+        let doc = documentation(&text(code));
+        let value = types::integer(code.code.into());
+        quote!(#doc pub const #name: Self = Self(#value);)
+    });
+    let entries = codes.iter().zip(&names).map(|(code, name)| {
+        let abbreviation = match &code.abbreviation {
+            Some(abbreviation) => quote!(::core::option::Option::Some(#abbreviation)),
+            None => quote!(::core::option::Option::None),
+        };
+        let description = &code.description;
+        let see_also = code.see_also.iter().map(name_of);
+        let alternatives = code.alternatives.iter().map(name_of);
+        quote!(Entry {
+            code: ErrorCode::#name,
+            abbreviation: #abbreviation,
+            description: #description,
+            see_also: &[#(#see_also),*],
+            alternatives: &[#(#alternatives),*],
+        })
+    });
+    let count = types::integer(codes.len() as i128);
+    let type_doc = documentation(
+        "An error code. Open: a code that no table knows is kept as it is.\n\n\
+         A constant is called like the abbreviation of its code. Where codes of several severities share\n\
+         an abbreviation, the severity is part of the name.",
+    );
+    quote! {
+        #module_doc
+        use ::uavspec_runtime::{ErrorClass, Severity};
+
+        #type_doc
+        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[repr(transparent)]
+        pub struct ErrorCode(pub u32);
+
+        impl ErrorCode {
+            #(#constants)*
+        }
+
+        impl ErrorCode {
+            /// All codes that the tables know, in order.
+            pub fn all() -> impl ::core::iter::ExactSizeIterator<Item = Self> + ::core::iter::DoubleEndedIterator {
+                ENTRIES.iter().map(|entry| entry.code)
+            }
+
+            /// How grave it is: `(code & 0xFF) >> 6`, also for a code that no table knows.
+            pub const fn severity(self) -> Severity {
+                Severity::of(self.0)
+            }
+
+            /// The range of codes that it belongs to.
+            pub const fn class(self) -> ErrorClass {
+                ErrorClass::of(self.0)
+            }
+
+            /// Whether a table knows it.
+            pub fn is_known(self) -> bool {
+                self.entry().is_some()
+            }
+
+            /// A short word for displays that have little room.
+            pub fn abbreviation(self) -> ::core::option::Option<&'static str> {
+                self.entry()?.abbreviation
+            }
+
+            /// What it says.
+            pub fn description(self) -> ::core::option::Option<&'static str> {
+                ::core::option::Option::Some(self.entry()?.description)
+            }
+
+            /// Codes that its description refers to.
+            pub fn see_also(self) -> &'static [Self] {
+                self.entry().map_or(&[], |entry| entry.see_also)
+            }
+
+            /// Codes for the same condition at other severities, of which one is used at a time.
+            pub fn alternatives(self) -> &'static [Self] {
+                self.entry().map_or(&[], |entry| entry.alternatives)
+            }
+
+            fn entry(self) -> ::core::option::Option<&'static Entry> {
+                let found = ENTRIES.binary_search_by_key(&self, |entry| entry.code);
+                found.ok().map(|index| &ENTRIES[index])
+            }
+        }
+
+        /// The number, and the abbreviation where there is one.
+        impl ::core::fmt::Display for ErrorCode {
+            fn fmt(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
+                match self.abbreviation() {
+                    ::core::option::Option::Some(abbreviation) => ::core::write!(formatter, "{} {abbreviation}", self.0),
+                    ::core::option::Option::None => ::core::write!(formatter, "{}", self.0),
+                }
+            }
+        }
+
+        impl ::core::fmt::Debug for ErrorCode {
+            fn fmt(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
+                ::core::write!(formatter, "ErrorCode({self})")
+            }
+        }
+
+        impl ::core::convert::From<u32> for ErrorCode {
+            fn from(code: u32) -> Self {
+                Self(code)
+            }
+        }
+
+        impl ::core::convert::From<ErrorCode> for u32 {
+            fn from(code: ErrorCode) -> Self {
+                code.0
+            }
+        }
+
+        /// What the tables say of a code.
+        struct Entry {
+            code: ErrorCode,
+            abbreviation: ::core::option::Option<&'static str>,
+            description: &'static str,
+            see_also: &'static [ErrorCode],
+            alternatives: &'static [ErrorCode],
+        }
+
+        /// By code.
+        static ENTRIES: [Entry; #count] = [#(#entries),*];
+
+        #[cfg(feature = "serde")]
+        impl ::uavspec_runtime::serde::Serialize for ErrorCode {
+            fn serialize<S: ::uavspec_runtime::serde::Serializer>(&self, serializer: S) -> ::core::result::Result<S::Ok, S::Error> {
+                ::uavspec_runtime::serde::Serialize::serialize(&self.0, serializer)
+            }
+        }
+
+        #[cfg(feature = "serde")]
+        impl<'de> ::uavspec_runtime::serde::Deserialize<'de> for ErrorCode {
+            fn deserialize<D: ::uavspec_runtime::serde::Deserializer<'de>>(deserializer: D) -> ::core::result::Result<Self, D::Error> {
+                ::core::result::Result::Ok(Self(::uavspec_runtime::serde::Deserialize::deserialize(deserializer)?))
+            }
+        }
+    }
+}
+
+fn text(code: &ErrorCode) -> String {
+    let description = prose::block(&code.description);
+    match &code.abbreviation {
+        Some(abbreviation) => format!("{} {}: {description}", code.code, prose::code(abbreviation)),
+        None => format!("{}: {description}", code.code),
+    }
+}

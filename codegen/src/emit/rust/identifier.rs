@@ -1,0 +1,138 @@
+//! Identifiers: the one place where names of definitions become names of Rust.
+
+use std::collections::HashSet;
+
+use proc_macro2::{Ident, Span};
+
+/// Words that are no identifiers in edition 2024, but raw ones are.
+const KEYWORDS: [&str; 49] = [
+    "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "do", "dyn", "else", "enum",
+    "extern", "false", "final", "fn", "for", "gen", "if", "impl", "in", "let", "loop", "macro", "match", "mod", "move",
+    "mut", "override", "priv", "pub", "ref", "return", "static", "struct", "trait", "true", "try", "type", "typeof",
+    "unsafe", "unsized", "use", "virtual", "where", "while", "yield", "static",
+];
+
+/// Words that are no identifiers, not even raw ones.
+const NEVER: [&str; 5] = ["self", "Self", "super", "crate", "_"];
+
+/// Names that have been given in a module, a type or a struct.
+#[derive(Default)]
+pub(super) struct Scope(HashSet<String>);
+
+impl Scope {
+    /// `name`, or with a number after it where it has been given already.
+    pub(super) fn unique(&mut self, name: String) -> String {
+        let mut candidate = name.clone();
+        let mut number = 2;
+        while !self.0.insert(candidate.clone()) {
+            candidate = format!("{name}_{number}");
+            number += 1;
+        }
+        candidate
+    }
+
+    /// The first of `names` that has not been given; the last with a number, where all have.
+    pub(super) fn first_free(&mut self, names: &[String]) -> String {
+        let free = names.iter().find(|name| !self.0.contains(*name));
+        let name = free.or(names.last()).cloned().unwrap_or_default();
+        self.unique(name)
+    }
+}
+
+/// The identifier that is written `name`, which is in the right case already.
+pub(super) fn ident(name: &str) -> Ident {
+    let name: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    if NEVER.contains(&name.as_str()) {
+        return Ident::new(&format!("{name}_"), Span::call_site());
+    }
+    if KEYWORDS.contains(&name.as_str()) {
+        return Ident::new_raw(&name, Span::call_site());
+    }
+    if name.starts_with(|c: char| c.is_ascii_digit()) || name.is_empty() {
+        return Ident::new(&format!("_{name}"), Span::call_site());
+    }
+    Ident::new(&name, Span::call_site())
+}
+
+/// `HealthComponentIndex`, from any case.
+pub(super) fn pascal_case(name: &str) -> String {
+    words(name)
+        .into_iter()
+        .map(|word| {
+            let (first, rest) = word.split_at(1);
+            first.to_ascii_uppercase() + &rest.to_ascii_lowercase()
+        })
+        .collect()
+}
+
+/// `health_component_index`, from any case.
+pub(super) fn snake_case(name: &str) -> String {
+    words(name).into_iter().map(|word| word.to_ascii_lowercase()).collect::<Vec<_>>().join("_")
+}
+
+/// `HEALTH_COMPONENT_INDEX`, from any case.
+pub(super) fn upper_case(name: &str) -> String {
+    words(name).into_iter().map(|word| word.to_ascii_uppercase()).collect::<Vec<_>>().join("_")
+}
+
+/// Splits a name at what is no letter or digit, and where the case says that a word begins.
+fn words(name: &str) -> Vec<&str> {
+    let bytes = name.as_bytes();
+    let mut words = Vec::new();
+    let mut start = 0;
+    for at in 0..=bytes.len() {
+        let is_break = match bytes.get(at) {
+            None => true,
+            Some(byte) if !byte.is_ascii_alphanumeric() => true,
+            Some(byte) if byte.is_ascii_uppercase() && at > start => {
+                let next_is_lower = bytes.get(at + 1).is_some_and(u8::is_ascii_lowercase);
+                !bytes[at - 1].is_ascii_uppercase() || next_is_lower
+            }
+            Some(_) => false,
+        };
+        if !is_break {
+            continue;
+        }
+        if let Some(word) = name.get(start..at).filter(|word| !word.is_empty() && word.is_ascii()) {
+            words.push(word);
+        }
+        let is_letter = bytes.get(at).is_some_and(u8::is_ascii_alphanumeric);
+        start = if is_letter { at } else { at + 1 };
+    }
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_take_the_case_that_is_asked_for() {
+        for (name, snake, pascal) in [
+            ("ArmingCheckReply", "arming_check_reply", "ArmingCheckReply"),
+            ("HEALTH_COMPONENT_INDEX", "health_component_index", "HealthComponentIndex"),
+            ("Ekf2Timestamps", "ekf2_timestamps", "Ekf2Timestamps"),
+            ("UInt8MultiArray", "u_int8_multi_array", "UInt8MultiArray"),
+            ("GPSData", "gps_data", "GpsData"),
+            ("COMM T/O", "comm_t_o", "CommTO"),
+            ("vehicle_status", "vehicle_status", "VehicleStatus"),
+        ] {
+            assert_eq!((snake_case(name).as_str(), pascal_case(name).as_str()), (snake, pascal));
+            assert_eq!(upper_case(name), snake.to_uppercase());
+        }
+    }
+
+    #[test]
+    fn words_of_the_language_become_identifiers() {
+        for (name, expected) in [("type", "r#type"), ("self", "self_"), ("gen", "r#gen"), ("3D", "_3D"), ("x", "x")] {
+            assert_eq!(ident(name).to_string(), expected);
+        }
+    }
+
+    #[test]
+    fn a_name_is_given_once() {
+        let mut scope = Scope::default();
+        let names: Vec<String> = ["a", "a", "a_2", "a"].into_iter().map(|name| scope.unique(name.to_owned())).collect();
+        assert_eq!(names, ["a", "a_2", "a_2_2", "a_3"]);
+    }
+}

@@ -1,0 +1,163 @@
+//! One folder a case: definitions, and in `expected.txt` all that is said of them.
+//!
+//! `err/<code>` gives at least that code as an error, `warn/<code>` at least that code as a warning and
+//! no error, `ok/<name>` nothing at all. `<code>-<case>` is one more case of the same code. Pages are
+//! tables; other files are of PX4, unless a file `dialect` in the folder says `ros2`, where each folder
+//! below is a package. After a change that is meant: `UAVSPEC_UPDATE_FIXTURES=1 cargo test --test fixtures`.
+
+mod support;
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use uavspec_codegen::diagnostic::{Level, Problem, render};
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::Form;
+use uavspec_codegen::{Diagnostic, SourceMap, read};
+
+use support::{files_below, package};
+
+const DEFINITIONS: [&str; 6] = ["msg", "srv", "action", "md", "adoc", "txt"];
+
+fn fixtures() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures")
+}
+
+/// Names of the folders of `kind`, sorted.
+fn cases(kind: &str) -> Vec<String> {
+    let entries = fs::read_dir(fixtures().join(kind)).expect("fixtures");
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+/// The code that a folder is named after. Codes may start with other codes: the longest counts.
+fn code_of(case: &str) -> Option<&'static str> {
+    let starts = |code: &&&str| case.strip_prefix(**code).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'));
+    Problem::CODES.iter().filter(starts).max_by_key(|code| code.len()).copied()
+}
+
+fn read_case(folder: &Path) -> (SourceMap, Vec<Diagnostic>) {
+    let is_ros2 = match fs::read_to_string(folder.join("dialect")).as_deref().map(str::trim) {
+        Ok("ros2") => true,
+        Ok(other) => panic!("{}: no dialect {other:?}", folder.display()),
+        Err(_) => false,
+    };
+    let mut sources = SourceMap::default();
+    let mut packages = Vec::new();
+    let mut diagnostics = Vec::new();
+    for file in files_below(folder, &DEFINITIONS).iter().filter(|file| !file.ends_with("expected.txt")) {
+        let path = file.strip_prefix(folder).expect("a file of the folder").to_string_lossy().replace('\\', "/");
+        let is_page = path.ends_with(".md") || path.ends_with(".adoc") || path.ends_with(".txt");
+        let (name, form) = match path.split_once('/') {
+            _ if is_page => ("pages", Form::Table),
+            Some((folder, _)) if is_ros2 => (folder, Form::Msg(Dialect::Ros2)),
+            None if is_ros2 => ("demo", Form::Msg(Dialect::Ros2)),
+            _ => ("demo", Form::Msg(Dialect::Px4)),
+        };
+        match sources.add(path.as_str(), fs::read(file).expect("a readable file")) {
+            Ok(id) => match packages.iter_mut().find(|package: &&mut uavspec_codegen::PackageInput| package.name == name) {
+                Some(package) => package.sources.push(id),
+                None => packages.push(uavspec_codegen::PackageInput { sources: vec![id], ..package(name, form) }),
+            },
+            Err(diagnostic) => diagnostics.push(diagnostic),
+        }
+    }
+    diagnostics.append(&mut read(&sources, &packages).1);
+    (sources, diagnostics)
+}
+
+/// What is wrong with a case; nothing, if all is as it should be.
+fn check(kind: &str, case: &str) -> Option<String> {
+    let folder = fixtures().join(kind).join(case);
+    let (sources, diagnostics) = read_case(&folder);
+    let found = render::render(&diagnostics, &sources, false);
+    let errors = diagnostics.iter().filter(|diagnostic| diagnostic.level() == Level::Error).count();
+    let says = |level| {
+        let mut of_level = diagnostics.iter().filter(|diagnostic| diagnostic.level() == level);
+        of_level.any(|diagnostic| code_of(case) == Some(diagnostic.problem.code()))
+    };
+    let is_as_named = match kind {
+        "err" => says(Level::Error),
+        "warn" => says(Level::Warning) && errors == 0,
+        _ => found.is_empty(),
+    };
+    if !is_as_named {
+        return Some(format!("{kind}/{case} says not what its name tells:\n{found}"));
+    }
+    let path = folder.join("expected.txt");
+    let expected = fs::read_to_string(&path).unwrap_or_default();
+    if found == expected {
+        return None;
+    }
+    if std::env::var_os("UAVSPEC_UPDATE_FIXTURES").is_some() {
+        fs::write(&path, found).expect("a writable file");
+        return None;
+    }
+    Some(format!("{kind}/{case} says\n{found}and not\n{expected}"))
+}
+
+#[test]
+fn each_fixture_says_what_is_expected() {
+    let mut failures = String::new();
+    for kind in ["ok", "err", "warn"] {
+        for failure in cases(kind).iter().filter_map(|case| check(kind, case)) {
+            writeln!(failures, "{failure}").expect("a string");
+        }
+    }
+    assert!(failures.is_empty(), "{failures}UAVSPEC_UPDATE_FIXTURES=1 takes what is said for expected");
+}
+
+/// Codes whose definitions are too large for a folder, and definitions that give them.
+fn generated() -> [(&'static str, Vec<(String, Vec<u8>)>); 4] {
+    let blank = ("Glider.msg".to_owned(), vec![b' '; (4 << 20) + 1]);
+    // Each level holds the one below so often that the last has more than 2^20 fields.
+    let levels = (0..5).map(|level: u32| {
+        let ty = level.checked_sub(1).map_or("bool".to_owned(), |below| format!("Level{below}"));
+        let fields: String = (0..32).map(|field| format!("{ty} part{field}\n")).collect();
+        (format!("Level{level}.msg"), fields.into_bytes())
+    });
+    // Each link holds all below it: 3000 * 3001 / 2 fields in all.
+    let chain = (0..3000).map(|link: u32| {
+        let ty = link.checked_sub(1).map_or("bool".to_owned(), |below| format!("Link{below}"));
+        (format!("Link{link}.msg"), format!("{ty} part\n").into_bytes())
+    });
+    // Each field has an enum of its own, and all constants are members of each.
+    let constants: String = (0..1100).map(|number| format!("uint16 MODE_{number}={number}\n")).collect();
+    let fields: String = (0..1000).map(|number| format!("uint16 mode{number}  # [@enum MODE M{number}]\n")).collect();
+    let enums = ("Glider.msg".to_owned(), (constants + &fields).into_bytes());
+    [
+        ("source-too-long", vec![blank]),
+        ("too-many-fields", levels.collect()),
+        ("too-much-nesting", chain.collect()),
+        ("too-many-members", vec![enums]),
+    ]
+}
+
+#[test]
+fn definitions_too_large_for_a_fixture_are_refused() {
+    for (code, files) in generated() {
+        let mut sources = SourceMap::default();
+        let mut package = package("demo", Form::Msg(Dialect::Px4));
+        let mut diagnostics = Vec::new();
+        for (path, bytes) in files {
+            match sources.add(path, bytes) {
+                Ok(id) => package.sources.push(id),
+                Err(diagnostic) => diagnostics.push(diagnostic),
+            }
+        }
+        diagnostics.append(&mut read(&sources, &[package]).1);
+        assert!(diagnostics.iter().any(|diagnostic| diagnostic.problem.code() == code), "{diagnostics:?}");
+    }
+}
+
+#[test]
+fn every_code_has_a_fixture() {
+    let named: Vec<&str> = ["err", "warn"].iter().flat_map(|kind| cases(kind)).filter_map(|case| code_of(&case)).collect();
+    let generated = generated().map(|(code, _)| code);
+    for code in Problem::CODES {
+        assert!(named.contains(code) != generated.contains(code), "{code} needs a fixture, or a generated definition");
+    }
+}

@@ -1,0 +1,479 @@
+//! JSON of messages, through serde: the one form that the published schemas describe.
+//!
+//! A message is an object with each of its fields, in declared order; NaN is `null`, and infinity,
+//! which JSON has no word for, is an error that names the field. PX4's `char[N]` is a string. Reading
+//! takes the fields in any order and refuses missing, repeated and unknown ones.
+//!
+//! Generated code describes a message by [`Record`], whose fields are each a [`Field`]. That is far
+//! less code than serde's own derive makes, so it compiles faster; and as the next key is mostly the
+//! next field, reading compares one name a field.
+
+use alloc::string::String;
+use alloc::vec::Vec;
+use core::fmt;
+use core::marker::PhantomData;
+
+use serde::de::{DeserializeSeed, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::ser::{Error as _, SerializeSeq as _, SerializeStruct, SerializeTuple as _};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::Text;
+
+/// A message as a list of named fields.
+pub trait Record: Default {
+    /// Its name, which some formats keep.
+    const NAME: &'static str;
+    /// Names of its fields, in declared order.
+    const FIELDS: &'static [&'static str];
+    /// A bit for each field: which of them have been read.
+    type Seen: AsMut<[u64]>;
+    /// No field has been read.
+    const UNSEEN: Self::Seen;
+
+    /// Writes all fields in order.
+    fn write<S: SerializeStruct>(&self, out: &mut Writer<S>);
+
+    /// Reads the field `index`.
+    fn read<'de, S: Source<'de>>(&mut self, index: usize, source: &mut S) -> Result<(), S::Error>;
+}
+
+/// A value of a field.
+pub trait Field: Sized {
+    /// What stands in a field until it is read: `Default`, which arrays of any length don't have.
+    fn initial() -> Self;
+
+    /// Writes it; `field` is the name to mention in an error.
+    fn serialize<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error>;
+
+    /// Reads it.
+    fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error>;
+}
+
+/// Where values come from: the members of an object, or the elements of a sequence.
+pub trait Source<'de> {
+    /// Why there is no value.
+    type Error: serde::de::Error;
+
+    /// Reads the next value into `field`.
+    fn read<T: Field>(&mut self, field: &mut T) -> Result<(), Self::Error>;
+}
+
+/// Takes the fields of a message. It keeps the first error and then takes no more, so that generated
+/// code needs no `?` for each field, which costs the compiler more than all else.
+pub struct Writer<S: SerializeStruct> {
+    out: S,
+    result: Result<(), S::Error>,
+}
+
+impl<S: SerializeStruct> Writer<S> {
+    /// Writes a field.
+    pub fn field<T: Field>(&mut self, name: &'static str, value: &T) {
+        if self.result.is_ok() {
+            self.result = self.out.serialize_field(name, &Named { name, value });
+        }
+    }
+}
+
+/// Writes a message.
+pub fn serialize<T: Record, S: Serializer>(record: &T, serializer: S) -> Result<S::Ok, S::Error> {
+    let out = serializer.serialize_struct(T::NAME, T::FIELDS.len())?;
+    let mut writer = Writer { out, result: Ok(()) };
+    record.write(&mut writer);
+    writer.result?;
+    writer.out.end()
+}
+
+/// Reads a message.
+pub fn deserialize<'de, T: Record, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
+    deserializer.deserialize_struct(T::NAME, T::FIELDS, RecordVisitor(PhantomData))
+}
+
+/// Says that reading came to a field that isn't there, which generated code can't cause.
+pub fn no_field<E: serde::de::Error>(index: usize) -> E {
+    E::custom(format_args!("there is no field {index}"))
+}
+
+struct Named<'v, T> {
+    name: &'static str,
+    value: &'v T,
+}
+
+impl<T: Field> Serialize for Named<'_, T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.value.serialize(self.name, serializer)
+    }
+}
+
+struct RecordVisitor<T>(PhantomData<T>);
+
+impl<'de, T: Record> Visitor<'de> for RecordVisitor<T> {
+    type Value = T;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "an object with the fields of {}", T::NAME)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
+        let mut record = T::default();
+        let mut seen = T::UNSEEN;
+        let mut source = Members(map);
+        let mut guess = 0;
+        while let Some(index) = source.0.next_key_seed(KeySeed { names: T::FIELDS, guess })? {
+            if let Some(word) = seen.as_mut().get_mut(index / 64) {
+                if *word >> (index % 64) & 1 == 1 {
+                    return Err(A::Error::duplicate_field(T::FIELDS[index]));
+                }
+                *word |= 1 << (index % 64);
+            }
+            record.read(index, &mut source)?;
+            guess = index + 1;
+        }
+        for (index, name) in T::FIELDS.iter().enumerate() {
+            if seen.as_mut().get(index / 64).is_some_and(|word| word >> (index % 64) & 1 == 0) {
+                return Err(A::Error::missing_field(name));
+            }
+        }
+        Ok(record)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<T, A::Error> {
+        let mut record = T::default();
+        let mut source = Elements(seq);
+        for index in 0..T::FIELDS.len() {
+            record.read(index, &mut source)?;
+        }
+        Ok(record)
+    }
+}
+
+struct Members<A>(A);
+
+impl<'de, A: MapAccess<'de>> Source<'de> for Members<A> {
+    type Error = A::Error;
+
+    fn read<T: Field>(&mut self, field: &mut T) -> Result<(), A::Error> {
+        *field = self.0.next_value_seed(FieldSeed(PhantomData))?;
+        Ok(())
+    }
+}
+
+struct Elements<A>(A);
+
+impl<'de, A: SeqAccess<'de>> Source<'de> for Elements<A> {
+    type Error = A::Error;
+
+    fn read<T: Field>(&mut self, field: &mut T) -> Result<(), A::Error> {
+        let value = self.0.next_element_seed(FieldSeed(PhantomData))?;
+        *field = value.ok_or_else(|| A::Error::custom("the sequence ends too soon"))?;
+        Ok(())
+    }
+}
+
+struct FieldSeed<T>(PhantomData<T>);
+
+impl<'de, T: Field> DeserializeSeed<'de> for FieldSeed<T> {
+    type Value = T;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<T, D::Error> {
+        T::deserialize(deserializer)
+    }
+}
+
+/// Reads a key as the index of the field that it names.
+struct KeySeed {
+    names: &'static [&'static str],
+    /// The field that is looked at first.
+    guess: usize,
+}
+
+impl<'de> DeserializeSeed<'de> for KeySeed {
+    type Value = usize;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<usize, D::Error> {
+        deserializer.deserialize_identifier(self)
+    }
+}
+
+impl Visitor<'_> for KeySeed {
+    type Value = usize;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("the name of a field")
+    }
+
+    fn visit_str<E: serde::de::Error>(self, key: &str) -> Result<usize, E> {
+        if self.names.get(self.guess) == Some(&key) {
+            return Ok(self.guess);
+        }
+        let found = self.names.iter().position(|name| *name == key);
+        found.ok_or_else(|| E::unknown_field(key, self.names))
+    }
+
+    fn visit_u64<E: serde::de::Error>(self, index: u64) -> Result<usize, E> {
+        let found = usize::try_from(index).ok().filter(|index| *index < self.names.len());
+        found.ok_or_else(|| E::custom(format_args!("there is no field {index}")))
+    }
+}
+
+/// Values that serde itself writes and reads as they should be.
+macro_rules! plain_fields {
+    ($($type:ty),*) => {
+        $(impl Field for $type {
+            fn initial() -> Self {
+                Self::default()
+            }
+
+            fn serialize<S: Serializer>(&self, _: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
+                Serialize::serialize(self, serializer)
+            }
+
+            fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                Deserialize::deserialize(deserializer)
+            }
+        })*
+    };
+}
+
+plain_fields!(bool, i8, u8, i16, u16, i32, u32, i64, u64, String);
+
+/// Floats: in text NaN is `null`, and infinity can't be said; binary formats hold both.
+macro_rules! float_fields {
+    ($($type:ty),*) => {
+        $(impl Field for $type {
+            fn initial() -> Self {
+                Self::default()
+            }
+
+            fn serialize<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
+                if !serializer.is_human_readable() || self.is_finite() {
+                    Serialize::serialize(self, serializer)
+                } else if self.is_nan() {
+                    serializer.serialize_none()
+                } else {
+                    Err(S::Error::custom(format_args!("{field} is {self}, which JSON has no number for")))
+                }
+            }
+
+            fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                if !deserializer.is_human_readable() {
+                    return Deserialize::deserialize(deserializer);
+                }
+                let value = Option::<Self>::deserialize(deserializer)?;
+                let value = value.unwrap_or(Self::NAN);
+                if value.is_infinite() {
+                    return Err(D::Error::custom(concat!("a number too large for ", stringify!($type))));
+                }
+                Ok(value)
+            }
+        })*
+    };
+}
+
+float_fields!(f32, f64);
+
+impl<T: Field, const N: usize> Field for [T; N] {
+    fn initial() -> Self {
+        core::array::from_fn(|_| T::initial())
+    }
+
+    fn serialize<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut out = serializer.serialize_tuple(N)?;
+        for value in self {
+            out.serialize_element(&Named { name: field, value })?;
+        }
+        out.end()
+    }
+
+    fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_tuple(N, ArrayVisitor(PhantomData))
+    }
+}
+
+struct ArrayVisitor<T, const N: usize>(PhantomData<T>);
+
+impl<'de, T: Field, const N: usize> Visitor<'de> for ArrayVisitor<T, N> {
+    type Value = [T; N];
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "an array of {N}")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<[T; N], A::Error> {
+        let mut array = <[T; N]>::initial();
+        for (index, element) in array.iter_mut().enumerate() {
+            let value = seq.next_element_seed(FieldSeed(PhantomData))?;
+            *element = value.ok_or_else(|| A::Error::invalid_length(index, &self))?;
+        }
+        if seq.next_element::<IgnoredAny>()?.is_some() {
+            return Err(A::Error::custom(format_args!("more than {N} elements, expected an array of {N}")));
+        }
+        Ok(array)
+    }
+}
+
+impl<T: Field> Field for Vec<T> {
+    fn initial() -> Self {
+        Self::new()
+    }
+
+    fn serialize<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut out = serializer.serialize_seq(Some(self.len()))?;
+        for value in self {
+            out.serialize_element(&Named { name: field, value })?;
+        }
+        out.end()
+    }
+
+    fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_seq(SequenceVisitor(PhantomData))
+    }
+}
+
+struct SequenceVisitor<T>(PhantomData<T>);
+
+impl<'de, T: Field> Visitor<'de> for SequenceVisitor<T> {
+    type Value = Vec<T>;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("an array")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Vec<T>, A::Error> {
+        // The length that a format announces is not trusted: room comes with the elements.
+        let mut sequence = Vec::new();
+        while let Some(value) = seq.next_element_seed(FieldSeed(PhantomData))? {
+            sequence.push(value);
+        }
+        Ok(sequence)
+    }
+}
+
+impl<const N: usize> Field for Text<N> {
+    fn initial() -> Self {
+        Self::default()
+    }
+
+    fn serialize<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
+        let text = self.as_str().map_err(|error| S::Error::custom(format_args!("{field}: {error}")))?;
+        serializer.serialize_str(text)
+    }
+
+    fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_str(TextVisitor(PhantomData))
+    }
+}
+
+struct TextVisitor<T>(PhantomData<T>);
+
+impl<const N: usize> Visitor<'_> for TextVisitor<Text<N>> {
+    type Value = Text<N>;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "a text of at most {N} bytes")
+    }
+
+    fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Text<N>, E> {
+        text.parse().map_err(E::custom)
+    }
+}
+
+/// Gives a message its serde traits through [`Record`]: its type, its name, the number of words that
+/// hold a bit for each field, and its fields with their indices and names.
+#[macro_export]
+macro_rules! json_record {
+    ($type:ident, $name:literal, $words:literal; $($index:literal $field:ident $key:literal;)*) => {
+        impl $crate::json::Record for $type {
+            const NAME: &'static str = $name;
+            const FIELDS: &'static [&'static str] = &[$($key),*];
+            type Seen = [u64; $words];
+            const UNSEEN: Self::Seen = [0; $words];
+
+            #[allow(unused_variables)]
+            fn write<S: $crate::serde::ser::SerializeStruct>(&self, out: &mut $crate::json::Writer<S>) {
+                $(out.field($key, &self.$field);)*
+            }
+
+            #[allow(unused_variables, clippy::match_single_binding)]
+            fn read<'de, S: $crate::json::Source<'de>>(
+                &mut self,
+                index: usize,
+                source: &mut S,
+            ) -> ::core::result::Result<(), S::Error> {
+                match index {
+                    $($index => source.read(&mut self.$field),)*
+                    _ => ::core::result::Result::Err($crate::json::no_field(index)),
+                }
+            }
+        }
+
+        impl $crate::serde::Serialize for $type {
+            fn serialize<S: $crate::serde::Serializer>(&self, serializer: S) -> ::core::result::Result<S::Ok, S::Error> {
+                $crate::json::serialize(self, serializer)
+            }
+        }
+
+        impl<'de> $crate::serde::Deserialize<'de> for $type {
+            fn deserialize<D: $crate::serde::Deserializer<'de>>(deserializer: D) -> ::core::result::Result<Self, D::Error> {
+                $crate::json::deserialize(deserializer)
+            }
+        }
+
+        impl $crate::json::Field for $type {
+            fn initial() -> Self {
+                ::core::default::Default::default()
+            }
+
+            fn serialize<S: $crate::serde::Serializer>(
+                &self,
+                _: &'static str,
+                serializer: S,
+            ) -> ::core::result::Result<S::Ok, S::Error> {
+                $crate::json::serialize(self, serializer)
+            }
+
+            fn deserialize<'de, D: $crate::serde::Deserializer<'de>>(
+                deserializer: D,
+            ) -> ::core::result::Result<Self, D::Error> {
+                $crate::json::deserialize(deserializer)
+            }
+        }
+    };
+}
+
+/// Gives an enum or flags their serde traits: those of the number that they hold.
+#[macro_export]
+macro_rules! json_number {
+    ($type:ty) => {
+        impl $crate::serde::Serialize for $type {
+            fn serialize<S: $crate::serde::Serializer>(&self, serializer: S) -> ::core::result::Result<S::Ok, S::Error> {
+                $crate::serde::Serialize::serialize(&self.0, serializer)
+            }
+        }
+
+        impl<'de> $crate::serde::Deserialize<'de> for $type {
+            fn deserialize<D: $crate::serde::Deserializer<'de>>(deserializer: D) -> ::core::result::Result<Self, D::Error> {
+                ::core::result::Result::Ok(Self($crate::serde::Deserialize::deserialize(deserializer)?))
+            }
+        }
+
+        impl $crate::json::Field for $type {
+            fn initial() -> Self {
+                ::core::default::Default::default()
+            }
+
+            fn serialize<S: $crate::serde::Serializer>(
+                &self,
+                _: &'static str,
+                serializer: S,
+            ) -> ::core::result::Result<S::Ok, S::Error> {
+                $crate::serde::Serialize::serialize(&self.0, serializer)
+            }
+
+            fn deserialize<'de, D: $crate::serde::Deserializer<'de>>(
+                deserializer: D,
+            ) -> ::core::result::Result<Self, D::Error> {
+                $crate::serde::Deserialize::deserialize(deserializer)
+            }
+        }
+    };
+}

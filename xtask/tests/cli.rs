@@ -1,0 +1,246 @@
+//! The command line as a user meets it: exit status, messages, and what happens to files.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value as Json;
+use tempfile::TempDir;
+
+const CONFIG: &str = r#"
+[output]
+rust = "out/rust"
+json_schema = "out/schemas"
+docs = "out/docs"
+
+[[package]]
+name = "demo"
+dialect = "px4"
+include = ["msg/*.msg"]
+"#;
+
+const WIND: &str = "# Wind over ground\n\nuint64 timestamp  # [us] Since start\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n";
+const GUST: &str = "uint64 timestamp  # [us] Since start\nWind peak  # The strongest wind\n";
+
+/// A workspace with two messages.
+fn workspace() -> TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    write(&folder, "uavspec.toml", CONFIG);
+    write(&folder, "msg/Wind.msg", WIND);
+    write(&folder, "msg/Gust.msg", GUST);
+    folder
+}
+
+fn write(folder: &TempDir, path: &str, text: &str) {
+    let path = folder.path().join(path);
+    fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
+    fs::write(path, text).expect("a file");
+}
+
+fn xtask(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_xtask")).args(arguments).current_dir(folder).output().expect("xtask runs")
+}
+
+#[track_caller]
+fn run(folder: &TempDir, arguments: &[&str], status: i32) -> String {
+    let output = xtask(folder.path(), arguments);
+    let errors = String::from_utf8(output.stderr).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(status), "{arguments:?}\n{errors}");
+    errors
+}
+
+/// Every file below a folder with its text.
+fn tree(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut files = Vec::new();
+    let mut open = vec![folder.to_path_buf()];
+    while let Some(at) = open.pop() {
+        for entry in fs::read_dir(&at).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                open.push(path);
+            } else {
+                let name = path.strip_prefix(folder).expect("below").to_string_lossy().into_owned();
+                files.push((name, fs::read(&path).expect("a file")));
+            }
+        }
+    }
+    files.sort();
+    files
+}
+
+#[test]
+fn generates_checks_and_writes_only_what_changed() {
+    let folder = workspace();
+    let errors = run(&folder, &["codegen", "--check"], 1);
+    assert!(errors.contains("missing: "), "{errors}");
+    assert!(!folder.path().join("out").exists(), "--check writes nothing");
+    run(&folder, &["codegen"], 0);
+    run(&folder, &["codegen", "--check"], 0);
+    let written = fs::metadata(folder.path().join("out/rust/demo/wind.rs")).expect("output").modified().expect("a time");
+    let errors = run(&folder, &["codegen"], 0);
+    assert!(errors.contains(": 0 written, 0 removed"), "{errors}");
+    let untouched = fs::metadata(folder.path().join("out/rust/demo/wind.rs")).expect("output").modified().expect("a time");
+    assert_eq!(written, untouched);
+    write(&folder, "msg/Wind.msg", &WIND.replace("60", "80"));
+    let errors = run(&folder, &["codegen", "--check"], 1);
+    assert!(errors.contains("changed: ") && errors.contains("cargo xtask codegen"), "{errors}");
+}
+
+#[test]
+fn works_from_any_folder_below_and_gives_the_same_bytes() {
+    let folder = workspace();
+    run(&folder, &["codegen"], 0);
+    let first = tree(&folder.path().join("out"));
+    fs::remove_dir_all(folder.path().join("out")).expect("removed");
+    let output = xtask(&folder.path().join("msg"), &["codegen"]);
+    assert!(output.status.success());
+    assert_eq!(tree(&folder.path().join("out")), first);
+}
+
+#[test]
+fn removes_orphans_but_never_a_file_of_the_user() {
+    let folder = workspace();
+    run(&folder, &["codegen"], 0);
+    write(&folder, "out/rust/demo/mine.rs", "// mine\n");
+    write(&folder, "out/docs/notes.md", "mine\n");
+    fs::remove_file(folder.path().join("msg/Gust.msg")).expect("removed");
+    let errors = run(&folder, &["codegen", "--check"], 1);
+    assert!(errors.contains("orphaned: "), "{errors}");
+    run(&folder, &["codegen"], 0);
+    assert!(!folder.path().join("out/rust/demo/gust.rs").exists());
+    assert!(folder.path().join("out/rust/demo/wind.rs").exists());
+    assert_eq!(fs::read_to_string(folder.path().join("out/rust/demo/mine.rs")).expect("kept"), "// mine\n");
+    assert_eq!(fs::read_to_string(folder.path().join("out/docs/notes.md")).expect("kept"), "mine\n");
+}
+
+#[test]
+fn a_file_of_the_user_in_the_way_is_an_error_and_nothing_is_written() {
+    let folder = workspace();
+    write(&folder, "out/rust/demo/wind.rs", "// mine\n");
+    let errors = run(&folder, &["codegen"], 2);
+    assert!(errors.contains("was not generated") && errors.contains("help: "), "{errors}");
+    assert_eq!(tree(&folder.path().join("out")), [("rust/demo/wind.rs".to_owned(), b"// mine\n".to_vec())]);
+}
+
+#[test]
+fn a_manifest_that_leads_out_of_its_folder_is_not_followed() {
+    let folder = workspace();
+    run(&folder, &["codegen"], 0);
+    write(&folder, "precious.txt", "keep\n");
+    let manifest = folder.path().join("out/rust/.uavspec-manifest");
+    let text = fs::read_to_string(&manifest).expect("a manifest");
+    let absolute = folder.path().join("precious.txt");
+    fs::write(&manifest, format!("{text}../../precious.txt\n{}\n", absolute.display())).expect("written");
+    run(&folder, &["codegen"], 0);
+    assert!(absolute.exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_inside_the_output_is_not_followed() {
+    let folder = workspace();
+    fs::create_dir_all(folder.path().join("elsewhere")).expect("a folder");
+    fs::create_dir_all(folder.path().join("out/rust")).expect("a folder");
+    std::os::unix::fs::symlink(folder.path().join("elsewhere"), folder.path().join("out/rust/demo")).expect("a link");
+    let errors = run(&folder, &["codegen"], 2);
+    assert!(errors.contains("is a link"), "{errors}");
+    assert!(tree(&folder.path().join("elsewhere")).is_empty());
+}
+
+#[test]
+fn mistakes_are_shown_all_at_once_and_nothing_is_written() {
+    let folder = workspace();
+    write(&folder, "msg/Wind.msg", "uint64 timestamp\nuint8 MODE = 300\nWnd peak\n");
+    write(&folder, "msg/Gust.msg", "uint8[0] a\n");
+    let errors = run(&folder, &["codegen"], 1);
+    for code in ["constant-out-of-range", "unknown-type", "zero-length", "did you mean", "msg/Wind.msg:2:14", "msg/Gust.msg:1:6"] {
+        assert!(errors.contains(code), "{code} is missing in\n{errors}");
+    }
+    assert!(errors.contains("codegen: 3 errors in 2 of 2 files; nothing written"), "{errors}");
+    assert!(!folder.path().join("out").exists());
+}
+
+#[test]
+fn what_cannot_be_carried_out_is_status_2_with_a_hint() {
+    let folder = workspace();
+    fs::create_dir(folder.path().join("empty")).expect("a folder");
+    write(&folder, "invalid.toml", "[[package]]\nname = \"demo\"\ndialekt = \"px4\"\n");
+    write(&folder, "nothing.toml", "[output]\n");
+    write(&folder, "unmatched.toml", "[[package]]\nname = \"demo\"\ndialect = \"px4\"\ninclude = [\"nowhere/*.msg\"]\n");
+    let direct = ["codegen", "--package", "p", "--dialect", "px4", "--input"];
+    for (arguments, expected) in [
+        (&[&direct[..], &["empty", "--out", "o"]].concat()[..], "no definitions below empty"),
+        (&[&direct[..], &["absent", "--out", "o"]].concat(), "absent: No such file"),
+        (&[&direct[..], &["uavspec.toml", "--out", "o"]].concat(), "no definition of this dialect"),
+        (&[&direct[..], &["msg", "--out", "uavspec.toml/o"]].concat(), "uavspec.toml/o"),
+        (&[&direct[..], &["msg"]].concat(), "--out"),
+        (&["codegen", "--package", "p"], "--dialect"),
+        (&["codegen", "--config", "invalid.toml"], "unknown field `dialekt`"),
+        (&["codegen", "--config", "nothing.toml"], "names no package"),
+        (&["codegen", "--config", "unmatched.toml"], "matches no file"),
+        (&["codegen", "--config", "absent.toml"], "absent.toml"),
+        (&["codegen", "--bogus"], "--bogus"),
+    ] {
+        let errors = run(&folder, arguments, 2);
+        assert!(errors.contains(expected), "{arguments:?}: no `{expected}` in\n{errors}");
+    }
+    assert!(!folder.path().join("o").exists());
+}
+
+#[test]
+fn a_folder_or_bytes_in_place_of_a_definition_are_named() {
+    let folder = workspace();
+    fs::create_dir(folder.path().join("msg/Folder.msg")).expect("a folder");
+    fs::write(folder.path().join("msg/Wind.msg"), b"uint8 a # \xff\n").expect("a file");
+    let errors = run(&folder, &["codegen"], 1);
+    assert!(errors.contains("invalid-utf8") && errors.contains("msg/Wind.msg:1:11"), "{errors}");
+}
+
+#[test]
+fn works_without_a_configuration_file() {
+    let folder = workspace();
+    let arguments = ["codegen", "--package", "demo", "--dialect", "px4", "--input", "msg", "--out", "made", "--emit", "rust,docs"];
+    run(&folder, &arguments, 0);
+    assert!(folder.path().join("made/rust/mod.rs").exists());
+    assert!(folder.path().join("made/docs/README.md").exists());
+    assert!(!folder.path().join("made/json_schema").exists());
+    run(&folder, &[&arguments[..], &["--check"]].concat(), 0);
+}
+
+#[test]
+fn inspect_prints_the_model() {
+    let folder = workspace();
+    let output = xtask(folder.path(), &["inspect", "--package", "demo", "--dialect", "px4", "--input", "msg"]);
+    assert!(output.status.success());
+    let model: Json = serde_json::from_slice(&output.stdout).expect("JSON");
+    let wind = &model["packages"]["demo"]["messages"]["Wind"];
+    assert_eq!(wind["fields"][1]["unit"], "m/s");
+    assert_eq!(wind["fields"][1]["range"], serde_json::json!([0, 60]));
+    assert_eq!(wind["uorb"]["size"], 16);
+    assert_eq!(wind["topics"], serde_json::json!(["wind"]));
+}
+
+#[test]
+fn ros2_packages_beside_the_input_are_found() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    write(&folder, "std_msgs/msg/Header.msg", "builtin_interfaces/Time stamp\nstring frame_id\n");
+    write(&folder, "builtin_interfaces/msg/Time.msg", "int32 sec\nuint32 nanosec\n");
+    write(&folder, "builtin_interfaces/msg/Duration.msg", "int32 sec\nuint32 nanosec\n");
+    write(&folder, "demo_msgs/msg/Ping.msg", "std_msgs/Header header\nuint8 count 3\n");
+    let input = ["inspect", "--package", "demo_msgs", "--dialect", "ros2", "--input", "demo_msgs"];
+    let output = xtask(folder.path(), &input);
+    let model: Json = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(model["packages"]["demo_msgs"]["messages"]["Ping"]["fields"][0]["type"], "std_msgs/Header");
+    let messages = model["packages"]["builtin_interfaces"]["messages"].as_object().expect("messages");
+    assert_eq!(messages.keys().collect::<Vec<_>>(), ["Time"], "only what is referred to");
+}
+
+#[test]
+fn every_command_has_help_with_an_example() {
+    let folder = workspace();
+    for command in ["codegen", "inspect", "bench"] {
+        let output = xtask(folder.path(), &[command, "--help"]);
+        let help = String::from_utf8(output.stdout).expect("UTF-8");
+        assert!(output.status.success() && help.contains("cargo xtask "), "{help}");
+    }
+}

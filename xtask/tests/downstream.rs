@@ -1,0 +1,66 @@
+//! The workspace that the README tells users to make is made, word for word, and works.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The files of the section "Use it in your build": a path in backticks on a line of its own, then a
+/// fenced block.
+fn files_of_readme() -> Vec<(String, String)> {
+    let readme = fs::read_to_string(repository().join("README.md")).expect("the README");
+    let section = readme.split("\n## Use it in your build\n").nth(1).expect("the section");
+    let section = section.split("\n## ").next().expect("its text");
+    let mut files = Vec::new();
+    let mut lines = section.lines();
+    while let Some(line) = lines.next() {
+        let Some(path) = line.strip_prefix('`').and_then(|rest| rest.strip_suffix('`')) else { continue };
+        let fenced = lines.by_ref().skip_while(|line| !line.starts_with("```")).skip(1);
+        let text: Vec<&str> = fenced.take_while(|line| *line != "```").collect();
+        files.push((path.to_owned(), text.join("\n") + "\n"));
+    }
+    files
+}
+
+fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn cargo(folder: &Path, arguments: &[&str]) {
+    let output = Command::new(env!("CARGO"))
+        .args(arguments)
+        .current_dir(folder)
+        // What this build has compiled already need not be compiled again.
+        .env("CARGO_TARGET_DIR", Path::new(env!("CARGO_TARGET_TMPDIR")).join(".."))
+        .env("CARGO_NET_OFFLINE", "true")
+        .output()
+        .expect("cargo runs");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && !errors.contains("warning:"), "cargo {arguments:?}\n{errors}");
+}
+
+#[test]
+fn the_workspace_of_the_readme_works() {
+    let parent = tempfile::tempdir().expect("a temporary folder");
+    let folder = parent.path().join("workspace");
+    let repository = fs::canonicalize(repository()).expect("the repository");
+    let files = files_of_readme();
+    assert!(files.len() >= 8, "the README shows all files: {files:?}");
+    for (path, text) in &files {
+        let path = folder.join(path);
+        fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
+        // The README has its clone beside the workspace; this is ours.
+        let own = |part: &str| format!("\"{}\"", repository.join(part).display());
+        let text = text.replace("\"../../uavspec/codegen\"", &own("codegen"));
+        let text = text.replace("\"../../uavspec/generated/runtime\"", &own("generated/runtime"));
+        fs::write(path, text).expect("a file");
+    }
+    // The versions that are on this machine already.
+    fs::copy(repository.join("Cargo.lock"), folder.join("Cargo.lock")).expect("a lock file");
+    cargo(&folder, &["xtask", "codegen"]);
+    cargo(&folder, &["xtask", "codegen", "--check"]);
+    cargo(&folder, &["check", "--package", "messages"]);
+    cargo(&folder, &["check", "--package", "messages", "--features", "serde"]);
+    for path in ["messages/src/generated/my_msgs/wind.rs", "schemas/my_msgs/Wind.schema.json", "docs/messages/my_msgs/Wind.md"] {
+        assert!(folder.join(path).exists(), "{path} is missing");
+    }
+}
