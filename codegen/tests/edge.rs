@@ -57,8 +57,8 @@ const COMPANIONS: [(&str, &str, &str); 5] = [
     ("builtin_interfaces", "Duration.msg", "int32 sec\nuint32 nanosec\n"),
 ];
 
-/// The case as a message: the model of it, or what is wrong with it.
-fn read_case(text: &str, dialect: Dialect) -> Result<Json, String> {
+/// The case as a message: the model of it and whether there are warnings, or what is wrong with it.
+fn read_case(text: &str, dialect: Dialect) -> Result<(Json, bool), String> {
     let mut sources = SourceMap::default();
     let mut packages: BTreeMap<&str, PackageInput> = BTreeMap::new();
     let companions = if dialect == Dialect::Ros2 { &COMPANIONS[..] } else { &[] };
@@ -73,7 +73,8 @@ fn read_case(text: &str, dialect: Dialect) -> Result<Json, String> {
     if has_errors(&diagnostics) {
         return Err(render::render(&diagnostics, &sources, false));
     }
-    Ok(inspect::schema(&schema)["packages"]["pkg"]["messages"]["Case"].clone())
+    let case = inspect::schema(&schema)["packages"]["pkg"]["messages"]["Case"].clone();
+    Ok((case, !diagnostics.is_empty()))
 }
 
 /// Fields and constants in the form of the reference tools.
@@ -96,14 +97,14 @@ fn ros2_deviation(case: &Json) -> Option<String> {
     let is_accepted = case["rosidl"] == "accept" && case["rosidl_idl"] == "accept";
     let found = read_case(case["text"].as_str()?, Dialect::Ros2);
     match (is_accepted, found) {
-        (true, Ok(message)) => {
+        (true, Ok((message, _))) => {
             let found = declarations(&message, &["type", "name", "default"]);
             let expected = normalised(&case["rosidl_out"].to_string());
             (found != expected).then(|| format!("read as {found}, by rosidl as {expected}"))
         }
         (false, Err(_)) => None,
         (true, Err(diagnostics)) => Some(format!("refused, not by rosidl:\n{diagnostics}")),
-        (false, Ok(message)) => Some(format!("read as {message}, refused by rosidl")),
+        (false, Ok((message, _))) => Some(format!("read as {message}, refused by rosidl")),
     }
 }
 
@@ -111,21 +112,24 @@ fn px4_deviation(case: &Json) -> Option<String> {
     let verdict = case.get("px4_tool").or(case.get("px4")).expect("a verdict");
     let text = case["text"].as_str()?;
     match (verdict == "accept", read_case(text, Dialect::Px4)) {
-        (true, Ok(message)) => {
+        (true, Ok((message, _))) => {
             let found = declarations(&message, &["type", "name"]);
             let expected = normalised(&case["px4_out"].to_string());
             (found != expected).then(|| format!("read as {found}, by genmsg as {expected}")).or_else(|| layout_deviation(case, text))
         }
         (false, Err(_)) => None,
         (true, Err(diagnostics)) => Some(format!("refused, not by PX4:\n{diagnostics}")),
-        (false, Ok(message)) => Some(format!("read as {message}, refused by PX4")),
+        (false, Ok((message, has_warnings))) => {
+            assert!(has_warnings, "{text:?} is refused by PX4, and read here without a word");
+            Some(format!("read as {message}, refused by PX4"))
+        }
     }
 }
 
-/// The generator takes no message without a time stamp: the cases without one were given one.
+/// PX4's generator takes no message without a time stamp: the cases without one had one put below.
 fn layout_deviation(case: &Json, text: &str) -> Option<String> {
-    let stamped = if text.contains("timestamp") { text.to_owned() } else { format!("uint64 timestamp\n{text}") };
-    let message = read_case(&stamped, Dialect::Px4).expect("no error without the stamp");
+    let stamped = if text.contains("timestamp") { text.to_owned() } else { format!("{text}\nuint64 timestamp\n") };
+    let (message, _) = read_case(&stamped, Dialect::Px4).expect("no error without the stamp");
     let found = json!([message["uorb"]["size"], message["uorb"]["size_no_padding"], message["hash"]]);
     let tool = &case["px4_tool_out"];
     let expected = json!([tool["struct_size"], tool["size_no_padding"], tool["hash"]]);

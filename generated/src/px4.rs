@@ -6,27 +6,27 @@
 //!
 //! Revision: release/1.15 and main of late 2025, which became 1.17: definitions/README.md says which message follows which.
 
-/// [`ArmingCheckReply`] and the types of its fields.
+/// [`ArmingCheckReply`](struct@ArmingCheckReply) and the types of its fields.
 pub mod arming_check_reply;
 pub use self::arming_check_reply::ArmingCheckReply;
-/// [`ArmingCheckRequest`] and the types of its fields.
+/// [`ArmingCheckRequest`](struct@ArmingCheckRequest) and the types of its fields.
 pub mod arming_check_request;
 pub use self::arming_check_request::ArmingCheckRequest;
-/// [`BatteryStatus`] and the types of its fields.
+/// [`BatteryStatus`](struct@BatteryStatus) and the types of its fields.
 pub mod battery_status;
 pub use self::battery_status::BatteryStatus;
-/// [`Event`] and the types of its fields.
+/// [`Event`](struct@Event) and the types of its fields.
 pub mod event;
 pub use self::event::Event;
-/// [`FailsafeFlags`] and the types of its fields.
+/// [`FailsafeFlags`](struct@FailsafeFlags) and the types of its fields.
 pub mod failsafe_flags;
 pub use self::failsafe_flags::FailsafeFlags;
-/// [`RegisterExtComponentReply`] and the types of its fields.
+/// [`RegisterExtComponentReply`](struct@RegisterExtComponentReply) and the types of its fields.
 pub mod register_ext_component_reply;
 pub use self::register_ext_component_reply::RegisterExtComponentReply;
-/// [`RegisterExtComponentRequest`] and the types of its fields.
+/// [`RegisterExtComponentRequest`](struct@RegisterExtComponentRequest) and the types of its fields.
 pub mod register_ext_component_request;
 pub use self::register_ext_component_request::RegisterExtComponentRequest;
-/// [`UnregisterExtComponent`] and the types of its fields.
+/// [`UnregisterExtComponent`](struct@UnregisterExtComponent) and the types of its fields.
 pub mod unregister_ext_component;
 pub use self::unregister_ext_component::UnregisterExtComponent;

@@ -22,13 +22,9 @@ pub(crate) fn block(text: &str) -> String {
 
 /// A text on one line, fit for the cell of a table.
 pub(crate) fn inline(text: &str) -> String {
+    let lines: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
     let mut escaped = String::with_capacity(text.len() + 16);
-    for (index, line) in text.lines().map(str::trim).filter(|line| !line.is_empty()).enumerate() {
-        if index > 0 {
-            escaped.push(' ');
-        }
-        escape(line, &mut escaped);
-    }
+    escape(&lines.join(" "), &mut escaped);
     escaped
 }
 

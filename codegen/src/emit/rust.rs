@@ -10,13 +10,14 @@ mod identifier;
 mod message;
 mod types;
 
+use std::collections::BTreeMap;
 use std::num::NonZero;
 use std::thread;
 
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use self::identifier::{Scope, ident, snake_case};
+use self::identifier::{Scope, ident, module_name};
 use super::{GENERATED_BY, OutputFile, prose};
 use crate::schema::{MessageId, Package, Schema};
 use crate::source::SourceMap;
@@ -117,7 +118,7 @@ pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<Outp
     for package in &schema.packages {
         let has_content = !package.messages.is_empty() || !package.interfaces.is_empty() || !package.error_tables.is_empty();
         if has_content {
-            let module = root_scope.unique(snake_case(&package.name));
+            let module = root_scope.unique(module_name(&package.name));
             let modules = name_modules(&mut context, package, &module);
             packages.push((package, module, modules));
         }
@@ -138,30 +139,34 @@ fn name_modules(context: &mut Context<'_>, package: &Package, module: &str) -> M
     for reserved in ["srv", "action", "error_code"] {
         scope.unique(reserved.to_owned());
     }
-    types.unique("ErrorCode".to_owned());
+    types.unique_type("ErrorCode".to_owned());
     let schema = context.schema;
     for id in &package.messages {
         let name = &schema.message(*id).name;
         let place = Place {
-            modules: vec![module.to_owned(), scope.unique(snake_case(name))],
-            type_name: types.unique(identifier::pascal_case(name)),
+            modules: vec![module.to_owned(), scope.unique(module_name(name))],
+            type_name: types.unique_type(identifier::type_name(name)),
         };
         modules.messages.push((*id, place.clone()));
         let mut own_types = Scope::default();
-        own_types.unique(place.type_name.clone());
+        own_types.unique_type(place.type_name.clone());
         set_place(context, *id, place, &mut own_types);
     }
+    let mut scopes: BTreeMap<&str, (Scope, Scope)> = BTreeMap::new();
     for (index, interface) in package.interfaces.iter().enumerate() {
         let kind = interface.kind.name();
-        let own = format!("{}_{}", snake_case(&interface.name), kind);
-        let name = scope.unique(own);
-        let mut types = Scope::default();
+        let (scope, types) = scopes.entry(kind).or_default();
+        let name = scope.unique(module_name(&interface.name));
         let mut parts = Vec::new();
+        let mut own_types = Scope::default();
         for id in &interface.parts {
-            let type_name = types.unique(identifier::pascal_case(&schema.message(*id).name));
-            let path = vec![module.to_owned(), kind.to_owned(), name.clone()];
-            set_place(context, *id, Place { modules: path, type_name: type_name.clone() }, &mut types);
+            let type_name = types.unique_type(identifier::type_name(&schema.message(*id).name));
+            own_types.unique_type(type_name.clone());
             parts.push((*id, type_name));
+        }
+        for (id, type_name) in &parts {
+            let path = vec![module.to_owned(), kind.to_owned(), name.clone()];
+            set_place(context, *id, Place { modules: path, type_name: type_name.clone() }, &mut own_types);
         }
         modules.interfaces.push(InterfaceModule { kind, module: name, index, parts });
     }
@@ -177,7 +182,7 @@ fn set_place(context: &mut Context<'_>, id: MessageId, place: Place, scope: &mut
             field.enumeration.is_some_and(|reference| reference.message == id && message.enums[reference.index] == *found)
         });
         let fallback = user.map_or_else(|| format!("{prefix}_value"), |field| field.name.clone());
-        scope.first_free(&[identifier::pascal_case(prefix), identifier::pascal_case(&fallback)])
+        scope.first_free_type(&[identifier::pascal_case(prefix), identifier::pascal_case(&fallback)])
     }).collect();
     context.enum_names[id.0 as usize] = names;
     context.places[id.0 as usize] = Some(place);
@@ -231,7 +236,7 @@ fn package_files(context: &Context<'_>, package: &Package, module: &str, modules
     }
     let doc = inner_documentation(&lines.join("\n\n"));
     let messages = modules.messages.iter().map(|(_, place)| {
-        let doc = documentation(&format!("[`{}`] and the types of its fields.", ident(&place.type_name)));
+        let doc = documentation(&format!("[`{0}`](struct@{0}) and the types of its fields.", ident(&place.type_name)));
         re_export(&doc, &place.modules[1], [&place.type_name])
     });
     let kinds: Vec<TokenStream> = [("srv", "Services."), ("action", "Actions.")]
@@ -295,7 +300,7 @@ fn message_files(context: &Context<'_>) -> Vec<OutputFile> {
         let place = context.place(*id);
         let message = context.schema.message(*id);
         let source = context.sources.path(context.sources.source_of(message.span));
-        let doc = inner_documentation(&format!("[`{}`] and the types of its fields.", ident(&place.type_name)));
+        let doc = inner_documentation(&format!("[`{0}`](struct@{0}) and the types of its fields.", ident(&place.type_name)));
         let tokens = message::tokens(context, *id);
         let path = format!("{}.rs", place.modules.join("/"));
         OutputFile { path, text: header(source) + &layout_file(quote!(#doc #tokens)) }

@@ -156,6 +156,12 @@ impl<'s> Reader<'s, '_> {
             let start = self.at + rest.len() - rest.trim_start().len();
             let Some((content, end)) = bracketed(self.text, start) else { return };
             match classify(content, self.text.as_bytes()[start] == b'(') {
+                // A link of Markdown, or a term that the text explains.
+                Reading::Statement(Statement::Unit(symbol))
+                    if unit::lookup(symbol).is_none() && self.text[end..].starts_with(['(', ':']) =>
+                {
+                    return;
+                }
                 Reading::Statement(statement) => self.push(statement, start..end),
                 Reading::NearMiss(statement, meant) => {
                     let found = self.text[start..end].to_owned();
@@ -316,7 +322,8 @@ fn prefixes(argument: &str) -> Option<Vec<Prefix<'_>>> {
             (is_identifier(prefix) && message.is_none_or(is_identifier)).then_some(Prefix { message, prefix })
         })
         .collect();
-    prefixes.filter(|prefixes| !prefixes.is_empty())
+    // An enum has one owner.
+    prefixes.filter(|prefixes| prefixes.first().is_some_and(|first| prefixes.iter().all(|prefix| prefix.message == first.message)))
 }
 
 fn range(argument: &str) -> Option<Statement<'_>> {
@@ -438,7 +445,7 @@ mod tests {
 
     #[test]
     fn what_is_no_annotation_stays_text() {
-        for text in ["[1-99]: reserved", "[-PI..PI) yaw", "(@see Other)", "x [0, 1]", "[", "[]", "x (", "[1..255] id"] {
+        for text in ["[1-99]: reserved", "[-PI..PI) yaw", "(@see Other)", "x [0, 1]", "[", "[]", "x (", "[1..255] id", "[page](http://x.org) y"] {
             assert_eq!(statements(text), (vec![], text.into(), vec![]), "{text}");
         }
         let (found, text, codes) = statements("[@todo later] x");

@@ -111,7 +111,7 @@ impl<'s> LineParser<'s, '_> {
         let name = self.name(type_text)?;
         if self.dialect == Dialect::Px4 && !blanks.contains(' ') {
             let problem = Problem::NotPortable { text: format!("{type_text}<tab>{}", name.text) };
-            self.report_with(problem, type_span.to(name.span), "part them by a blank");
+            self.report_with(problem, type_span.to(name.span), "put a blank between them");
         }
         self.skip_blanks();
         if self.rest().starts_with('=') {
@@ -127,7 +127,7 @@ impl<'s> LineParser<'s, '_> {
         let diagnostic = Diagnostic::new(Problem::MissingName { type_name: type_text.to_owned() }, span);
         let odd_blank = type_text.chars().find(|c| c.is_whitespace());
         self.diagnostics.push(match odd_blank {
-            Some(c) => diagnostic.with_hint(format!("U+{:04X} parts no words here: write a blank", u32::from(c))),
+            Some(c) => diagnostic.with_hint(format!("U+{:04X} divides no words here: write a blank", u32::from(c))),
             None => diagnostic,
         });
         Broken

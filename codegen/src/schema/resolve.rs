@@ -704,6 +704,7 @@ impl<'s> Resolver<'s> {
         let sizes = layout::cdr(&self.schema, order);
         let mut nested_fields: Vec<u64> = vec![0; self.schema.messages.len()];
         let mut in_all = 0_u64;
+        let mut is_too_large = vec![false; self.schema.messages.len()];
         for id in order {
             let index = id.0 as usize;
             let message = &self.schema.messages[index];
@@ -713,32 +714,40 @@ impl<'s> Resolver<'s> {
             }
             let uorb = layout::uorb(&self.schema, message);
             let size = uorb.as_ref().map_or(0, |layout| layout.size as u64).max(sizes[index].least);
-            let was_over = in_all > MAX_NESTED_FIELDS_IN_ALL;
-            in_all = in_all.saturating_add(nested_fields[index]);
-            self.check_size(index, size, nested_fields[index], !was_over && in_all > MAX_NESTED_FIELDS_IN_ALL);
+            // What holds a message that is too large is too large itself: one word is enough.
+            is_too_large[index] = nested_ids(message).any(|nested| is_too_large[nested.0 as usize]);
+            if !is_too_large[index] {
+                let was_over = in_all > MAX_NESTED_FIELDS_IN_ALL;
+                in_all = in_all.saturating_add(nested_fields[index]);
+                let exceeds_all = !was_over && in_all > MAX_NESTED_FIELDS_IN_ALL;
+                is_too_large[index] = !self.fits(index, size, nested_fields[index], exceeds_all);
+            }
             let message = &mut self.schema.messages[index];
             message.uorb = uorb;
             message.cdr = sizes[index];
         }
     }
 
-    fn check_size(&mut self, index: usize, size: u64, nested_fields: u64, exceeds_all: bool) {
+    /// Whether a message is within all limits; reports the first that it isn't within.
+    fn fits(&mut self, index: usize, size: u64, nested_fields: u64, exceeds_all: bool) -> bool {
         let message = &self.schema.messages[index];
+        let name = message.name.clone();
+        let problem = if size > MAX_MESSAGE_SIZE {
+            Problem::TooLarge { what: format!("the message `{name}`"), max: MAX_MESSAGE_SIZE }
+        } else if nested_fields > MAX_NESTED_FIELDS {
+            Problem::TooManyFields { name, max: MAX_NESTED_FIELDS }
+        } else if exceeds_all {
+            Problem::TooMuchNesting { name, max: MAX_NESTED_FIELDS_IN_ALL }
+        } else {
+            return true;
+        };
         let largest = message.fields.iter().max_by_key(|field| match field.ty.shape {
             ast::Shape::Array(length) => length,
             _ => 1,
         });
         let span = largest.map_or(message.span.part(0..0), |field| field.span);
-        let what = format!("the message `{}`", message.name);
-        if size > MAX_MESSAGE_SIZE {
-            self.report(Diagnostic::new(Problem::TooLarge { what, max: MAX_MESSAGE_SIZE }, span));
-        } else if nested_fields > MAX_NESTED_FIELDS {
-            let problem = Problem::TooManyFields { name: message.name.clone(), max: MAX_NESTED_FIELDS };
-            self.report(Diagnostic::new(problem, span));
-        } else if exceeds_all {
-            let problem = Problem::TooMuchNesting { name: message.name.clone(), max: MAX_NESTED_FIELDS_IN_ALL };
-            self.report(Diagnostic::new(problem, span));
-        }
+        self.report(Diagnostic::new(problem, span));
+        false
     }
 
     fn fingerprints(&mut self) {

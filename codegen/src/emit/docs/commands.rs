@@ -95,8 +95,8 @@ fn prefix_link(scope: Scope<'_, '_>, message: &Message, prefix: &str, constants:
         return link(&text, &format!("#{}", prefix_anchor(prefix)));
     }
     let known = message.enums.iter().position(|found| found.prefixes.iter().any(|known| known == prefix));
-    match (known, scope.message) {
-        (Some(index), Some(id)) => link(&text, &scope.site.href(scope.from, id, Part::Enum(index))),
-        _ => text,
+    match known {
+        Some(index) => link(&text, &scope.site.href(scope.from, scope.message, Part::Enum(index))),
+        None => text,
     }
 }

@@ -113,7 +113,7 @@ pub(super) fn of_field(scope: Scope<'_, '_>, field: &Field) -> Option<String> {
     let found = scope.site.schema.enumeration(held);
     let owner = scope.site.schema.message(held.message);
     let name = found.prefixes.join(", ");
-    let text = if scope.message == Some(held.message) { code(&name) } else { code(&format!("{}.{name}", owner.name)) };
+    let text = if scope.message == held.message { code(&name) } else { code(&format!("{}.{name}", owner.name)) };
     let kind = if found.is_flags { "bits of" } else { "one of" };
     Some(format!("{kind} {}", link(&text, &scope.site.href(scope.from, held.message, Part::Enum(held.index)))))
 }

@@ -150,7 +150,7 @@ impl<'s> Codes<'s> {
         let source = code(&format!("{}:{}", site.source(table.span), position.line));
         let all = link("all error codes", &href(path, &overview_path(self.package), ""));
         page.block(&format!(
-            "Codes {}, {}: {} defined in {source}. See also {all}.",
+            "Codes {} ({}); {}, defined in {source}. See also {all}.",
             range(table),
             table.class,
             plural(table.codes.len() as u64, "code")

@@ -3,10 +3,10 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::enums;
-use super::markdown::{Page, Table, anchor, code, gist, inline, link, number_column, text_column, unbroken};
+use super::markdown::{Page, Table, anchor, code, gist, href, inline, link, number_column, text_column, unbroken};
 use super::scope::Scope;
 use super::site::Part;
-use crate::schema::{Docs, Element, Field, Form, Kind, Message, MessageId, Range, Shape, Special, Type, shape_text};
+use crate::schema::{Docs, Element, Field, Form, Message, MessageId, Range, Shape, Special, Type};
 use crate::unit;
 use crate::value::Value;
 
@@ -59,35 +59,24 @@ pub(super) fn in_groups(
 }
 
 fn group_heading(page: &mut Page, scope: Scope<'_, '_>, docs: &Docs, level: usize) {
-    let heading = gist(&docs.summary, MAX_HEADING);
+    let is_short = docs.summary.chars().count() <= MAX_HEADING;
+    let heading = if is_short { docs.summary.clone() } else { gist(&docs.summary, MAX_HEADING) };
     page.heading(level, &inline(heading.trim_end_matches(['.', ':'])));
-    if heading == docs.summary {
+    page.block(&scope.block(if is_short { &docs.description } else { &docs.summary }));
+    if !is_short {
         page.block(&scope.block(&docs.description));
-    } else {
-        page.block(&scope.block(&docs.text()));
     }
 }
 
-/// Where each field lies; nothing where that depends on values or nobody asks.
-fn offsets(scope: Scope<'_, '_>, message: &Message) -> Vec<String> {
+/// Where each field lies in the memory layout, where there is one.
+fn offsets<'s>(scope: Scope<'_, 's>, message: &'s Message) -> Vec<String> {
     let mut offsets = vec![String::new(); message.fields.len()];
-    if has_layout(scope, message) {
-        for slot in message.uorb.iter().flat_map(|layout| &layout.slots) {
-            if let Some(field) = slot.field {
-                offsets[field] = slot.offset.to_string();
-            }
+    for slot in scope.site.layout(message).into_iter().flat_map(|layout| &layout.slots) {
+        if let Some(field) = slot.field {
+            offsets[field] = slot.offset.to_string();
         }
     }
     offsets
-}
-
-/// Whether a message has a memory layout that means something: ROS has no uORB.
-pub(super) fn has_layout(scope: Scope<'_, '_>, message: &Message) -> bool {
-    message.kind == Kind::Message && message.uorb.is_some() && is_px4(scope.site.schema.package_of(message).form)
-}
-
-pub(super) fn is_px4(form: Form) -> bool {
-    form == Form::Msg(crate::schema::Dialect::Px4)
 }
 
 fn row(scope: Scope<'_, '_>, id: MessageId, index: usize, offset: String) -> [String; 6] {
@@ -109,9 +98,7 @@ fn row(scope: Scope<'_, '_>, id: MessageId, index: usize, offset: String) -> [St
 fn type_cell(scope: Scope<'_, '_>, message: &Message, ty: Type) -> String {
     let text = code(&scope.site.schema.type_text(message, ty));
     match ty.element {
-        Element::Message(nested) => {
-            link(&text, &super::markdown::href(scope.from, scope.site.path(nested), ""))
-        }
+        Element::Message(nested) => link(&text, &href(scope.from, scope.site.path(nested), "")),
         Element::Scalar(_) | Element::String { .. } => text,
     }
 }
@@ -203,7 +190,5 @@ pub(super) fn value_cell(value: &Value) -> String {
 
 /// The type of a constant.
 pub(super) fn constant_type(scope: Scope<'_, '_>, message: &Message, element: Element) -> String {
-    let ty = Type { element, shape: Shape::Single };
-    debug_assert!(shape_text(ty.shape).is_empty());
-    code(&scope.site.schema.type_text(message, ty))
+    code(&scope.site.schema.type_text(message, Type { element, shape: Shape::Single }))
 }

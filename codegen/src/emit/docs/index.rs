@@ -91,7 +91,7 @@ fn message_table(site: &Site<'_>, from: &str, package: &Package) -> Table {
         table.row([
             page_link(site, from, *id),
             message.version.map(|version| version.to_string()).unwrap_or_default(),
-            uorb_size(scope, message),
+            uorb_size(site, message),
             scope.inline(&gist(&message.docs.summary, MAX_GIST)),
             some_topics(site, from, *id),
         ]);
@@ -114,9 +114,8 @@ fn page_link(site: &Site<'_>, from: &str, id: MessageId) -> String {
     link(&inline(&site.schema.message(id).name), &href(from, site.path(id), ""))
 }
 
-fn uorb_size(scope: Scope<'_, '_>, message: &Message) -> String {
-    let layout = message.uorb.as_ref().filter(|_| super::fields::has_layout(scope, message));
-    layout.map(|layout| size(layout.size)).unwrap_or_default()
+fn uorb_size<'s>(site: &Site<'s>, message: &'s Message) -> String {
+    site.layout(message).map(|layout| size(layout.size)).unwrap_or_default()
 }
 
 fn size(bytes: usize) -> String {
@@ -186,12 +185,11 @@ fn size_table(site: &Site<'_>, from: &str, package: &Package) -> Table {
     let mut table = Table::new(&columns);
     for id in &package.messages {
         let message = site.schema.message(*id);
-        let scope = Scope::on(site, from, *id);
-        let layout = message.uorb.as_ref().filter(|_| super::fields::has_layout(scope, message));
+        let layout = site.layout(message);
         table.row([
             page_link(site, from, *id),
             message.fields.len().to_string(),
-            uorb_size(scope, message),
+            uorb_size(site, message),
             layout.map(|layout| size(layout.size_no_padding)).unwrap_or_default(),
             layout.map(|_| code(&format!("{:#010x}", message.hash))).unwrap_or_default(),
             unbroken(&cdr_size(message.cdr)),

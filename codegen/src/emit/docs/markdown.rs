@@ -166,7 +166,7 @@ pub(super) fn unbroken(markdown: &str) -> String {
 pub(super) fn code(text: &str) -> String {
     // What means something to tables or templates keeps its meaning even between backticks.
     if !text.is_empty() && text.bytes().all(|byte| matches!(byte, b' '..=b'~') && !matches!(byte, b'`' | b'|' | b'{')) {
-        return prose::code(text);
+        return format!("`{text}`");
     }
     let mut escaped = String::from("<code>");
     for character in prose::xml(text).chars() {
@@ -226,13 +226,19 @@ pub(super) fn gist(text: &str, limit: usize) -> String {
 /// Where the first sentence ends: before white space that a capital follows, or at a blank line.
 fn sentence_end(text: &str) -> usize {
     let paragraph = text.find("\n\n").unwrap_or(text.len());
-    let ends = text[..paragraph].match_indices(['.', '!', '?']).map(|(at, _)| at + 1);
+    let mut ends = text[..paragraph].match_indices(['.', '!', '?']).map(|(at, _)| at);
     let is_end = |at: &usize| {
-        let rest = &text[*at..paragraph];
+        let rest = &text[at + 1..paragraph];
         let next = rest.trim_start();
-        next.len() < rest.len() && next.starts_with(char::is_uppercase)
+        next.len() < rest.len() && next.starts_with(char::is_uppercase) && !is_abbreviated(&text[..*at])
     };
-    ends.into_iter().find(is_end).unwrap_or(paragraph)
+    ends.find(is_end).map_or(paragraph, |at| at + 1)
+}
+
+/// Whether a text ends with `e.g`, whose full stop ends no sentence.
+fn is_abbreviated(text: &str) -> bool {
+    let word = text.rsplit(char::is_whitespace).next().unwrap_or_default().trim_start_matches(['(', '[']);
+    word.contains('.') || matches!(word, "cf" | "etc" | "vs")
 }
 
 /// A number of things, in words.
@@ -275,7 +281,7 @@ mod tests {
 
     #[test]
     fn a_gist_is_the_first_sentence() {
-        assert_eq!(gist("One (e.g. this). Two.", 99), "One (e.g. this).");
+        assert_eq!(gist("One (e.g. This). Two.", 99), "One (e.g. This).");
         assert_eq!(gist("Version 2.10 of it", 99), "Version 2.10 of it");
         assert_eq!(gist("One\n\nTwo", 99), "One");
         assert_eq!(gist("Many words in one", 9), "Many …");

@@ -3,13 +3,13 @@
 use super::commands;
 use super::constants::{self, Anchored, Constants};
 use super::enums::{self, field_link};
-use super::fields::{self, has_layout, is_px4};
+use super::fields;
 use super::markdown::{Page, Table, code, href, inline, link, plural, text_column, unbroken};
 use super::picture;
 use super::scope::Scope;
 use super::site::Site;
 use crate::emit::OutputFile;
-use crate::schema::{CdrSize, Message, MessageId, Package};
+use crate::schema::{CdrSize, Message, MessageId, Package, UorbLayout};
 
 /// The page of a message.
 pub(super) fn page(site: &Site<'_>, id: MessageId) -> OutputFile {
@@ -41,10 +41,8 @@ fn facts(scope: Scope<'_, '_>, id: MessageId) -> Table {
     fact(if message.topics.len() == 1 { "Topic" } else { "Topics" }, topics(&message.topics));
     fact("Message version", message.version.map(|version| version.to_string()).unwrap_or_default());
     fact("Queue length", message.queue_length.map(|length| length.to_string()).unwrap_or_default());
-    if has_layout(scope, message) {
-        fact("uORB size", uorb_size(message));
-    }
-    if is_px4(package.form) {
+    fact("uORB size", scope.site.layout(message).map(uorb_size).unwrap_or_default());
+    if scope.site.is_px4(message) {
         fact("uORB hash", code(&format!("{:#010x}", message.hash)));
     }
     fact("CDR size", cdr_size(message.cdr) + ", 4 of them the encapsulation header");
@@ -74,8 +72,7 @@ pub(super) fn topics(topics: &[String]) -> String {
     topics.iter().map(|topic| code(topic)).collect::<Vec<_>>().join(", ")
 }
 
-fn uorb_size(message: &Message) -> String {
-    let Some(layout) = &message.uorb else { return String::new() };
+fn uorb_size(layout: &UorbLayout) -> String {
     let size = link(&plural(layout.size as u64, "byte"), "#memory-layout");
     if layout.size == layout.size_no_padding {
         size
@@ -113,8 +110,8 @@ fn values(page: &mut Page, scope: Scope<'_, '_>, id: MessageId) {
     }
 }
 
-fn layout(page: &mut Page, scope: Scope<'_, '_>, message: &Message) {
-    if has_layout(scope, message) {
+fn layout<'s>(page: &mut Page, scope: Scope<'_, 's>, message: &'s Message) {
+    if scope.site.layout(message).is_some() {
         page.heading(2, "Memory layout");
         page.block("The order and offsets of the fields in uORB and in the data of ULog files, eight bytes a row.");
         let name = inline(&message.name);

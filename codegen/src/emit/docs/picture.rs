@@ -4,9 +4,7 @@ mod grid;
 mod svg;
 
 use self::grid::{Grid, Member, Tint};
-use super::fields::has_layout;
 use super::markdown::plural;
-use super::scope::Scope;
 use super::site::Site;
 use crate::emit::OutputFile;
 use crate::schema::{Element, Message, MessageId, Slot, UorbLayout};
@@ -19,7 +17,7 @@ pub(super) fn path(page: &str) -> String {
 /// The picture of a message's layout, where it has one.
 pub(super) fn file(site: &Site<'_>, id: MessageId) -> Option<OutputFile> {
     let message = site.schema.message(id);
-    let layout = message.uorb.as_ref().filter(|_| has_layout(Scope::of(site, id), message))?;
+    let layout = site.layout(message)?;
     let members: Vec<Member<'_>> = layout.slots.iter().map(|slot| member(site, message, slot)).collect();
     let grid = Grid::new(&members, layout.size);
     let text = svg::draw(&grid, &message.name, &caption(layout));

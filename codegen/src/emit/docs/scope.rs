@@ -15,7 +15,7 @@ pub(super) struct Scope<'p, 's> {
     /// Index of the package whose names mean something.
     pub(super) package: usize,
     /// The message whose parts may be named alone.
-    pub(super) message: Option<MessageId>,
+    pub(super) message: MessageId,
     /// The part of it that the description is of: it needs no link to itself.
     at: Option<Part>,
 }
@@ -28,7 +28,7 @@ impl<'p, 's> Scope<'p, 's> {
 
     /// The surroundings of what is said of a message on the page `from`.
     pub(super) fn on(site: &'p Site<'s>, from: &'p str, id: MessageId) -> Self {
-        Self { site, from, package: site.schema.message(id).package, message: Some(id), at: None }
+        Self { site, from, package: site.schema.message(id).package, message: id, at: None }
     }
 
     /// The surroundings of what is said of a part of the message.
@@ -64,10 +64,9 @@ impl<'p, 's> Scope<'p, 's> {
         let href = match word.split_once('.') {
             Some((message, part)) => self.part_of(self.other(message)?, part)?,
             None if word.contains('_') => {
-                let own = self.message.and_then(|id| Some((id, self.site.part_named(id, word)?)));
-                match own {
-                    Some((_, part)) if Some(part) == self.at => return None,
-                    Some((id, part)) => self.site.href(self.from, id, part),
+                match self.site.part_named(self.message, word) {
+                    Some(part) if Some(part) == self.at => return None,
+                    Some(part) => self.site.href(self.from, self.message, part),
                     None => self.page(self.other(word)?),
                 }
             }
@@ -78,7 +77,7 @@ impl<'p, 's> Scope<'p, 's> {
 
     /// The message that is called so and is not the one at hand.
     fn other(self, name: &str) -> Option<MessageId> {
-        self.site.message_named(self.package, name).filter(|id| Some(*id) != self.message)
+        self.site.message_named(self.package, name).filter(|id| *id != self.message)
     }
 
     fn page(self, id: MessageId) -> String {

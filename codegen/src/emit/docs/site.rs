@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 use std::collections::{BTreeMap, HashMap};
 
 use super::markdown::href;
-use crate::schema::{Element, EnumRef, Interface, Kind, Message, MessageId, Package, Schema};
+use crate::schema::{Dialect, Element, EnumRef, Form, Interface, Kind, Message, MessageId, Package, Schema, UorbLayout};
 use crate::source::{SourceMap, Span};
 
 /// Constants that PX4 knows by name; the facts of a message show them.
@@ -157,6 +157,16 @@ impl<'s> Site<'s> {
     /// The address of a part of a message, as seen from a page.
     pub(super) fn href(&self, from: &str, id: MessageId, part: Part) -> String {
         href(from, self.path(id), &self.anchor(id, part))
+    }
+
+    /// The memory layout of a message, where it means something: ROS has no uORB.
+    pub(super) fn layout(&self, message: &'s Message) -> Option<&'s UorbLayout> {
+        message.uorb.as_ref().filter(|_| message.kind == Kind::Message && self.is_px4(message))
+    }
+
+    /// Whether PX4 knows a message.
+    pub(super) fn is_px4(&self, message: &Message) -> bool {
+        self.schema.package_of(message).form == Form::Msg(Dialect::Px4)
     }
 
     /// The path of the source that holds `span`.

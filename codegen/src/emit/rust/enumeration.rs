@@ -117,7 +117,7 @@ fn flags(found: &Enum, name: &Ident, names: &[Ident]) -> TokenStream {
     });
     let all = found.members.iter().fold(0, |all, member| all | member.value);
     let all = number(found, all);
-    let unsigned = unsigned(found.scalar);
+    let unknown = unsigned(found.scalar, &quote!(self.0 & !#all));
     let type_name = name.to_string();
     quote! {
         impl #name {
@@ -154,8 +154,7 @@ fn flags(found: &Enum, name: &Ident, names: &[Ident]) -> TokenStream {
 
         impl ::core::fmt::Debug for #name {
             fn fmt(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
-                let unknown = (self.0 & !#all) #unsigned;
-                ::uavspec_runtime::fmt_flags(formatter, #type_name, self.names(), unknown)
+                ::uavspec_runtime::fmt_flags(formatter, #type_name, self.names(), #unknown)
             }
         }
     }
@@ -170,10 +169,12 @@ fn number(found: &Enum, value: i128) -> TokenStream {
     literal.map_or_else(|_| types::integer(value), |literal| quote!(#literal))
 }
 
-/// Makes a `u64` of the number, without sign extension.
-fn unsigned(scalar: Scalar) -> TokenStream {
+/// A `u64` of the bits of a number, without sign extension.
+fn unsigned(scalar: Scalar, number: &TokenStream) -> TokenStream {
     match scalar {
-        Scalar::Int8 | Scalar::Int16 | Scalar::Int32 | Scalar::Int64 => quote!(.cast_unsigned().into()),
-        _ => quote!(.into()),
+        Scalar::UInt64 => quote!(#number),
+        Scalar::Int64 => quote!((#number).cast_unsigned()),
+        Scalar::Int8 | Scalar::Int16 | Scalar::Int32 => quote!((#number).cast_unsigned().into()),
+        _ => quote!((#number).into()),
     }
 }

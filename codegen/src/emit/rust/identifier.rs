@@ -20,22 +20,31 @@ const NEVER: [&str; 5] = ["self", "Self", "super", "crate", "_"];
 pub(super) struct Scope(HashSet<String>);
 
 impl Scope {
-    /// `name`, or with a number after it where it has been given already.
+    /// `name`, or with `_` and a number after it where it has been given already.
     pub(super) fn unique(&mut self, name: String) -> String {
+        self.numbered(name, "_")
+    }
+
+    /// The same for names of types, which hold no `_`.
+    pub(super) fn unique_type(&mut self, name: String) -> String {
+        self.numbered(name, "")
+    }
+
+    /// The first of `names` that has not been given to a type; the last with a number, where all have.
+    pub(super) fn first_free_type(&mut self, names: &[String]) -> String {
+        let free = names.iter().find(|name| !self.0.contains(*name));
+        let name = free.or(names.last()).cloned().unwrap_or_default();
+        self.unique_type(name)
+    }
+
+    fn numbered(&mut self, name: String, separator: &str) -> String {
         let mut candidate = name.clone();
         let mut number = 2;
         while !self.0.insert(candidate.clone()) {
-            candidate = format!("{name}_{number}");
+            candidate = format!("{name}{separator}{number}");
             number += 1;
         }
         candidate
-    }
-
-    /// The first of `names` that has not been given; the last with a number, where all have.
-    pub(super) fn first_free(&mut self, names: &[String]) -> String {
-        let free = names.iter().find(|name| !self.0.contains(*name));
-        let name = free.or(names.last()).cloned().unwrap_or_default();
-        self.unique(name)
     }
 }
 
@@ -52,6 +61,22 @@ pub(super) fn ident(name: &str) -> Ident {
         return Ident::new(&format!("_{name}"), Span::call_site());
     }
     Ident::new(&name, Span::call_site())
+}
+
+/// The name of a module, which is also that of its file.
+pub(super) fn module_name(name: &str) -> String {
+    let name = snake_case(name);
+    if NEVER.contains(&name.as_str()) { name + "_" } else { name }
+}
+
+/// The name of a message as that of a type: as it is, but for `_` and a small first letter.
+pub(super) fn type_name(name: &str) -> String {
+    name.split('_')
+        .filter_map(|part| {
+            let (first, rest) = part.split_at_checked(1)?;
+            Some(first.to_ascii_uppercase() + rest)
+        })
+        .collect()
 }
 
 /// `HealthComponentIndex`, from any case.
@@ -119,6 +144,13 @@ mod tests {
         ] {
             assert_eq!((snake_case(name).as_str(), pascal_case(name).as_str()), (snake, pascal));
             assert_eq!(upper_case(name), snake.to_uppercase());
+        }
+    }
+
+    #[test]
+    fn types_are_called_as_their_messages_are() {
+        for (name, expected) in [("ColorRGBA", "ColorRGBA"), ("vehicle_status", "VehicleStatus"), ("Go_Request", "GoRequest")] {
+            assert_eq!(type_name(name), expected);
         }
     }
 

@@ -69,8 +69,22 @@ impl Member<'_> {
 pub(super) enum Line {
     /// The bytes from this offset on.
     Row(usize),
-    /// A break in place of these bytes.
-    Break(Range<usize>),
+    /// Something in place of these bytes.
+    Break {
+        /// What is left out.
+        bytes: Range<usize>,
+        /// Whether the paper is torn here. A nested message stays whole: its fields are drawn elsewhere.
+        is_torn: bool,
+    },
+}
+
+impl Line {
+    fn bytes(&self) -> Range<usize> {
+        match self {
+            Self::Row(start) => *start..start + ROW,
+            Self::Break { bytes, .. } => bytes.clone(),
+        }
+    }
 }
 
 /// The bytes of a member that lie in one line.
@@ -118,10 +132,14 @@ impl<'s> Grid<'s> {
 fn lines(members: &[Member<'_>], size: usize) -> Vec<Line> {
     let mut lines = Vec::new();
     let mut row = 0;
-    for hidden in members.iter().map(Member::hidden_rows).filter(|hidden| !hidden.is_empty()) {
-        lines.extend((row..hidden.start).map(|row| Line::Row(row * ROW)));
-        lines.push(Line::Break(hidden.start * ROW..hidden.end * ROW));
-        row = hidden.end;
+    for member in members {
+        let hidden = member.hidden_rows();
+        if !hidden.is_empty() {
+            lines.extend((row..hidden.start).map(|row| Line::Row(row * ROW)));
+            let is_torn = member.tint != Tint::Nested;
+            lines.push(Line::Break { bytes: hidden.start * ROW..hidden.end * ROW, is_torn });
+            row = hidden.end;
+        }
     }
     lines.extend((row..size / ROW).map(|row| Line::Row(row * ROW)));
     shortened(lines)
@@ -134,16 +152,8 @@ fn shortened(mut lines: Vec<Line>) -> Vec<Line> {
     }
     let tail = lines.split_off(lines.len() - MAX_LINES / 4);
     lines.truncate(MAX_LINES - MAX_LINES / 4);
-    let end = |line: &Line| match line {
-        Line::Row(start) => start + ROW,
-        Line::Break(bytes) => bytes.end,
-    };
-    let start = |line: &Line| match line {
-        Line::Row(start) => *start,
-        Line::Break(bytes) => bytes.start,
-    };
-    let hidden = lines.last().map_or(0, end)..tail.first().map_or(0, start);
-    lines.push(Line::Break(hidden));
+    let hidden = lines.last().map_or(0, |line| line.bytes().end)..tail.first().map_or(0, |line| line.bytes().start);
+    lines.push(Line::Break { bytes: hidden, is_torn: true });
     lines.extend(tail);
     lines
 }
@@ -155,19 +165,19 @@ fn cells<'s>(members: &[Member<'s>], lines: &[Line]) -> Vec<Cell<'s>> {
     let mut first = 0;
     for member in members {
         let bytes = member.bytes();
-        while lines.get(first).is_some_and(|line| ends_before(line, bytes.start)) {
+        while lines.get(first).is_some_and(|line| line.bytes().end <= bytes.start) {
             first += 1;
         }
         let segments: Vec<Segment> = lines[first..]
             .iter()
             .enumerate()
-            .take_while(|(_, line)| starts_before(line, bytes.end))
+            .take_while(|(_, line)| line.bytes().start < bytes.end)
             .filter_map(|(index, line)| match line {
                 Line::Row(start) => {
                     let columns = bytes.start.max(*start) - start..bytes.end.min(start + ROW) - start;
                     Some(Segment { line: first + index, columns })
                 }
-                Line::Break(_) => None,
+                Line::Break { .. } => None,
             })
             .collect();
         if !segments.is_empty() {
@@ -175,20 +185,6 @@ fn cells<'s>(members: &[Member<'s>], lines: &[Line]) -> Vec<Cell<'s>> {
         }
     }
     cells
-}
-
-fn ends_before(line: &Line, byte: usize) -> bool {
-    match line {
-        Line::Row(start) => start + ROW <= byte,
-        Line::Break(bytes) => bytes.end <= byte,
-    }
-}
-
-fn starts_before(line: &Line, byte: usize) -> bool {
-    match line {
-        Line::Row(start) => *start < byte,
-        Line::Break(bytes) => bytes.start < byte,
-    }
 }
 
 #[cfg(test)]
@@ -225,8 +221,8 @@ mod tests {
     fn the_inside_of_a_long_member_is_left_out() {
         let slots = slots(&[4, 1004, 8]);
         let grid = grid(&slots);
-        let expected = [Line::Row(0), Line::Row(8), Line::Break(16..1000), Line::Row(1000), Line::Row(1008)];
-        assert_eq!(grid.lines, expected);
+        let inside = Line::Break { bytes: 16..1000, is_torn: true };
+        assert_eq!(grid.lines, [Line::Row(0), Line::Row(8), inside, Line::Row(1000), Line::Row(1008)]);
         assert_eq!(grid.cells[1].segments.len(), 3);
     }
 

@@ -16,8 +16,9 @@ const LEFT: usize = 44;
 const BYTE: usize = 88;
 /// Room for the numbers of the columns.
 const TOP: usize = 18;
-/// Height of a break.
-const BREAK: usize = 30;
+/// Height of a break: where the paper is torn, and within a box.
+const TORN_BREAK: usize = 30;
+const WHOLE_BREAK: usize = 14;
 /// Height of a row besides its names: offset, type, and the space around.
 const ROW_HEAD: usize = 17;
 /// Height of a row that goes on with what the one above started.
@@ -82,6 +83,7 @@ pub(super) fn draw(grid: &Grid<'_>, name: &str, caption: &str) -> String {
             svg.put(format_args!("</g>\n"));
         }
     }
+    svg.breaks(grid, &rows);
     svg.legend(grid, caption, height - 10);
     svg.put(format_args!("</svg>\n"));
     svg.0
@@ -120,7 +122,8 @@ impl Rows {
             .iter()
             .map(|line| match line {
                 Line::Row(_) => ROW_PLAIN,
-                Line::Break(_) => BREAK,
+                Line::Break { is_torn: true, .. } => TORN_BREAK,
+                Line::Break { is_torn: false, .. } => WHOLE_BREAK,
             })
             .collect();
         for (cell, name) in grid.cells.iter().zip(names) {
@@ -129,7 +132,7 @@ impl Rows {
             }
         }
         for (index, line) in grid.lines.iter().enumerate().skip(1) {
-            if matches!(line, Line::Break(_)) {
+            if matches!(line, Line::Break { is_torn: true, .. }) {
                 heights[index - 1] += TORN;
             }
         }
@@ -167,30 +170,33 @@ impl Svg {
         append(&mut self.0, text);
     }
 
-    /// Numbers of columns and rows, and what breaks leave out.
+    /// Numbers of columns and rows.
     fn rulers(&mut self, grid: &Grid<'_>, rows: &Rows) {
-        self.put(format_args!("<g class=\"r\">\n"));
         for column in 0..ROW {
             let middle = x(column) + BYTE / 2;
             self.put(format_args!("<text class=\"o\" text-anchor=\"middle\" x=\"{middle}\" y=\"12\">+{column}</text>\n"));
         }
         for (index, line) in grid.lines.iter().enumerate() {
-            let top = rows.top(index);
-            match line {
-                Line::Row(start) => self.put(format_args!(
-                    "<text class=\"o\" text-anchor=\"end\" x=\"{}\" y=\"{}\">{start}</text>\n",
-                    LEFT - 6,
-                    top + 12
-                )),
-                Line::Break(bytes) => self.put(format_args!(
-                    "<text class=\"o\" text-anchor=\"middle\" x=\"{}\" y=\"{}\">… {} more …</text>\n",
-                    x(ROW / 2),
-                    top + BREAK / 2 + 3,
-                    plural(bytes.len() as u64, "byte")
-                )),
+            if let Line::Row(start) = line {
+                let (right, y) = (LEFT - 6, rows.top(index) + 12);
+                self.put(format_args!("<text class=\"o\" text-anchor=\"end\" x=\"{right}\" y=\"{y}\">{start}</text>\n"));
             }
         }
-        self.put(format_args!("</g>\n"));
+    }
+
+    /// What breaks leave out.
+    fn breaks(&mut self, grid: &Grid<'_>, rows: &Rows) {
+        for (index, line) in grid.lines.iter().enumerate() {
+            let Line::Break { bytes, is_torn } = line else { continue };
+            // A whole box brings its own colour, a torn one shows the page.
+            let class = if *is_torn { "o" } else { "s" };
+            let y = usize::midpoint(rows.top(index), rows.below(index)) + 3;
+            self.put(format_args!(
+                "<text class=\"{class}\" text-anchor=\"middle\" x=\"{}\" y=\"{y}\">… {} more …</text>\n",
+                x(ROW / 2),
+                plural(bytes.len() as u64, "byte")
+            ));
+        }
     }
 
     fn cell(&mut self, cell: &Cell<'_>, name: &[&str], rows: &Rows) {
@@ -204,7 +210,7 @@ impl Svg {
             plural(slot.size as u64, "byte"),
             thousands(slot.offset as u64)
         ));
-        self.outline(&cell.segments, rows);
+        self.outline(cell, rows);
         self.dividers(cell, rows);
         if let Some(segment) = cell.label() {
             self.label(cell, segment, name, rows);
@@ -254,10 +260,12 @@ impl Svg {
         }
     }
 
-    /// The edge of a cell: a polygon for each run of lines without a break.
-    fn outline(&mut self, segments: &[Segment], rows: &Rows) {
+    /// The edge of a cell: a polygon for each run of lines without a torn break.
+    fn outline(&mut self, cell: &Cell<'_>, rows: &Rows) {
+        let step = if cell.member.tint == Tint::Nested { 2 } else { 1 };
+        let belong = |above: &Segment, below: &Segment| above.line + step >= below.line && touch(above, below);
         self.put(format_args!("<path class=\"b\" d=\""));
-        let mut runs = segments.chunk_by(|left, right| left.line + 1 == right.line && touch(left, right)).peekable();
+        let mut runs = cell.segments.chunk_by(belong).peekable();
         let mut is_torn_above = false;
         while let Some(run) = runs.next() {
             let is_torn_below = runs.peek().is_some_and(|next| is_broken(run, next));
@@ -269,16 +277,7 @@ impl Svg {
 
     /// A run of segments: only the first may start, and only the last may end within its line.
     fn polygon(&mut self, run: &[Segment], rows: &Rows, is_torn_above: bool, is_torn_below: bool) {
-        let [first, .., last] = run else {
-            if let [only] = run {
-                self.polygon_of(only, only, rows, is_torn_above, is_torn_below);
-            }
-            return;
-        };
-        self.polygon_of(first, last, rows, is_torn_above, is_torn_below);
-    }
-
-    fn polygon_of(&mut self, first: &Segment, last: &Segment, rows: &Rows, is_torn_above: bool, is_torn_below: bool) {
+        let (Some(first), Some(last)) = (run.first(), run.last()) else { return };
         let (top, bottom) = (rows.top(first.line), rows.below(last.line));
         let (left, right) = (x(first.columns.start), x(first.columns.end));
         let (last_left, last_right) = (x(last.columns.start), x(last.columns.end));

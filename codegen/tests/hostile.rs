@@ -1,0 +1,245 @@
+//! Input that nobody would write in good faith: it gives diagnostics or a model, and in bounded time
+//! and room. How long that takes is not measured here: what grows with the square of these sizes
+//! doesn't end within the patience of whoever runs the tests.
+
+mod support;
+
+use std::fmt::Write as _;
+
+use uavspec_codegen::diagnostic::{has_errors, render};
+use uavspec_codegen::emit::inspect;
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::Form;
+use uavspec_codegen::{Diagnostic, PackageInput, Schema, SourceMap, read};
+
+const PX4: Form = Form::Msg(Dialect::Px4);
+const ROS2: Form = Form::Msg(Dialect::Ros2);
+
+/// Reads a package, renders what is said of it, and emits the model where it has no errors.
+fn read_all(form: Form, files: &[(String, Vec<u8>)]) -> (Schema, Vec<Diagnostic>) {
+    let mut sources = SourceMap::default();
+    let mut package = support::package("demo", form);
+    let mut diagnostics = Vec::new();
+    for (path, bytes) in files {
+        match sources.add(path.as_str(), bytes.clone()) {
+            Ok(id) => package.sources.push(id),
+            Err(diagnostic) => diagnostics.push(diagnostic),
+        }
+    }
+    let (schema, mut found) = read(&sources, &[package]);
+    diagnostics.append(&mut found);
+    render::render(&diagnostics, &sources, false);
+    if !has_errors(&diagnostics) {
+        inspect::schema(&schema);
+    }
+    (schema, diagnostics)
+}
+
+/// The codes that the text of a single message gives.
+fn codes(form: Form, text: impl Into<Vec<u8>>) -> Vec<&'static str> {
+    codes_of(form, &[("Glider.msg".to_owned(), text.into())])
+}
+
+fn codes_of(form: Form, files: &[(String, Vec<u8>)]) -> Vec<&'static str> {
+    read_all(form, files).1.iter().map(|diagnostic| diagnostic.problem.code()).collect()
+}
+
+fn file(name: &str, text: impl Into<Vec<u8>>) -> (String, Vec<u8>) {
+    (format!("{name}.msg"), text.into())
+}
+
+#[test]
+fn characters_that_deceive_are_refused() {
+    for (text, expected) in [
+        (&b"uint8 a\r\nuint8 b\r\n"[..], &[][..]),
+        (b"\xef\xbb\xbfuint8 a\n", &["byte-order-mark"]),
+        (b"\xff\xfeu\0i\0n\0t\08\0", &["invalid-utf8"]),
+        (b"uint8 a # \xc3\x28\n", &["invalid-utf8"]),
+        (b"uint8 a\0b\n", &["control-character"]),
+        (b"uint8 a # \0\n", &["control-character"]),
+        (b"uint8 a # x\x0cuint8 b\n", &["line-separator"]),
+        ("uint8 a # x\u{2028}uint8 b\n".as_bytes(), &["line-separator"]),
+        ("uint8 a # x\u{85}uint8 b\n".as_bytes(), &["line-separator"]),
+        (b"uint8 a\ruint8 b\n", &["line-separator"]),
+    ] {
+        for form in [PX4, ROS2] {
+            assert_eq!(codes(form, text), expected, "{text:?}");
+        }
+    }
+}
+
+#[test]
+fn sizes_beyond_all_bounds_are_refused() {
+    assert_eq!(codes(PX4, "uint8[4294967296] a\n"), ["too-large"]);
+    assert_eq!(codes(PX4, "uint8[99999999999999999999999] a\n"), ["too-large"]);
+    assert_eq!(codes(ROS2, "string<=4294967295[<=4294967295] a\n"), ["too-large"]);
+    assert_eq!(codes(PX4, format!("uint64 A={}\n", "9".repeat(100_000))), ["constant-out-of-range"]);
+    assert_eq!(codes(PX4, format!("float64 A=1{}\n", "0".repeat(100_000))), ["constant-out-of-range"]);
+    // No multiplication may overflow on the way to the sum.
+    let arrays = ["A", "B", "C", "D"].map(|name| {
+        let below = char::from(name.as_bytes()[0] - 1);
+        let ty = if name == "A" { "uint64".to_owned() } else { below.to_string() };
+        file(name, format!("uint8 start\n{ty}[16777216] part\n"))
+    });
+    for form in [PX4, ROS2] {
+        assert_eq!(codes_of(form, &arrays), ["too-large"], "and not once more for each that holds it");
+    }
+}
+
+#[test]
+fn names_that_are_keywords_elsewhere_are_names() {
+    let names = ["self", "type", "crate", "super", "match", "gen", "async", "r#type", "box", "union", "static"];
+    let fields: String = names.iter().filter(|name| !name.contains('#')).map(|name| format!("uint8 {name}\n")).collect();
+    let files = [file("Self", fields), file("Option", "Self some\nString none\n"), file("String", "uint8 SELF=1\n")];
+    assert_eq!(codes_of(PX4, &files), [""; 0]);
+    assert_eq!(codes(PX4, "uint8 r#type\n"), [""; 0], "a field `r` and a comment");
+    #[cfg(feature = "rust")]
+    {
+        let mut sources = SourceMap::default();
+        let mut package = support::package("crate", PX4);
+        package.sources = files.map(|(path, text)| sources.add(path, text).expect("valid")).to_vec();
+        let (schema, _) = read(&sources, &[package]);
+        for file in uavspec_codegen::emit::rust::emit(&schema, &sources, &uavspec_codegen::emit::rust::Options::default()) {
+            assert!(!file.text.contains("compile_error!"), "{}", file.text);
+        }
+    }
+}
+
+#[test]
+fn a_file_of_100_000_lines_is_read() {
+    let mut text = String::new();
+    for line in 0..20_000 {
+        // Each line is one that must be looked up among all others.
+        writeln!(text, "uint8 num_list{line}\nuint8[2] list{line}  # [@count num_list{line}]").expect("a string");
+        writeln!(text, "uint32 MODE_{line}={line}\nuint32 mode{line}  # [@enum MODE] x\n  # and more").expect("a string");
+    }
+    let (schema, diagnostics) = read_all(PX4, &[file("Glider", text)]);
+    assert_eq!(diagnostics.len(), 20_000, "no list counts");
+    assert_eq!(schema.messages[0].fields.len(), 60_000);
+    assert_eq!(schema.messages[0].enums.len(), 1, "all fields share it");
+    let comments = "uint8 a  # x\n".to_owned() + &"  # y\n".repeat(100_000);
+    let (schema, _) = read_all(PX4, &[file("Glider", comments)]);
+    assert_eq!(schema.messages[0].fields[0].description.len(), 200_001);
+    let topics: String = (0..100_000).map(|topic| format!("# TOPICS topic{topic}\n")).collect();
+    assert_eq!(read_all(PX4, &[file("Glider", topics)]).0.messages[0].topics.len(), 100_000);
+    let bad = codes(PX4, "uint8\n".repeat(100_000));
+    assert!(bad.iter().all(|code| *code == "missing-name"));
+    assert!(bad.len() < 2_000, "what is no definition is not read to its end");
+}
+
+#[test]
+fn a_line_of_a_megabyte_is_read() {
+    const LEN: usize = 1_000_000;
+    let lines = ["[", "]", "|", "(@", "[@", "[@range ", "(@x)", "[m]", "#", "\"", "\\\"", "=", "_", "a", "a ", "\u{feff}", "9", "-", "<="];
+    for body in lines.map(|body| body.repeat(LEN / body.len())) {
+        for start in ["", "uint8 a  # ", "uint8 A=1  # x ", "uint8 A=", "string a \"", "uint8[] a [", "uint8[", "string<=", "a"] {
+            for form in [PX4, ROS2] {
+                read_all(form, &[file("Glider", format!("{start}{body}"))]);
+            }
+        }
+        for path in ["page.md", "page.adoc", "page.txt"] {
+            let page = format!("# Warnings\nCode|Abbr|Description\n-|-|-\n64|A|{body}\n");
+            read_all(Form::Table, &[(path.to_owned(), page.into_bytes())]);
+        }
+    }
+}
+
+#[test]
+fn nesting_of_any_depth_needs_no_stack() {
+    let chain = |count: usize| -> Vec<(String, Vec<u8>)> {
+        (0..count)
+            .map(|link| {
+                let ty = if link == 0 { "bool".to_owned() } else { format!("Link{}", link - 1) };
+                file(&format!("Link{link}"), format!("{ty} part\n"))
+            })
+            .collect()
+    };
+    let (schema, diagnostics) = read_all(PX4, &chain(1_000));
+    assert_eq!((schema.messages.len(), diagnostics.len()), (1_000, 0));
+    assert_eq!(codes_of(PX4, &chain(20_000)), ["too-much-nesting"]);
+    let mut ring = chain(20_000);
+    ring[0] = file("Link0", "Link19999 part\n");
+    let (_, diagnostics) = read_all(PX4, &ring);
+    assert_eq!(diagnostics.iter().map(|diagnostic| diagnostic.problem.code()).collect::<Vec<_>>(), ["cycle"]);
+    assert!(diagnostics[0].problem.to_string().len() < 1_000, "a path of 20,000 messages is shown by its ends");
+}
+
+#[test]
+fn nesting_that_doubles_is_refused() {
+    for first in ["", "bool a\n"] {
+        let levels: Vec<(String, Vec<u8>)> = (0..64)
+            .map(|level: u32| {
+                let text = level.checked_sub(1).map_or(first.to_owned(), |below| format!("Level{below} a\nLevel{below} b\n"));
+                file(&format!("Level{level}"), text)
+            })
+            .collect();
+        for form in [PX4, ROS2] {
+            assert_eq!(codes_of(form, &levels), ["too-many-fields"]);
+        }
+    }
+}
+
+#[test]
+fn thousands_of_unknown_types_are_all_reported() {
+    let text: String = (0..5_000).map(|number| format!("Unknown{number} field{number}\n")).collect();
+    let known = (0..1_000).map(|number| file(&format!("Known{number}"), ""));
+    let files: Vec<_> = known.chain([file("Glider", text)]).collect();
+    assert_eq!(codes_of(PX4, &files), ["unknown-type"; 5_000]);
+    // To find a similar name takes time and room with the product of the lengths.
+    let long = "A".repeat(1_000_000);
+    let files = [file("Glider", format!("{long} a\n")), file(&format!("{long}A"), "")];
+    assert_eq!(codes_of(PX4, &files), ["unknown-type"]);
+}
+
+/// All that is emitted from `packages`, with the sources in another order.
+fn emitted(packages: &[(&str, Form, Vec<(String, String)>)], turn: usize) -> Vec<String> {
+    let mut all: Vec<(usize, &String, &String)> = Vec::new();
+    for (index, (_, _, files)) in packages.iter().enumerate() {
+        all.extend(files.iter().map(|(path, text)| (index, path, text)));
+    }
+    let count = all.len();
+    all.rotate_left(turn * 7 % count);
+    if turn % 2 == 1 {
+        all.reverse();
+    }
+    let mut sources = SourceMap::default();
+    let mut inputs: Vec<PackageInput> = packages.iter().map(|(name, form, _)| support::package(name, *form)).collect();
+    for (package, path, text) in all {
+        inputs[package].sources.push(sources.add(path.as_str(), text.clone().into_bytes()).expect("valid"));
+    }
+    inputs.rotate_left(turn % packages.len());
+    let (schema, diagnostics) = read(&sources, &inputs);
+    assert!(!has_errors(&diagnostics), "{}", render::render(&diagnostics, &sources, false));
+    let model = vec![inspect::schema(&schema).to_string()];
+    #[cfg(feature = "rust")]
+    let model = {
+        let files = uavspec_codegen::emit::rust::emit(&schema, &sources, &uavspec_codegen::emit::rust::Options::default());
+        model.into_iter().chain(files.into_iter().map(|file| file.path + "\n" + &file.text)).collect()
+    };
+    model
+}
+
+#[test]
+fn the_order_of_the_sources_changes_nothing() {
+    let definitions = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../definitions");
+    let text_of = |path: &std::path::PathBuf| {
+        let text = std::fs::read_to_string(path).expect("a definition");
+        (path.file_name().expect("a name").to_string_lossy().into_owned(), text)
+    };
+    let of = |folder: &str, extension: &str| -> Vec<(String, String)> {
+        support::files_below(&definitions.join(folder), &[extension]).iter().map(text_of).collect()
+    };
+    let ros = [("Point", "float64 x\nuint8 KIND_A=1\nuint8 KIND_B=1\nuint8 kind # [@enum KIND]\n"), ("Line", "Point[2] end\nzeta/Zone zone\n")];
+    let zone = [("Zone", "string name \"a\"\n"), ("Area", "Zone[] zone\n")];
+    let named = |files: &[(&str, &str)]| files.iter().map(|(name, text)| (format!("{name}.msg"), (*text).to_owned())).collect();
+    let packages = [
+        ("px4", PX4, of("px4", "msg")),
+        ("flockwave", Form::Table, of("flockwave", "md")),
+        ("geometry", ROS2, named(&ros)),
+        ("zeta", ROS2, named(&zone)),
+    ];
+    let first = emitted(&packages, 0);
+    for turn in 1..8 {
+        assert!(emitted(&packages, turn) == first, "turn {turn} gives another output");
+    }
+}

@@ -1,0 +1,120 @@
+//! The generated types against what is known of the specification from elsewhere.
+
+use uavspec::flockwave::ErrorCode;
+use uavspec::px4::battery_status::{BatteryFault, BatteryWarning};
+use uavspec::px4::{
+    ArmingCheckReply, ArmingCheckRequest, BatteryStatus, Event, FailsafeFlags, RegisterExtComponentReply,
+    RegisterExtComponentRequest, UnregisterExtComponent,
+};
+use uavspec_runtime::{ErrorClass, Severity, UorbMessage};
+
+/// Size, size without padding and hash, as PX4's own generator gives them: for `FailsafeFlags` and
+/// `BatteryStatus` of release 1.15, for the others of the releases that have the same fields.
+#[test]
+fn layouts_and_hashes_are_those_of_px4() {
+    fn facts<T: UorbMessage>() -> (usize, usize, u32) {
+        (T::SIZE, T::SIZE_NO_PADDING, T::HASH)
+    }
+    assert_eq!(facts::<FailsafeFlags>(), (88, 85, 3_652_994_069));
+    assert_eq!(facts::<BatteryStatus>(), (168, 167, 3_808_166_550));
+    assert_eq!(facts::<ArmingCheckReply>(), (232, 232, 2_083_851_748));
+    assert_eq!(facts::<ArmingCheckRequest>(), (16, 13, 1_848_233_421));
+    assert_eq!(facts::<Event>(), (40, 40, 2_076_212_785));
+    assert_eq!(facts::<RegisterExtComponentRequest>(), (56, 49, 902_686_241));
+    assert_eq!(facts::<RegisterExtComponentReply>(), (48, 47, 1_062_872_879));
+    assert_eq!(facts::<UnregisterExtComponent>(), (40, 36, 1_478_728_617));
+}
+
+#[test]
+fn the_layout_says_where_each_field_lies() {
+    let (name, offset, size, count) = ArmingCheckReply::LAYOUT[20];
+    assert_eq!((name, offset, size, count), ("events", 32, Event::SIZE, 5));
+}
+
+#[test]
+fn every_severity_is_in_two_bits_of_the_code() {
+    assert_eq!(ErrorCode::all().len(), 63);
+    for code in ErrorCode::all() {
+        assert_eq!(code.severity() as u32, (code.0 & 0xFF) >> 6, "{code}");
+        assert!(code.class().codes().contains(&code.0), "{code}");
+        assert!(code.is_known() && code.abbreviation().is_some() && code.description().is_some(), "{code}");
+        for other in code.alternatives() {
+            assert!(other.alternatives().contains(&code), "{code} and {other}");
+            assert!(code.see_also().contains(other), "{code} names {other}");
+        }
+    }
+}
+
+#[test]
+fn unknown_codes_are_kept_and_have_a_severity() {
+    let code = ErrorCode(0x1_0042);
+    assert!(!code.is_known());
+    assert_eq!((code.severity(), code.class()), (Severity::Warning, ErrorClass::UserDefined));
+    assert_eq!(format!("{code} {code:?}"), "65602 ErrorCode(65602)");
+    assert_eq!(format!("{:?}", ErrorCode::RC_LOST_WARNING), "ErrorCode(65 RC LOST)");
+}
+
+#[test]
+fn enums_and_flags_show_their_names() {
+    assert_eq!(format!("{:?}", BatteryWarning::CRITICAL), "CRITICAL");
+    assert_eq!(format!("{:?} {:?}", BatteryWarning(200), BatteryWarning(200).name()), "BatteryWarning(200) None");
+    let faults = BatteryFault::SPIKES | BatteryFault::OVER_CURRENT;
+    assert_eq!(faults.0, 0b1010);
+    assert!(faults.contains(BatteryFault::SPIKES) && faults.is_known());
+    assert_eq!(format!("{faults:?}"), "BatteryFault(SPIKES | OVER_CURRENT)");
+    assert_eq!(format!("{:?}", BatteryFault(0x8002)), "BatteryFault(SPIKES | 0x8000)");
+}
+
+#[cfg(feature = "serde")]
+mod json {
+    use super::*;
+
+    #[test]
+    fn a_message_is_read_as_it_was_written_in_any_order_of_fields() {
+        let event = Event { timestamp: u64::MAX, id: 7, arguments: [9; 25], ..Event::default() };
+        let text = serde_json::to_string(&event).expect("JSON");
+        assert!(text.starts_with("{\"timestamp\":18446744073709551615,\"id\":7,"), "{text}");
+        assert_eq!(serde_json::from_str::<Event>(&text).expect("an event"), event);
+        let other_order = text.replace("\"id\":7,", "").replace('}', ",\"id\":7}");
+        assert_eq!(serde_json::from_str::<Event>(&other_order).expect("an event"), event);
+    }
+
+    #[test]
+    fn missing_repeated_unknown_and_misfit_fields_are_refused_by_name() {
+        let text = serde_json::to_string(&Event::default()).expect("JSON");
+        for (text, expected) in [
+            (text.replace("\"id\":0,", ""), "missing field `id`"),
+            (text.replace("\"id\":0,", "\"id\":0,\"id\":0,"), "duplicate field `id`"),
+            (text.replace("\"id\"", "\"it\""), "unknown field `it`"),
+            (text.replace("\"log_levels\":0", "\"log_levels\":256"), "256"),
+            (text.replace("[0,0,", "[0,"), "expected an array of 25"),
+            (text.replace("[0,0,", "[0,0,0,"), "expected an array of 25"),
+        ] {
+            let error = serde_json::from_str::<Event>(&text).expect_err("refused").to_string();
+            assert!(error.contains(expected), "{error}: {text}");
+        }
+    }
+
+    #[test]
+    fn nan_is_null_and_infinity_an_error_that_names_the_field() {
+        let battery = BatteryStatus { temperature: f32::NAN, ..BatteryStatus::default() };
+        let text = serde_json::to_string(&battery).expect("JSON");
+        assert!(text.contains("\"temperature\":null"), "{text}");
+        assert!(serde_json::from_str::<BatteryStatus>(&text).expect("a battery").temperature.is_nan());
+        let mut battery = BatteryStatus::default();
+        battery.voltage_cell_v[3] = f32::INFINITY;
+        let error = serde_json::to_string(&battery).expect_err("no JSON").to_string();
+        assert!(error.contains("voltage_cell_v is inf"), "{error}");
+        let text = serde_json::to_string(&BatteryStatus::default()).expect("JSON").replace("\"temperature\":0.0", "\"temperature\":1e39");
+        assert!(serde_json::from_str::<BatteryStatus>(&text).is_err());
+    }
+
+    #[test]
+    fn text_of_fixed_size_is_a_string() {
+        let reply = RegisterExtComponentReply { name: "Land".parse().expect("it fits"), ..Default::default() };
+        let text = serde_json::to_string(&reply).expect("JSON");
+        assert!(text.contains("\"name\":\"Land\""), "{text}");
+        assert_eq!(serde_json::from_str::<RegisterExtComponentReply>(&text).expect("a reply"), reply);
+        assert!(serde_json::from_str::<RegisterExtComponentReply>(&text.replace("Land", &"x".repeat(26))).is_err());
+    }
+}

@@ -1,0 +1,207 @@
+//! What is generated compiles without a warning, under the lints of this workspace, and its JSON is
+//! that of other tools: names that fight the language, and everything in the corpus.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value as Json;
+
+/// A crate that holds generated code, in a folder that is kept between runs.
+struct Crate {
+    folder: PathBuf,
+}
+
+impl Crate {
+    fn new(name: &str) -> Self {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        let _ = fs::remove_dir_all(&folder);
+        let repository = repository();
+        let workspace = fs::read_to_string(repository.join("Cargo.toml")).expect("the workspace");
+        // The lints of this workspace, word for word.
+        let lints = workspace.split("[workspace.lints").skip(1).map(|table| table.split("\n[profile").next().unwrap_or(table));
+        let lints: String = lints.map(|table| format!("[lints{table}")).collect();
+        let runtime = repository.join("generated/runtime");
+        let manifest = format!(
+            "[package]\nname = \"{name}\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[features]\nserde = \
+             [\"uavspec-runtime/serde\"]\n\n[dependencies]\nuavspec-runtime = {{ path = {runtime:?} }}\nserde_json = \"1\"\n\n\
+             [workspace]\n\n{lints}"
+        );
+        let result = Self { folder };
+        result.write("Cargo.toml", &manifest);
+        fs::copy(repository.join("Cargo.lock"), result.folder.join("Cargo.lock")).expect("a lock file");
+        result
+    }
+
+    fn write(&self, path: &str, text: &str) {
+        let path = self.folder.join(path);
+        fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
+        fs::write(path, text).expect("a file");
+    }
+
+    fn generate(&self, packages: &str) {
+        let config = format!("[output]\nrust = {{ path = \"src\", root = \"lib.rs\" }}\n{packages}");
+        self.write("uavspec.toml", &config);
+        uavspec_codegen::cli::generate(self.folder.join("uavspec.toml")).unwrap_or_else(|failure| panic!("{failure}"));
+    }
+
+    fn cargo(&self, arguments: &[&str]) -> String {
+        let output = Command::new(env!("CARGO"))
+            .args(arguments)
+            .current_dir(&self.folder)
+            .env("CARGO_TARGET_DIR", Path::new(env!("CARGO_TARGET_TMPDIR")).join(".."))
+            .env("CARGO_NET_OFFLINE", "true")
+            .output()
+            .expect("cargo runs");
+        let errors = String::from_utf8_lossy(&output.stderr);
+        let is_clean = output.status.success() && !errors.contains("warning:") && !errors.contains("error:");
+        assert!(is_clean, "cargo {arguments:?}\n{errors}");
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    }
+
+    fn compiles(&self) {
+        self.cargo(&["clippy"]);
+        self.cargo(&["clippy", "--features", "serde"]);
+        self.cargo(&["doc", "--no-deps", "--features", "serde"]);
+    }
+}
+
+fn repository() -> PathBuf {
+    fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).expect("the repository")
+}
+
+fn shared(path: &str) -> Option<PathBuf> {
+    let corpus = std::env::var_os("UAVSPEC_CORPUS").map_or_else(|| repository().join("../shared/corpus"), PathBuf::from);
+    let found = corpus.parent()?.join(path);
+    if found.exists() {
+        return Some(fs::canonicalize(found).expect("a path"));
+    }
+    let is_required = std::env::var_os("UAVSPEC_REQUIRE_CORPUS").is_some_and(|value| value != "0");
+    assert!(!is_required, "{} is required but absent", found.display());
+    eprintln!("left out: {path} is absent; set UAVSPEC_CORPUS to the corpus to run this test");
+    None
+}
+
+const PX4: &str = "\n[[package]]\nname = \"px4\"\ndialect = \"px4\"\n";
+
+#[test]
+fn names_that_fight_the_language() {
+    let package = Crate::new("fighting-names");
+    package.write(
+        "a/Words.msg",
+        "uint8 type # [@enum SELF]\nuint8 self\nuint8 super\nuint8 crate\nuint8 gen\nuint8 Abc\nuint8 aBC\nuint8 fn\n\
+         uint8 SELF_SELF = 1\nuint8 SELF_super = 2\nuint8 SELF_3D = 3\nuint8 SELF_ALSO_1 = 1\nuint8 self = 4\n",
+    );
+    package.write("a/Mode.msg", "uint8 mode # [@enum MODE]\nuint8 MODE_A = 0\nuint8 NAME = 1\nuint8 VERSION = 2\nuint8 SIZE = 3\n");
+    package.write("a/Option.msg", "Some some\nString string\nVec[2] vec\nDefault[40] default\n");
+    for name in ["Some", "None", "String", "Vec", "Default", "Self", "Srv", "Box", "Result", "Message"] {
+        package.write(&format!("a/{name}.msg"), "uint64 timestamp\n");
+    }
+    package.write("a/lower_case.msg", "Option option\nchar[7] text\nchar letter\nchar[300] long\n");
+    package.write("a/Empty.msg", "");
+    package.write(
+        "a/Masks.msg",
+        "int8 bits # [@flags BIT]\nint8 BIT_A = 0\nint8 BIT_B = 3\nint8 BIT_C = 6\nuint64[50] wide # [@flags WIDE]\n\
+         uint64 WIDE_TOP = 9223372036854775808\nuint64 WIDE_NONE = 0\nint32[3] modes # [@enum KIND]\nint32 KIND_A = -1\n\
+         float32 PI = 3.14159\nfloat64 NOT = nan\nfloat32 LESS = -inf\nbool YES = True\n",
+    );
+    package.write("a/Do.srv", "Option option\nuint8 mode # [@enum MODE]\nuint8 MODE_A = 0\n---\nuint8 mode # [@enum MODE]\nuint8 MODE_B = 0\n");
+    package.write(
+        "b/msg/Defaults.msg",
+        "int32 a 42\nfloat64 b -1.5\nstring c \"x \\\"y\\\" # z\"\nint32[3] d [1, -2, 3]\nstring[] e [\"a\", 'b']\nbool f true\n\
+         string<=5[<=3] g\nwstring h 'w'\nbyte[70] i\nfloat32[] j [1, 2.5]\nstring NAME=\"[`link`] *x*\"\n",
+    );
+    package.write("b/action/Go.action", "int32 a 1\n---\nb_msgs/Defaults b\n---\nDefaults[] c\n");
+    package.write(
+        "b/msg/Prose.msg",
+        "# Title with [brackets], `code`, <b>html</b> and http://example.org/a_b.\n#\n#  - a list\n#    1. nested\n# # heading\n\
+         #\n# ```\n# fence\n\n# A | group [x]\nuint8 a # [link](http://x.org) | <script> \\ `\nuint8 b # \n",
+    );
+    package.generate(&format!(
+        "{PX4}include = [\"a/*\"]\n\n[[package]]\nname = \"b_msgs\"\ndialect = \"ros2\"\ninclude = [\"b/**/*\"]\n\n\
+         [[package]]\nname = \"type\"\ndialect = \"px4\"\ninclude = [\"a/Empty.msg\"]\n"
+    ));
+    package.compiles();
+}
+
+#[test]
+fn all_of_the_corpus() {
+    let Some(corpus) = shared("corpus") else { return };
+    let package = Crate::new("whole-corpus");
+    let mut packages = String::new();
+    for (name, release) in [("px4", "main"), ("px4_16", "1.16"), ("px4_15", "1.15")] {
+        let include = format!("{}/px4/{release}/**/*", corpus.display());
+        let _ = write!(packages, "\n[[package]]\nname = \"{name}\"\ndialect = \"px4\"\ninclude = [{include:?}]\n");
+    }
+    for name in ["std_msgs", "builtin_interfaces", "geometry_msgs", "sensor_msgs", "diagnostic_msgs"] {
+        let include = format!("{}/ros2/{name}/**/*", corpus.display());
+        let _ = write!(packages, "\n[[package]]\nname = \"{name}\"\ndialect = \"ros2\"\ninclude = [{include:?}]\n");
+    }
+    package.generate(&packages);
+    package.compiles();
+    json_is_that_of_other_tools(&package);
+}
+
+/// Reads and writes each instance that the oracle of CDR gives as JSON.
+fn json_is_that_of_other_tools(package: &Crate) {
+    let mut arms = String::new();
+    let mut cases = Vec::new();
+    for file in ["px4-main", "ros2"] {
+        let Some(path) = shared(&format!("oracle/cdr/{file}.json")) else { return };
+        let text = fs::read_to_string(path).expect("an oracle");
+        cases.extend(serde_json::from_str::<Vec<Json>>(&text).expect("cases"));
+    }
+    let mut types: Vec<&str> = cases.iter().map(|case| case["type"].as_str().expect("a type")).collect();
+    types.sort_unstable();
+    types.dedup();
+    for name in types {
+        let path = name.replace("px4_msgs/", "px4/").replace("/msg/", "::");
+        let _ = writeln!(arms, "        {name:?} => again::<whole_corpus::{path}>(text),");
+    }
+    let program = format!(
+        "//! Reads each line, a type and JSON, and writes the JSON again.\n\nfn main() {{\n    for line in \
+         std::io::stdin().lines() {{\n        let line = line.expect(\"a line\");\n        let (name, text) = \
+         line.split_once(' ').expect(\"two words\");\n        println!(\"{{}}\", json(name, text));\n    }}\n}}\n\n\
+         fn json(name: &str, text: &str) -> String {{\n    match name {{\n{arms}        _ => panic!(\"no type {{name}}\"),\n    }}\n}}\n\n\
+         fn again<T: uavspec_runtime::serde::Serialize + uavspec_runtime::serde::de::DeserializeOwned>(text: &str) -> String {{\n    \
+         let value: T = serde_json::from_str(text).unwrap_or_else(|error| panic!(\"{{error}}: {{text}}\"));\n    \
+         serde_json::to_string(&value).expect(\"JSON\")\n}}\n"
+    );
+    package.write("examples/again.rs", &program);
+    let input: String = cases.iter().fold(String::new(), |mut input, case| {
+        let _ = writeln!(input, "{} {}", case["type"].as_str().expect("a type"), case["json"]);
+        input
+    });
+    package.write("input.txt", &input);
+    package.cargo(&["build", "--features", "serde", "--example", "again"]);
+    let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join("../debug/examples/again");
+    let output = Command::new(program)
+        .stdin(fs::File::open(package.folder.join("input.txt")).expect("the input"))
+        .output()
+        .expect("the program runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let written = String::from_utf8(output.stdout).expect("UTF-8");
+    assert_eq!(written.lines().count(), cases.len());
+    for (case, line) in cases.iter().zip(written.lines()) {
+        let found: Json = serde_json::from_str(line).expect("JSON");
+        assert!(same(&found, &case["json"]), "{} {}\n{found}\n{}", case["type"], case["case"], case["json"]);
+    }
+}
+
+/// Equal, where a float may be written with the digits of a 32-bit or of a 64-bit one, or as an integer.
+fn same(left: &Json, right: &Json) -> bool {
+    match (left, right) {
+        (Json::Array(left), Json::Array(right)) => left.len() == right.len() && left.iter().zip(right).all(|(l, r)| same(l, r)),
+        (Json::Object(left), Json::Object(right)) => {
+            left.keys().eq(right.keys()) && left.iter().all(|(key, value)| same(value, &right[key]))
+        }
+        (Json::Number(l), Json::Number(r)) if l.is_f64() || r.is_f64() => {
+            let (l, r) = (l.as_f64().unwrap_or(f64::NAN), r.as_f64().unwrap_or(f64::NAN));
+            #[allow(clippy::cast_possible_truncation)]
+            let as_f32 = (l as f32).to_bits() == (r as f32).to_bits();
+            l.to_bits() == r.to_bits() || as_f32
+        }
+        _ => left == right,
+    }
+}
