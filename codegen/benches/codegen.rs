@@ -60,7 +60,7 @@ fn input(times: usize) -> Input {
 }
 
 /// Text to model: parse and resolve.
-#[divan::bench(args = TIMES)]
+#[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn read_definitions(bencher: Bencher<'_, '_>, times: usize) {
     let input = input(times);
     bencher.counter(ItemsCount::new(input.messages)).bench_local(|| read(&input.sources, &input.packages));
@@ -73,26 +73,26 @@ fn emitter(bencher: Bencher<'_, '_>, times: usize, emit: impl Fn(&Schema, &Sourc
 }
 
 /// Model to Rust.
-#[divan::bench(args = TIMES)]
+#[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn emit_rust(bencher: Bencher<'_, '_>, times: usize) {
     emitter(bencher, times, |schema, sources| emit::rust::emit(schema, sources, &emit::rust::Options::default()));
 }
 
 /// Model to JSON Schemas.
-#[divan::bench(args = TIMES)]
+#[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn emit_json_schema(bencher: Bencher<'_, '_>, times: usize) {
     emitter(bencher, times, |schema, _| emit::json_schema::emit(schema, &emit::json_schema::Options::default()));
 }
 
 /// Model to documentation.
-#[divan::bench(args = TIMES)]
+#[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn emit_docs(bencher: Bencher<'_, '_>, times: usize) {
     emitter(bencher, times, |schema, sources| emit::docs::emit(schema, sources, &emit::docs::Options::default()));
 }
 
 /// A workspace on disk whose definitions are those of the corpus.
 fn workspace(times: usize) -> TempDir {
-    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("a temporary folder");
     let mut config = "[output]\nrust = \"rust\"\njson_schema = \"schemas\"\ndocs = \"docs\"\n".to_owned();
     for number in 0..times {
         let name = format!("px4_{number}");
@@ -108,7 +108,7 @@ fn workspace(times: usize) -> TempDir {
 }
 
 /// The whole command, files to files, where no output is there yet.
-#[divan::bench(args = TIMES, sample_count = 10, sample_size = 1)]
+#[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn generate_all(bencher: Bencher<'_, '_>, times: usize) {
     let messages = corpus().unwrap_or_default().len() * times;
     let folder = workspace(times);
@@ -123,7 +123,7 @@ fn generate_all(bencher: Bencher<'_, '_>, times: usize) {
 }
 
 /// The whole command, where all output is up to date.
-#[divan::bench(args = TIMES, sample_count = 10, sample_size = 1)]
+#[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn generate_unchanged(bencher: Bencher<'_, '_>, times: usize) {
     let messages = corpus().unwrap_or_default().len() * times;
     let folder = workspace(times);

@@ -19,11 +19,12 @@ use std::fmt;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::thread;
 use std::time::Instant;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use self::config::{Config, Emitter, Plan};
+use self::config::{Config, Emitter, EmitterOptions, Plan, PlannedOutput};
 use self::load::Loaded;
 use self::output::{Difference, Folder};
 use crate::diagnostic::{Diagnostic, Level, has_errors, render};
@@ -276,22 +277,36 @@ fn read(plan: &Plan) -> Result<(Loaded, Schema, Vec<Diagnostic>), Failure> {
     Ok((loaded, schema, diagnostics))
 }
 
-/// Runs each emitter that the plan names.
+/// Runs the emitters that the plan names.
 fn emit_all(plan: &Plan, schema: &Schema, sources: &SourceMap) -> Result<Vec<Folder>, Failure> {
-    plan.outputs
-        .iter()
-        .map(|output| {
-            let files = match &output.emitter {
-                config::EmitterOptions::Rust(options) => emit_rust(schema, sources, options)?,
-                config::EmitterOptions::JsonSchema(options) => emit::json_schema::emit(schema, options),
-                config::EmitterOptions::Docs(options) => emit::docs::emit(schema, sources, options),
-            };
-            Ok(Folder { path: output.path.clone(), files })
-        })
-        .collect()
+    side_by_side(&plan.outputs, |output: &PlannedOutput| {
+        let files = match &output.emitter {
+            EmitterOptions::Rust(options) => emit_rust(schema, sources, options)?,
+            EmitterOptions::JsonSchema(options) => emit::json_schema::emit(schema, options),
+            EmitterOptions::Docs(options) => emit::docs::emit(schema, sources, options),
+        };
+        Ok(Folder { path: output.path.clone(), files })
+    })
+}
+
+/// Does the same for each of `items` at once, and gives the results in their order.
+fn side_by_side<'i, T: Sync, R: Send>(
+    items: &'i [T],
+    work: impl Fn(&'i T) -> Result<R, Failure> + Sync,
+) -> Result<Vec<R>, Failure> {
+    thread::scope(|scope| {
+        let work = &work;
+        let threads: Vec<_> = items.iter().map(|item| scope.spawn(move || work(item))).collect();
+        // A panic in a thread is a defect here, and goes on in the caller.
+        let join = |thread: thread::ScopedJoinHandle<'_, _>| {
+            thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        };
+        threads.into_iter().map(join).collect()
+    })
 }
 
 #[cfg(feature = "rust")]
+#[allow(clippy::unnecessary_wraps)] // the other build's can fail
 fn emit_rust(schema: &Schema, sources: &SourceMap, options: &config::RustOptions) -> Result<Vec<OutputFile>, Failure> {
     Ok(emit::rust::emit(schema, sources, &emit::rust::Options { root: options.root.clone() }))
 }

@@ -69,6 +69,7 @@ impl SourceMap {
     /// A text that can't be read (invalid UTF-8, a byte order mark, too long) is added as far as it
     /// can be shown, and the diagnostic says why. A span over more than 4 GiB of sources together
     /// doesn't exist, so a text past that is refused in the same way.
+    #[allow(clippy::result_large_err)] // made once a file
     pub fn add(&mut self, path: impl Into<String>, bytes: Vec<u8>) -> Result<SourceId, Diagnostic> {
         let start = self.sources.last().map_or(0, |last| last.start + offset(last.text.len()) + 1);
         let id = SourceId(offset(self.sources.len()));
@@ -131,6 +132,7 @@ impl SourceMap {
         let (text, range) = self.locate(span);
         let before = &text.as_bytes()[..range.start.min(text.len())];
         let line_start = before.iter().rposition(|byte| *byte == b'\n').map_or(0, |at| at + 1);
+        #[allow(clippy::naive_bytecount)] // once a diagnostic
         let line = before.iter().filter(|byte| **byte == b'\n').count() + 1;
         let column = text.get(line_start..range.start).map_or(0, |line| line.chars().count()) + 1;
         Position { line, column }

@@ -1,6 +1,6 @@
 //! Typed values of constants, defaults and bounds.
 
-use std::fmt;
+use std::fmt::{self, Write as _};
 
 /// A value that a definition states.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,7 +45,7 @@ impl fmt::Display for Value {
             Self::Int(value) => write!(formatter, "{value}"),
             Self::Float(value) if value.is_nan() => formatter.write_str("NaN"),
             Self::Float(value) => write!(formatter, "{value}"),
-            Self::Text(value) => write!(formatter, "{value:?}"),
+            Self::Text(value) => write_quoted(value, formatter),
             Self::List(values) => {
                 formatter.write_str("[")?;
                 for (index, value) in values.iter().enumerate() {
@@ -56,4 +56,21 @@ impl fmt::Display for Value {
             }
         }
     }
+}
+
+/// Writes `text` as a string literal, with the escapes that [`crate::msg::literal`] reads and no others.
+fn write_quoted(text: &str, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+    formatter.write_char('"')?;
+    for character in text.chars() {
+        match character {
+            '"' => formatter.write_str("\\\"")?,
+            '\\' => formatter.write_str("\\\\")?,
+            '\n' => formatter.write_str("\\n")?,
+            '\t' => formatter.write_str("\\t")?,
+            '\r' => formatter.write_str("\\r")?,
+            '\0' => formatter.write_str("\\0")?,
+            _ => formatter.write_char(character)?,
+        }
+    }
+    formatter.write_char('"')
 }

@@ -45,7 +45,10 @@ const ROS2_DEVIATIONS: &[(&str, &str)] = &[
     ("default_str_eq", "an = in quotes makes no constant"),
     ("arr_huge", "no message of 4 GiB fits any memory"),
     ("time", "short for builtin_interfaces/Time, as rosidl's reader has it; only its IDL writer fails"),
-    ("duration", "short for builtin_interfaces/Duration, as rosidl's reader has it; only its IDL writer fails"),
+    (
+        "duration",
+        "short for builtin_interfaces/Duration, as rosidl's reader has it; only its IDL writer fails",
+    ),
 ];
 
 /// Messages that the cases refer to. PX4's generator had none of them.
@@ -81,7 +84,8 @@ fn read_case(text: &str, dialect: Dialect) -> Result<(Json, bool), String> {
 fn declarations(message: &Json, keys: &[&str]) -> Json {
     let pick = |list: &str, keys: &[&str]| -> Json {
         let entries = message[list].as_array().expect("a list").iter();
-        let picked = |entry: &Json| keys.iter().map(|key| ((*key).to_owned(), entry[*key].clone())).collect::<Json>();
+        let picked =
+            |entry: &Json| keys.iter().map(|key| ((*key).to_owned(), entry[*key].clone())).collect::<Json>();
         entries.map(picked).collect()
     };
     json!({ "fields": pick("fields", keys), "constants": pick("constants", &["type", "name", "value"]) })
@@ -115,7 +119,9 @@ fn px4_deviation(case: &Json) -> Option<String> {
         (true, Ok((message, _))) => {
             let found = declarations(&message, &["type", "name"]);
             let expected = normalised(&case["px4_out"].to_string());
-            (found != expected).then(|| format!("read as {found}, by genmsg as {expected}")).or_else(|| layout_deviation(case, text))
+            (found != expected)
+                .then(|| format!("read as {found}, by genmsg as {expected}"))
+                .or_else(|| layout_deviation(case, text))
         }
         (false, Err(_)) => None,
         (true, Err(diagnostics)) => Some(format!("refused, not by PX4:\n{diagnostics}")),
@@ -128,7 +134,8 @@ fn px4_deviation(case: &Json) -> Option<String> {
 
 /// PX4's generator takes no message without a time stamp: the cases without one had one put below.
 fn layout_deviation(case: &Json, text: &str) -> Option<String> {
-    let stamped = if text.contains("timestamp") { text.to_owned() } else { format!("{text}\nuint64 timestamp\n") };
+    let stamped =
+        if text.contains("timestamp") { text.to_owned() } else { format!("{text}\nuint64 timestamp\n") };
     let (message, _) = read_case(&stamped, Dialect::Px4).expect("no error without the stamp");
     let found = json!([message["uorb"]["size"], message["uorb"]["size_no_padding"], message["hash"]]);
     let tool = &case["px4_tool_out"];

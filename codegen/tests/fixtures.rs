@@ -7,14 +7,15 @@
 
 mod support;
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use uavspec_codegen::diagnostic::{Level, Problem, render};
-use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::Form;
-use uavspec_codegen::{Diagnostic, SourceMap, read};
+use uavspec_codegen::{Diagnostic, PackageInput, SourceMap, read};
 
 use support::{files_below, package};
 
@@ -35,7 +36,8 @@ fn cases(kind: &str) -> Vec<String> {
 
 /// The code that a folder is named after. Codes may start with other codes: the longest counts.
 fn code_of(case: &str) -> Option<&'static str> {
-    let starts = |code: &&&str| case.strip_prefix(**code).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'));
+    let starts =
+        |code: &&&str| case.strip_prefix(**code).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'));
     Problem::CODES.iter().filter(starts).max_by_key(|code| code.len()).copied()
 }
 
@@ -46,25 +48,24 @@ fn read_case(folder: &Path) -> (SourceMap, Vec<Diagnostic>) {
         Err(_) => false,
     };
     let mut sources = SourceMap::default();
-    let mut packages = Vec::new();
+    let mut packages: BTreeMap<String, PackageInput> = BTreeMap::new();
     let mut diagnostics = Vec::new();
     for file in files_below(folder, &DEFINITIONS).iter().filter(|file| !file.ends_with("expected.txt")) {
-        let path = file.strip_prefix(folder).expect("a file of the folder").to_string_lossy().replace('\\', "/");
-        let is_page = path.ends_with(".md") || path.ends_with(".adoc") || path.ends_with(".txt");
+        let path =
+            file.strip_prefix(folder).expect("a file of the folder").to_string_lossy().replace('\\', "/");
+        let is_message = Kind::of(&path).is_some();
         let (name, form) = match path.split_once('/') {
-            _ if is_page => ("pages", Form::Table),
+            _ if !is_message => ("pages", Form::Table),
             Some((folder, _)) if is_ros2 => (folder, Form::Msg(Dialect::Ros2)),
             None if is_ros2 => ("demo", Form::Msg(Dialect::Ros2)),
             _ => ("demo", Form::Msg(Dialect::Px4)),
         };
         match sources.add(path.as_str(), fs::read(file).expect("a readable file")) {
-            Ok(id) => match packages.iter_mut().find(|package: &&mut uavspec_codegen::PackageInput| package.name == name) {
-                Some(package) => package.sources.push(id),
-                None => packages.push(uavspec_codegen::PackageInput { sources: vec![id], ..package(name, form) }),
-            },
+            Ok(id) => packages.entry(name.to_owned()).or_insert_with(|| package(name, form)).sources.push(id),
             Err(diagnostic) => diagnostics.push(diagnostic),
         }
     }
+    let packages: Vec<PackageInput> = packages.into_values().collect();
     diagnostics.append(&mut read(&sources, &packages).1);
     (sources, diagnostics)
 }
@@ -110,8 +111,11 @@ fn each_fixture_says_what_is_expected() {
     assert!(failures.is_empty(), "{failures}UAVSPEC_UPDATE_FIXTURES=1 takes what is said for expected");
 }
 
+/// A code, and files that give it: paths and bytes.
+type Generated = (&'static str, Vec<(String, Vec<u8>)>);
+
 /// Codes whose definitions are too large for a folder, and definitions that give them.
-fn generated() -> [(&'static str, Vec<(String, Vec<u8>)>); 4] {
+fn generated() -> [Generated; 4] {
     let blank = ("Glider.msg".to_owned(), vec![b' '; (4 << 20) + 1]);
     // Each level holds the one below so often that the last has more than 2^20 fields.
     let levels = (0..5).map(|level: u32| {
@@ -126,7 +130,8 @@ fn generated() -> [(&'static str, Vec<(String, Vec<u8>)>); 4] {
     });
     // Each field has an enum of its own, and all constants are members of each.
     let constants: String = (0..1100).map(|number| format!("uint16 MODE_{number}={number}\n")).collect();
-    let fields: String = (0..1000).map(|number| format!("uint16 mode{number}  # [@enum MODE M{number}]\n")).collect();
+    let fields: String =
+        (0..1000).map(|number| format!("uint16 mode{number}  # [@enum MODE M{number}]\n")).collect();
     let enums = ("Glider.msg".to_owned(), (constants + &fields).into_bytes());
     [
         ("source-too-long", vec![blank]),
@@ -155,9 +160,13 @@ fn definitions_too_large_for_a_fixture_are_refused() {
 
 #[test]
 fn every_code_has_a_fixture() {
-    let named: Vec<&str> = ["err", "warn"].iter().flat_map(|kind| cases(kind)).filter_map(|case| code_of(&case)).collect();
+    let named: Vec<&str> =
+        ["err", "warn"].iter().flat_map(|kind| cases(kind)).filter_map(|case| code_of(&case)).collect();
     let generated = generated().map(|(code, _)| code);
     for code in Problem::CODES {
-        assert!(named.contains(code) != generated.contains(code), "{code} needs a fixture, or a generated definition");
+        assert!(
+            named.contains(code) != generated.contains(code),
+            "{code} needs a fixture, or a generated definition"
+        );
     }
 }

@@ -99,7 +99,10 @@ fn ros_type_hashes_are_those_of_rosidl() {
 
 #[test]
 fn cdr_sizes_are_those_of_encoded_messages() {
-    for (folder, cases, is_px4) in [("corpus/px4/main", "oracle/cdr/px4-main.json", true), ("corpus/ros2", "oracle/cdr/ros2.json", false)] {
+    for (folder, cases, is_px4) in [
+        ("corpus/px4/main", "oracle/cdr/px4-main.json", true),
+        ("corpus/ros2", "oracle/cdr/ros2.json", false),
+    ] {
         let (Some(folder), Some(cases)) = (support::shared(folder), support::shared(cases)) else { return };
         let (_, schema, _) = if is_px4 { support::px4(&folder) } else { support::ros2(&folder) };
         for case in oracle(&cases).as_array().expect("cases") {

@@ -4,7 +4,7 @@
 //!
 //! Origin: <https://github.com/PX4/px4_msgs>.
 //!
-//! Revision: release/1.15 and main of late 2025, which became 1.17: definitions/README.md says which message follows which.
+//! Revision: release/1.15, and 1.17 before its release.
 
 /// [`ArmingCheckReply`](struct@ArmingCheckReply) and the types of its fields.
 pub mod arming_check_reply;

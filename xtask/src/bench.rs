@@ -45,7 +45,8 @@ fn compile() -> Result<(), String> {
     let runtime = fs::canonicalize(root.join("generated/runtime")).map_err(at)?;
     let manifest = format!(
         "[package]\nname = \"px4\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[features]\n\
-         serde = [\"uavspec-runtime/serde\"]\n\n[dependencies]\nuavspec-runtime = {{ path = {runtime:?} }}\n\n[workspace]\n"
+         serde = [\"uavspec-runtime/serde\"]\n\n[dependencies]\nuavspec-runtime = {{ path = \"{}\" }}\n\n[workspace]\n",
+        runtime.display()
     );
     fs::write(folder.join("Cargo.toml"), manifest).map_err(at)?;
     let config = format!(

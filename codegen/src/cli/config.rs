@@ -86,6 +86,7 @@ struct DocsTable {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[allow(clippy::struct_field_names)] // the names are those of the file
 struct Package {
     name: Spanned<String>,
     dialect: DialectName,

@@ -45,9 +45,9 @@ pub(super) fn load(plan: &Plan) -> Result<Loaded, Failure> {
         let files = files_of(package)?;
         let select = package.select.as_ref().map(|names| {
             let place = config.map_or_else(Span::default, |config| loader.loaded.sources.span(config));
-            names.iter().map(|(name, range)| (name.clone(), place.part(range.clone()))).collect()
+            names.iter().map(|(name, range)| (name.clone(), place.part(range.clone()))).collect::<Vec<_>>()
         });
-        loader.package(package, select, files)?;
+        loader.package(package, select.as_deref(), files)?;
     }
     loader.ros_dependencies()?;
     Ok(loader.loaded)
@@ -64,7 +64,7 @@ impl Loader<'_> {
     fn package(
         &mut self,
         package: &PlannedPackage,
-        select: Option<Vec<(String, Span)>>,
+        select: Option<&[(String, Span)]>,
         files: Vec<PathBuf>,
     ) -> Result<(), Failure> {
         let input = |name: String, sources| PackageInput {
@@ -73,7 +73,7 @@ impl Loader<'_> {
             ros_package: package.ros_package.clone(),
             origin: package.origin.clone(),
             revision: package.revision.clone(),
-            select: select.clone(),
+            select: select.map(<[_]>::to_vec),
             sources,
         };
         for (name, files) in self.by_package(package, files) {

@@ -10,7 +10,7 @@ use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Component, Path, PathBuf};
 
-use super::Failure;
+use super::{Failure, side_by_side};
 use crate::emit::{GENERATED_BY, OutputFile};
 
 /// The list of generated files, beside them.
@@ -62,6 +62,12 @@ struct Changes<'f> {
     is_manifest_stale: bool,
 }
 
+impl Changes<'_> {
+    fn is_any(&self) -> bool {
+        !self.write.is_empty() || !self.remove.is_empty() || self.is_manifest_stale
+    }
+}
+
 /// Lists what differs between the folders and what belongs into them.
 pub(super) fn compare(folders: &[Folder]) -> Result<Vec<Difference>, Failure> {
     let changes = changes_of_all(folders)?;
@@ -72,17 +78,12 @@ pub(super) fn compare(folders: &[Folder]) -> Result<Vec<Difference>, Failure> {
 pub(super) fn write(folders: &[Folder]) -> Result<Vec<Difference>, Failure> {
     let changes = changes_of_all(folders)?;
     // All is staged before anything is put in place, so that a full disk leaves all as it was.
-    let mut staged = Vec::new();
-    for change in &changes {
-        if change.write.is_empty() && change.remove.is_empty() && !change.is_manifest_stale {
-            continue;
-        }
-        let stage = stage(change).map_err(|error| unwritable(change.folder, &error))?;
-        staged.push((change, stage));
-    }
-    for (change, stage) in staged {
-        commit(change, stage.path()).map_err(|error| unwritable(change.folder, &error))?;
-    }
+    let stale: Vec<&Changes<'_>> = changes.iter().filter(|change| change.is_any()).collect();
+    let staged = side_by_side(&stale, |change| stage(change).map_err(|error| unwritable(change.folder, &error)))?;
+    let staged: Vec<_> = stale.into_iter().zip(staged).collect();
+    side_by_side(&staged, |(change, stage)| {
+        commit(change, stage.path()).map_err(|error| unwritable(change.folder, &error))
+    })?;
     Ok(differences(&changes))
 }
 
@@ -108,7 +109,7 @@ fn changes_of_all(folders: &[Folder]) -> Result<Vec<Changes<'_>>, Failure> {
             return Err(Failure::new(message).with_hint("give each output a folder of its own"));
         }
     }
-    folders.iter().map(changes_of).collect()
+    side_by_side(folders, changes_of)
 }
 
 fn changes_of(folder: &Folder) -> Result<Changes<'_>, Failure> {

@@ -1,5 +1,7 @@
 //! Diagnostics as text: path, line, the line itself, a caret and a hint.
 
+use std::fmt::Write as _;
+
 use annotate_snippets::{AnnotationKind, Group, Level as Title, Renderer, Snippet};
 
 use super::{Diagnostic, Level};
@@ -30,7 +32,7 @@ pub fn render(diagnostics: &[Diagnostic], sources: &SourceMap, styled: bool) -> 
         }
         if let Some(more) = of_source.len().checked_sub(MAX_PER_SOURCE).filter(|more| *more > 0) {
             let path = sources.path(sources.source_of(of_source[0].span));
-            text.push_str(&format!("… and {more} more in {path}\n"));
+            let _ = writeln!(text, "… and {more} more in {path}");
         }
     }
     text

@@ -6,9 +6,9 @@
 //! <package>/error-codes.md  error-codes/<table>.md
 //! ```
 //!
-//! [`Site`] knows where everything is described and what refers to it; a page is written from top to
-//! bottom with the vocabulary of [`markdown`]. All text of definitions goes through [`Scope`] or one
-//! of the escapes there, which all lead to [`super::prose`].
+//! `site` knows where everything is described and what refers to it; a page is written from top to
+//! bottom with the vocabulary of `markdown`. All text of definitions goes through `scope`, which makes
+//! links of the names in it, or one of the escapes of `markdown`; both rely on `emit::prose`.
 
 mod book;
 mod commands;

@@ -118,7 +118,7 @@ pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<Outp
     for package in &schema.packages {
         let has_content = !package.messages.is_empty() || !package.interfaces.is_empty() || !package.error_tables.is_empty();
         if has_content {
-            let module = root_scope.unique(module_name(&package.name));
+            let module = root_scope.unique(&module_name(&package.name));
             let modules = name_modules(&mut context, package, &module);
             packages.push((package, module, modules));
         }
@@ -137,31 +137,31 @@ fn name_modules(context: &mut Context<'_>, package: &Package, module: &str) -> M
     let mut scope = Scope::default();
     let mut types = Scope::default();
     for reserved in ["srv", "action", "error_code"] {
-        scope.unique(reserved.to_owned());
+        scope.unique(reserved);
     }
-    types.unique_type("ErrorCode".to_owned());
+    types.unique_type("ErrorCode");
     let schema = context.schema;
     for id in &package.messages {
         let name = &schema.message(*id).name;
         let place = Place {
-            modules: vec![module.to_owned(), scope.unique(module_name(name))],
-            type_name: types.unique_type(identifier::type_name(name)),
+            modules: vec![module.to_owned(), scope.unique(&module_name(name))],
+            type_name: types.unique_type(&identifier::type_name(name)),
         };
         modules.messages.push((*id, place.clone()));
         let mut own_types = Scope::default();
-        own_types.unique_type(place.type_name.clone());
+        own_types.unique_type(&place.type_name);
         set_place(context, *id, place, &mut own_types);
     }
     let mut scopes: BTreeMap<&str, (Scope, Scope)> = BTreeMap::new();
     for (index, interface) in package.interfaces.iter().enumerate() {
         let kind = interface.kind.name();
         let (scope, types) = scopes.entry(kind).or_default();
-        let name = scope.unique(module_name(&interface.name));
+        let name = scope.unique(&module_name(&interface.name));
         let mut parts = Vec::new();
         let mut own_types = Scope::default();
         for id in &interface.parts {
-            let type_name = types.unique_type(identifier::type_name(&schema.message(*id).name));
-            own_types.unique_type(type_name.clone());
+            let type_name = types.unique_type(&identifier::type_name(&schema.message(*id).name));
+            own_types.unique_type(&type_name);
             parts.push((*id, type_name));
         }
         for (id, type_name) in &parts {
@@ -323,11 +323,16 @@ fn layout_file(tokens: TokenStream) -> String {
         Err(error) => return format!("compile_error!({:?});\n", error.to_string()),
     };
     let attributes = file.attrs;
-    let mut text = prettyplease::unparse(&syn::File { shebang: None, frontmatter: None, attrs: attributes, items: Vec::new() });
+    let mut text = String::new();
+    let head = syn::File { shebang: None, frontmatter: None, attrs: attributes, items: Vec::new() };
+    for line in prettyplease::unparse(&head).lines() {
+        push_line(line, &mut text);
+    }
     let mut was_module = false;
     for item in file.items {
         let is_module = matches!(item, syn::Item::Mod(_) | syn::Item::Use(_));
-        if !text.is_empty() && !(is_module && was_module) {
+        let continues_list = is_module && was_module;
+        if !text.is_empty() && !continues_list {
             text.push('\n');
         }
         was_module = is_module;
@@ -345,8 +350,7 @@ fn layout_file(tokens: TokenStream) -> String {
 /// Puts each entry of a macro call in braces on a line of its own: `name! { first; second; … }`.
 fn list_entries(call: &str, text: &mut String) {
     for line in call.lines().take_while(|line| !line.starts_with("    ")) {
-        text.push_str(line);
-        text.push('\n');
+        push_line(line, text);
     }
     let inner: Vec<&str> = call.lines().filter(|line| line.starts_with("    ")).map(str::trim).collect();
     let inner = inner.join(" ");
@@ -371,19 +375,51 @@ fn space_out(item: &str, text: &mut String) {
             text.push('\n');
         }
         closed_at = (code == "}").then_some(depth);
-        text.push_str(line);
-        text.push('\n');
+        push_line(line, text);
     }
 }
 
+/// Stands for a line break in documentation until it is written: one attribute a comment is much
+/// less to parse and to lay out than one a line. No text holds it, since [`prose`] replaces controls.
+const LINE_BREAK: char = '\u{1}';
+
 /// A documentation comment; the text is Markdown.
 fn documentation(text: &str) -> TokenStream {
-    let lines = text.lines().map(|line| if line.is_empty() { String::new() } else { format!(" {line}") });
-    quote!(#(#[doc = #lines])*)
+    let text = comment(text);
+    quote!(#[doc = #text])
 }
 
 /// A documentation comment of the module that it stands in.
 fn inner_documentation(text: &str) -> TokenStream {
-    let lines = text.lines().map(|line| if line.is_empty() { String::new() } else { format!(" {line}") });
-    quote!(#(#![doc = #lines])*)
+    let text = comment(text);
+    quote!(#![doc = #text])
+}
+
+fn comment(text: &str) -> String {
+    let mut comment = String::with_capacity(text.len() + 1);
+    for (index, line) in text.lines().enumerate() {
+        if index > 0 {
+            comment.push(LINE_BREAK);
+        }
+        if !line.is_empty() {
+            comment.push(' ');
+            comment.push_str(line);
+        }
+    }
+    comment
+}
+
+/// Writes a line that may be a whole documentation comment.
+fn push_line(line: &str, text: &mut String) {
+    let mut lines = line.split(LINE_BREAK);
+    let first = lines.next().unwrap_or_default();
+    text.push_str(first);
+    text.push('\n');
+    // What the first line starts with: white space and `///` or `//!`.
+    let start = &first[..first.find("//").map_or(0, |at| at + 3).min(first.len())];
+    for line in lines {
+        text.push_str(start);
+        text.push_str(line);
+        text.push('\n');
+    }
 }

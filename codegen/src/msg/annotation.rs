@@ -184,7 +184,9 @@ impl<'s> Reader<'s, '_> {
         let mut text = String::new();
         let mut copied = self.at;
         let mut from = self.at;
-        while let Some(start) = self.text[from..].find(['[', '(']).map(|at| from + at) {
+        // Past the last end of a bracket nothing is left to be found.
+        let last = self.text.rfind([']', ')']).unwrap_or(0);
+        while let Some(start) = self.text[from..].find(['[', '(']).map(|at| from + at).filter(|start| *start < last) {
             from = start + 1;
             if !self.text[from..].starts_with('@') {
                 continue;

@@ -87,12 +87,12 @@ impl<'s> LineParser<'s, '_> {
         self.skip_blanks();
         let mut line = Line { span: self.span, item: None, comment: None, is_broken: false };
         if !self.is_at_end() {
-            match self.item() {
-                Ok(item) => line.item = Some(item),
-                Err(Broken) => {
-                    line.is_broken = true;
-                    self.at = self.line[self.at..].find('#').map_or(self.line.len(), |at| self.at + at);
-                }
+            if let Ok(item) = self.item() {
+                line.item = Some(item);
+            } else {
+                // What is left of the line is skipped, but for its comment.
+                line.is_broken = true;
+                self.at = self.line[self.at..].find('#').map_or(self.line.len(), |at| self.at + at);
             }
         }
         line.comment = self.comment(line.item.as_ref());

@@ -10,7 +10,7 @@ use super::{Element, Message, MessageId};
 /// `MIN_SAT_COUNT` of a prefix `GPS` is a member, `COUNT` is not.
 const SENTINELS: [&str; 5] = ["COUNT", "MAX", "LAST", "NUM", "ENUM_END"];
 
-/// Endings that make a sentinel of a longer rest: MAVLink marks the end of each block of commands so.
+/// Endings that make a sentinel of a longer rest: `MAVLink` marks the end of each block of commands so.
 const SENTINEL_ENDINGS: [&str; 2] = ["_LAST", "_ENUM_END"];
 
 /// Constants that a field holds: one of them, or for flags any set of them. Enums are open: firmware

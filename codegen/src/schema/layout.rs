@@ -105,7 +105,7 @@ impl CdrLength {
 
     fn then(self, next: Self) -> Self {
         Self(std::array::from_fn(|start| {
-            let end = start as u64 + self.0[start];
+            let end = (start as u64).saturating_add(self.0[start]);
             #[allow(clippy::cast_possible_truncation)] // under 8
             self.0[start].saturating_add(next.0[(end % 8) as usize])
         }))

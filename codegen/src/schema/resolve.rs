@@ -49,6 +49,10 @@ const MAX_NESTED_FIELDS_IN_ALL: u64 = 1 << 22;
 /// Most members that all enums of a run may have together.
 const MAX_MEMBERS: usize = 1 << 20;
 
+/// No similar names are looked for that are longer than this: it takes time and room with the product
+/// of the lengths.
+const MAX_SUGGESTION_LEN: usize = 100;
+
 /// A package before it is resolved.
 #[derive(Debug)]
 pub struct PackageSource<'s> {
@@ -343,7 +347,7 @@ impl<'s> Resolver<'s> {
     /// A known type whose name is close to `name`.
     fn similar(&mut self, package: usize, name: &str) -> Option<String> {
         self.suggestions += 1;
-        if self.suggestions > MAX_SUGGESTIONS {
+        if self.suggestions > MAX_SUGGESTIONS || name.len() > MAX_SUGGESTION_LEN {
             return None;
         }
         if let Some((_, meant)) = FOREIGN.iter().find(|(foreign, _)| *foreign == name) {
@@ -354,7 +358,6 @@ impl<'s> Resolver<'s> {
         known.extend(Scalar::ALL.map(Scalar::name));
         known
             .into_iter()
-            // No distance is under that of the lengths, and to find it takes time and room with their product.
             .filter(|known| known.len().abs_diff(name.len()) <= 1 + known.len() / 5)
             .map(|known| (strsim::damerau_levenshtein(known, name), known))
             .filter(|(distance, known)| *distance <= 1 + known.len() / 5)
@@ -370,7 +373,7 @@ impl<'s> Resolver<'s> {
                     for bound in [low, high] {
                         self.check_value(bound.as_ref(), field.ty, annotation.span);
                     }
-                    field.range = Some(range(low, high));
+                    field.range = Some(range(low.as_ref(), high.as_ref()));
                 }
                 Statement::Invalid(special) => field.invalid = self.special(special, field.ty, annotation.span),
                 Statement::Uncontrolled(special) => {
@@ -459,7 +462,7 @@ impl<'s> Resolver<'s> {
         for annotation in &note.annotations {
             match &annotation.statement {
                 Statement::Unit(unit) => parameter.unit = Some((*unit).to_owned()),
-                Statement::Range { low, high } => parameter.range = Some(range(low, high)),
+                Statement::Range { low, high } => parameter.range = Some(range(low.as_ref(), high.as_ref())),
                 Statement::Invalid(special) => parameter.invalid = self.special(special, number, annotation.span),
                 Statement::Enum(prefixes) | Statement::Flags(prefixes) => {
                     parameter.enum_prefixes = prefixes.iter().map(prefix_text).collect();
@@ -851,8 +854,8 @@ fn note<'l, 's>(line: &'l Line<'s>) -> Option<&'l Note<'s>> {
     line.comment.as_ref()?.note.as_ref()
 }
 
-fn range(low: &Option<Value>, high: &Option<Value>) -> Range {
-    Range { low: low.clone(), high: high.clone() }
+fn range(low: Option<&Value>, high: Option<&Value>) -> Range {
+    Range { low: low.cloned(), high: high.cloned() }
 }
 
 fn prefix_text(prefix: &Prefix<'_>) -> String {

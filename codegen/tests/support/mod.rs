@@ -31,7 +31,15 @@ pub(crate) fn shared(path: &str) -> Option<PathBuf> {
 
 /// A package without sources.
 pub(crate) fn package(name: &str, form: Form) -> PackageInput {
-    PackageInput { name: name.to_owned(), form, ros_package: None, origin: None, revision: None, select: None, sources: Vec::new() }
+    PackageInput {
+        name: name.to_owned(),
+        form,
+        ros_package: None,
+        origin: None,
+        revision: None,
+        select: None,
+        sources: Vec::new(),
+    }
 }
 
 /// All files below `folder` whose extension is one of `extensions`, sorted.
@@ -53,7 +61,11 @@ pub(crate) fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
 }
 
 /// Adds the definitions below `folder` to `package`.
-pub(crate) fn add_folder(sources: &mut SourceMap, package: &mut PackageInput, folder: &Path) -> Vec<Diagnostic> {
+pub(crate) fn add_folder(
+    sources: &mut SourceMap,
+    package: &mut PackageInput,
+    folder: &Path,
+) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
     for path in files_below(folder, &["msg", "srv", "action"]) {
         match sources.add(path.to_string_lossy(), fs::read(&path).expect("a readable file")) {
@@ -79,7 +91,8 @@ pub(crate) fn ros2(folder: &Path) -> (SourceMap, Schema, Vec<Diagnostic>) {
     let mut sources = SourceMap::default();
     let mut packages = Vec::new();
     let mut diagnostics = Vec::new();
-    let mut folders: Vec<PathBuf> = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()).collect();
+    let mut folders: Vec<PathBuf> =
+        fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()).collect();
     folders.sort();
     for folder in folders.into_iter().filter(|path| path.is_dir()) {
         let name = folder.file_name().expect("a name").to_string_lossy().into_owned();

@@ -1,4 +1,4 @@
-//! The memory layout of uORB messages, which is also the payload of ULog data messages.
+//! The memory layout of uORB messages, which is also the payload of `ULog` data messages.
 //!
 //! PX4's generator orders the members of a message by the size of their element type, largest first
 //! and otherwise as declared; nested messages come last, each aligned to 8 bytes; the whole is

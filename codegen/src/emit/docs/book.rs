@@ -48,7 +48,9 @@ fn toml_string(text: &str) -> String {
     for character in text.chars() {
         match character {
             '"' | '\\' => quoted.extend(['\\', character]),
-            _ if character.is_control() => append(&mut quoted, format_args!("\\u{:04X}", u32::from(character))),
+            _ if character.is_control() => {
+                append(&mut quoted, format_args!("\\u{:04X}", u32::from(character)));
+            }
             _ => quoted.push(character),
         }
     }

@@ -29,8 +29,10 @@ pub(super) fn write(
         list.row([value_cell(&constant.value), name, scope.inline(&constant.description)]);
     }
     page.table(&list);
-    for constant in commands.into_iter().map(|index| &message.constants[index]).filter(|found| has_parameters(found)) {
-        command(page, scope, message, constant, constants);
+    for constant in
+        commands.into_iter().map(|index| &message.constants[index]).filter(|found| has_parameters(found))
+    {
+        command(page, scope, constant, constants);
     }
 }
 
@@ -55,11 +57,12 @@ fn has_parameters(constant: &Constant) -> bool {
 
 fn is_unused(parameter: &Parameter) -> bool {
     let text = parameter.description.trim().trim_end_matches('.').to_ascii_lowercase();
-    let says_nothing = parameter.range.is_none() && parameter.invalid.is_none() && parameter.enum_prefixes.is_empty();
+    let says_nothing =
+        parameter.range.is_none() && parameter.invalid.is_none() && parameter.enum_prefixes.is_empty();
     says_nothing && UNUSED.contains(&text.as_str())
 }
 
-fn command(page: &mut Page, scope: Scope<'_, '_>, message: &Message, constant: &Constant, constants: &Constants<'_>) {
+fn command(page: &mut Page, scope: Scope<'_, '_>, constant: &Constant, constants: &Constants<'_>) {
     page.anchor(&command_anchor(constant));
     page.heading(3, &format!("{} ({})", code(&constant.name), inline(&constant.value.to_string())));
     page.block(&scope.block(&constant.description));
@@ -71,7 +74,7 @@ fn command(page: &mut Page, scope: Scope<'_, '_>, message: &Message, constant: &
             table.row([
                 (index + 1).to_string(),
                 unit(parameter.unit.as_deref()),
-                values(scope, message, parameter, constants).join("<br>"),
+                values(scope, parameter, constants).join("<br>"),
                 scope.inline(&parameter.description),
             ]);
         }
@@ -79,24 +82,23 @@ fn command(page: &mut Page, scope: Scope<'_, '_>, message: &Message, constant: &
     page.table(&table);
 }
 
-fn values(scope: Scope<'_, '_>, message: &Message, parameter: &Parameter, constants: &Constants<'_>) -> Vec<String> {
+fn values(scope: Scope<'_, '_>, parameter: &Parameter, constants: &Constants<'_>) -> Vec<String> {
     let prefixes = parameter.enum_prefixes.iter();
     let mut lines: Vec<String> =
-        prefixes.map(|prefix| format!("one of {}", prefix_link(scope, message, prefix, constants))).collect();
+        prefixes.map(|prefix| format!("one of {}", prefix_link(scope, prefix, constants))).collect();
     lines.extend(parameter.range.as_ref().and_then(range));
     lines.extend(parameter.invalid.as_ref().map(|special| meaning(scope, special, "left out")));
     lines
 }
 
 /// A link to the constants of a prefix, where the page has them.
-fn prefix_link(scope: Scope<'_, '_>, message: &Message, prefix: &str, constants: &Constants<'_>) -> String {
+fn prefix_link(scope: Scope<'_, '_>, prefix: &str, constants: &Constants<'_>) -> String {
     let text = code(prefix);
     if constants.of_parameters.contains_key(prefix) {
         return link(&text, &format!("#{}", prefix_anchor(prefix)));
     }
-    let known = message.enums.iter().position(|found| found.prefixes.iter().any(|known| known == prefix));
-    match known {
-        Some(index) => link(&text, &scope.site.href(scope.from, scope.message, Part::Enum(index))),
-        None => text,
+    match scope.site.part_named(scope.message, prefix) {
+        Some(part @ Part::Enum(_)) => link(&text, &scope.site.href(scope.from, scope.message, part)),
+        _ => text,
     }
 }

@@ -46,7 +46,8 @@ pub(super) struct Constants<'s> {
 
 impl<'s> Constants<'s> {
     pub(super) fn of(message: &'s Message) -> Self {
-        let members = message.enums.iter().flat_map(|found| &found.members).map(|member| member.constant).collect();
+        let members =
+            message.enums.iter().flat_map(|found| &found.members).map(|member| member.constant).collect();
         let mut constants = Self { members, of_parameters: parameter_enums(message), ..Self::default() };
         let command_prefix = command_prefix(message);
         for (index, constant) in message.constants.iter().enumerate() {
@@ -81,7 +82,8 @@ fn common_start<'n>(left: &'n str, right: &str) -> &'n str {
 
 /// The prefixes that parameters of commands name, without those of the enums of the message.
 fn parameter_enums(message: &Message) -> BTreeMap<&str, ParameterEnum> {
-    let known: BTreeSet<&str> = message.enums.iter().flat_map(|found| &found.prefixes).map(String::as_str).collect();
+    let known: BTreeSet<&str> =
+        message.enums.iter().flat_map(|found| &found.prefixes).map(String::as_str).collect();
     let mut found: BTreeMap<&str, ParameterEnum> = BTreeMap::new();
     for (command, constant) in message.constants.iter().enumerate() {
         for (index, parameter) in constant.parameters.iter().enumerate() {
@@ -95,7 +97,10 @@ fn parameter_enums(message: &Message) -> BTreeMap<&str, ParameterEnum> {
 }
 
 /// What the longest prefix of `name` stands for.
-fn longest_prefix<'f>(name: &str, found: &'f mut BTreeMap<&str, ParameterEnum>) -> Option<&'f mut ParameterEnum> {
+fn longest_prefix<'f>(
+    name: &str,
+    found: &'f mut BTreeMap<&str, ParameterEnum>,
+) -> Option<&'f mut ParameterEnum> {
     let (at, _) = name.rmatch_indices('_').find(|(at, _)| found.contains_key(&name[..*at]))?;
     found.get_mut(&name[..at])
 }
@@ -117,13 +122,19 @@ pub(super) fn write_parameter_enums(
     for (prefix, found) in &constants.of_parameters {
         page.anchor(&prefix_anchor(prefix));
         page.heading(3, &code(prefix));
-        let holders: Vec<String> = found.holders.iter().map(|holder| parameter_link(message, *holder)).collect();
+        let holders: Vec<String> =
+            found.holders.iter().map(|holder| parameter_link(message, *holder)).collect();
         page.block(&format!("Held by {}.", holders.join(", ")));
-        let mut table = Table::new(&[number_column("Value"), text_column("Name"), text_column("Description")]);
+        let mut table =
+            Table::new(&[number_column("Value"), text_column("Name"), text_column("Description")]);
         for index in &found.constants {
             let constant = &message.constants[*index];
             let name = anchored.place(scope, id, *index) + &code(&constant.name);
-            table.row([value_cell(&constant.value), name, scope.at(Part::Constant(*index)).inline(&constant.description)]);
+            table.row([
+                value_cell(&constant.value),
+                name,
+                scope.at(Part::Constant(*index)).inline(&constant.description),
+            ]);
         }
         page.table(&table);
     }

@@ -8,7 +8,13 @@ use super::site::{FieldRef, Part};
 use crate::schema::{Docs, Enum, EnumRef, Field, Member, Message, MessageId};
 
 /// Writes the enums of a message.
-pub(super) fn write(page: &mut Page, scope: Scope<'_, '_>, id: MessageId, level: usize, anchored: &mut Anchored) {
+pub(super) fn write(
+    page: &mut Page,
+    scope: Scope<'_, '_>,
+    id: MessageId,
+    level: usize,
+    anchored: &mut Anchored,
+) {
     let message = scope.site.schema.message(id);
     for (index, found) in message.enums.iter().enumerate() {
         page.anchor(&scope.site.anchor(id, Part::Enum(index)));
@@ -62,7 +68,8 @@ pub(super) fn field_link(scope: Scope<'_, '_>, own: MessageId, (id, index): Fiel
 fn table(scope: Scope<'_, '_>, id: MessageId, found: &Enum, anchored: &mut Anchored) -> Table {
     let message = scope.site.schema.message(id);
     let first = if found.is_flags { "Mask" } else { "Value" };
-    let columns = [number_column(first), number_column("Bit"), text_column("Name"), text_column("Description")];
+    let columns =
+        [number_column(first), number_column("Bit"), text_column("Name"), text_column("Description")];
     let mut table = Table::new(&columns);
     let mut members: Vec<&Member> = found.members.iter().collect();
     // Stable: of several names for a value, the one that is declared first leads.
@@ -97,8 +104,14 @@ fn bit_cell(found: &Enum, member: &Member) -> String {
     if is_bit { member.value.trailing_zeros().to_string() } else { String::new() }
 }
 
-fn description(scope: Scope<'_, '_>, message: &Message, member: &Member, alias_of: Option<&Member>) -> String {
-    let text = scope.at(Part::Constant(member.constant)).inline(&message.constants[member.constant].description);
+fn description(
+    scope: Scope<'_, '_>,
+    message: &Message,
+    member: &Member,
+    alias_of: Option<&Member>,
+) -> String {
+    let text =
+        scope.at(Part::Constant(member.constant)).inline(&message.constants[member.constant].description);
     let Some(other) = alias_of else { return text };
     let alias = format!("Another name of {}.", code(&message.constants[other.constant].name));
     if text.is_empty() { alias } else { format!("{text}<br>{alias}") }
@@ -113,7 +126,11 @@ pub(super) fn of_field(scope: Scope<'_, '_>, field: &Field) -> Option<String> {
     let found = scope.site.schema.enumeration(held);
     let owner = scope.site.schema.message(held.message);
     let name = found.prefixes.join(", ");
-    let text = if scope.message == held.message { code(&name) } else { code(&format!("{}.{name}", owner.name)) };
+    let text =
+        if scope.message == held.message { code(&name) } else { code(&format!("{}.{name}", owner.name)) };
     let kind = if found.is_flags { "bits of" } else { "one of" };
-    Some(format!("{kind} {}", link(&text, &scope.site.href(scope.from, held.message, Part::Enum(held.index)))))
+    Some(format!(
+        "{kind} {}",
+        link(&text, &scope.site.href(scope.from, held.message, Part::Enum(held.index)))
+    ))
 }

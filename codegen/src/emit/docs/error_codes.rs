@@ -4,7 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use uavspec_runtime::Severity;
 
-use super::markdown::{Page, Table, anchor, code, gist, href, inline, link, number_column, plural, text_column, unbroken};
+use super::markdown::{
+    Page, Table, anchor, code, gist, href, inline, link, number_column, plural, text_column, unbroken,
+};
 use super::scope::with_links;
 use super::site::Site;
 use crate::emit::OutputFile;
@@ -56,7 +58,8 @@ fn slug(title: &str) -> String {
 
 /// All tables of a package, as seen from the page `from`.
 pub(super) fn list(from: &str, package: &Package) -> Table {
-    let columns = [text_column("Table"), text_column("Range"), text_column("Severity"), number_column("Codes")];
+    let columns =
+        [text_column("Table"), text_column("Range"), text_column("Severity"), number_column("Codes")];
     let mut list = Table::new(&columns);
     for (table, path) in package.error_tables.iter().zip(table_paths(package)) {
         list.row([
@@ -95,7 +98,9 @@ pub(super) fn pages(site: &Site<'_>, package: &Package) -> Vec<OutputFile> {
     }
     let book = Codes::of(package);
     let mut pages = vec![book.overview()];
-    pages.extend(package.error_tables.iter().zip(&book.paths).map(|(table, path)| book.page(site, table, path)));
+    pages.extend(
+        package.error_tables.iter().zip(&book.paths).map(|(table, path)| book.page(site, table, path)),
+    );
     pages
 }
 
@@ -110,7 +115,9 @@ struct Codes<'s> {
 impl<'s> Codes<'s> {
     fn of(package: &'s Package) -> Self {
         let tables = package.error_tables.iter().enumerate();
-        let tables = tables.flat_map(|(index, table)| table.codes.iter().map(move |code| (code.code, index))).collect();
+        let tables = tables
+            .flat_map(|(index, table)| table.codes.iter().map(move |code| (code.code, index)))
+            .collect();
         Self { package, paths: table_paths(package), tables }
     }
 
@@ -189,22 +196,27 @@ impl<'s> Codes<'s> {
     fn description(&self, from: &str, found: &ErrorCode, text: &str) -> String {
         with_links(text, |previous, word| {
             // Elsewhere a number may count something else.
-            let is_reference = matches!(previous.to_ascii_lowercase().as_str(), "code" | "codes" | "or" | "and")
-                || !previous.is_empty() && previous.bytes().all(|byte| byte.is_ascii_digit());
+            let is_reference =
+                matches!(previous.to_ascii_lowercase().as_str(), "code" | "codes" | "or" | "and")
+                    || !previous.is_empty() && previous.bytes().all(|byte| byte.is_ascii_digit());
             let code = word.parse().ok().filter(|code| is_reference && found.see_also.contains(code))?;
             Some(self.link(from, code))
         })
     }
 
     fn references(&self, from: &str, codes: &[u32]) -> String {
-        let link = |code: &u32| unbroken(&format!("{} {}", sign(Severity::of(*code)), self.link(from, *code)));
+        let link =
+            |code: &u32| unbroken(&format!("{} {}", sign(Severity::of(*code)), self.link(from, *code)));
         codes.iter().map(link).collect::<Vec<_>>().join(", ")
     }
 
     /// A code as a link to where it is described, or as a mere number.
     fn link(&self, from: &str, code: u32) -> String {
         let path = self.tables.get(&code).and_then(|table| self.paths.get(*table));
-        path.map_or_else(|| code.to_string(), |path| link(&code.to_string(), &href(from, path, &code_anchor(code))))
+        path.map_or_else(
+            || code.to_string(),
+            |path| link(&code.to_string(), &href(from, path, &code_anchor(code))),
+        )
     }
 }
 

@@ -2,11 +2,13 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use super::enums;
-use super::markdown::{Page, Table, anchor, code, gist, href, inline, link, number_column, text_column, unbroken};
+use super::enums::{self, field_link};
+use super::markdown::{
+    Page, Table, anchor, code, gist, href, inline, link, number_column, text_column, unbroken,
+};
 use super::scope::Scope;
 use super::site::Part;
-use crate::schema::{Docs, Element, Field, Form, Message, MessageId, Range, Shape, Special, Type};
+use crate::schema::{Docs, Element, Form, Message, MessageId, Range, Shape, Special, Type};
 use crate::unit;
 use crate::value::Value;
 
@@ -29,9 +31,9 @@ pub(super) fn write(page: &mut Page, scope: Scope<'_, '_>, id: MessageId, level:
         number_column("Offset"),
     ];
     let mut table = Table::new(&columns);
-    let offsets = offsets(scope, message);
-    for (index, offset) in offsets.into_iter().enumerate() {
-        table.row(row(scope, id, index, offset));
+    let facts = counters(message).into_iter().zip(offsets(scope, message));
+    for (index, (counter, offset)) in facts.enumerate() {
+        table.row(row(scope, id, index, counter, offset));
     }
     let groups: Vec<Option<usize>> = message.fields.iter().map(|field| field.group).collect();
     in_groups(page, scope, table, &groups, &message.groups, level);
@@ -79,7 +81,13 @@ fn offsets<'s>(scope: Scope<'_, 's>, message: &'s Message) -> Vec<String> {
     offsets
 }
 
-fn row(scope: Scope<'_, '_>, id: MessageId, index: usize, offset: String) -> [String; 6] {
+fn row(
+    scope: Scope<'_, '_>,
+    id: MessageId,
+    index: usize,
+    counter: Option<usize>,
+    offset: String,
+) -> [String; 6] {
     let message = scope.site.schema.message(id);
     let field = &message.fields[index];
     let place = anchor(&scope.site.anchor(id, Part::Field(index)));
@@ -88,7 +96,7 @@ fn row(scope: Scope<'_, '_>, id: MessageId, index: usize, offset: String) -> [St
         place + &code(&field.name),
         type_cell(scope, message, field.ty),
         unit(field.unit.as_deref()),
-        values(scope, id, index).join("<br>"),
+        values(scope, id, index, counter).join("<br>"),
         scope.inline(&field.description),
         offset,
     ]
@@ -109,7 +117,7 @@ pub(super) fn unit(symbol: Option<&str>) -> String {
 }
 
 /// What is said of the values of a field, a line each.
-fn values(scope: Scope<'_, '_>, id: MessageId, index: usize) -> Vec<String> {
+fn values(scope: Scope<'_, '_>, id: MessageId, index: usize, counter: Option<usize>) -> Vec<String> {
     let message = scope.site.schema.message(id);
     let field = &message.fields[index];
     let mut lines = Vec::new();
@@ -119,36 +127,42 @@ fn values(scope: Scope<'_, '_>, id: MessageId, index: usize) -> Vec<String> {
     lines.extend(field.uncontrolled.as_ref().map(|special| meaning(scope, special, "not controlled")));
     lines.extend(field.frame.as_deref().map(|frame| format!("frame: {}", scope.inline(frame))));
     lines.extend(field.default.as_ref().map(|value| format!("default {}", code(&value.to_string()))));
-    lines.extend(count(scope, id, index));
+    lines.extend(field.counts.map(|array| count(scope, id, array)));
+    lines
+        .extend(counter.map(|counter| format!("in use: the first {}", field_link(scope, id, (id, counter)))));
     if matches!(scope.site.schema.package_of(message).form, Form::Msg(dialect) if field.is_text(dialect)) {
         lines.push("text".to_owned());
     }
     lines
 }
 
-/// What connects an array with the field that counts its entries in use.
-fn count(scope: Scope<'_, '_>, id: MessageId, index: usize) -> Option<String> {
-    let fields = &scope.site.schema.message(id).fields;
-    let to = |other: usize| link(&code(&fields[other].name), &scope.site.href(scope.from, id, Part::Field(other)));
-    if let Some(array) = fields[index].counts {
-        let most = match fields[array].ty.shape {
-            Shape::Array(most) | Shape::Bounded(most) => format!(", at most {most}"),
-            Shape::Single | Shape::Sequence => String::new(),
-        };
-        return Some(format!("entries of {} in use{most}", to(array)));
+/// By field, the one that counts its entries in use.
+fn counters(message: &Message) -> Vec<Option<usize>> {
+    let mut counters = vec![None; message.fields.len()];
+    for (index, field) in message.fields.iter().enumerate() {
+        if let Some(array) = field.counts {
+            counters[array] = Some(index);
+        }
     }
-    // Only arrays are counted, and messages have few of them.
-    if fields[index].ty.shape == Shape::Single {
-        return None;
-    }
-    let counter = fields.iter().position(|field: &Field| field.counts == Some(index))?;
-    Some(format!("in use: the first {}", to(counter)))
+    counters
+}
+
+/// What a field says of the array whose entries in use it counts.
+fn count(scope: Scope<'_, '_>, id: MessageId, array: usize) -> String {
+    let most = match scope.site.schema.message(id).fields[array].ty.shape {
+        Shape::Array(most) | Shape::Bounded(most) => format!(", at most {most}"),
+        Shape::Single | Shape::Sequence => String::new(),
+    };
+    format!("entries of {} in use{most}", field_link(scope, id, (id, array)))
 }
 
 /// Bounds in words; nothing where there are none.
 pub(super) fn range(range: &Range) -> Option<String> {
     let finite = |bound: &Option<Value>| {
-        bound.as_ref().filter(|value| !matches!(value, Value::Float(float) if float.is_infinite())).map(number)
+        bound
+            .as_ref()
+            .filter(|value| !matches!(value, Value::Float(float) if float.is_infinite()))
+            .map(number)
     };
     match (finite(&range.low), finite(&range.high)) {
         (Some(low), Some(high)) => Some(unbroken(&format!("{low} to {high}"))),
@@ -165,11 +179,8 @@ fn number(value: &Value) -> String {
         Value::Float(float) => known.iter().find(|(multiple, _)| multiple.to_bits() == float.abs().to_bits()),
         _ => None,
     };
-    match (name, value) {
-        (Some((_, name)), Value::Float(float)) if *float < 0.0 => format!("−{name}"),
-        (Some((_, name)), _) => (*name).to_owned(),
-        (None, _) => inline(&value.to_string().replace('-', "−")),
-    }
+    let sign = if value.as_f64().is_some_and(|value| value < 0.0) { "-" } else { "" };
+    name.map_or_else(|| inline(&value.to_string()), |(_, name)| format!("{sign}{name}"))
 }
 
 /// A value with a meaning of its own, and when it applies.

@@ -3,7 +3,9 @@
 use super::Options;
 use super::error_codes;
 use super::interface::kind_name;
-use super::markdown::{Page, Table, code, gist, href, inline, link, number_column, plural, text_column, thousands, unbroken};
+use super::markdown::{
+    Page, Table, code, gist, href, inline, link, number_column, plural, text_column, thousands, unbroken,
+};
 use super::message::{cdr_size, origin, topics};
 use super::scope::Scope;
 use super::site::{Part, Site, interface_path};
@@ -144,7 +146,8 @@ fn topic_table(site: &Site<'_>, from: &str, package: &Package) -> Table {
         topics.extend(site.schema.message(*id).topics.iter().map(|topic| (topic.as_str(), *id)));
     }
     topics.sort_unstable();
-    let mut table = Table::new(&[text_column("Topic"), text_column("Message"), number_column("Queue length")]);
+    let mut table =
+        Table::new(&[text_column("Topic"), text_column("Message"), number_column("Queue length")]);
     for (topic, id) in topics {
         let queue = site.schema.message(id).queue_length.map(|length| length.to_string());
         table.row([code(topic), page_link(site, from, id), queue.unwrap_or_default()]);

@@ -136,14 +136,16 @@ impl Table {
 
     /// The columns in which any cell says something, and the first.
     fn used_columns(&self) -> Vec<usize> {
-        let says = |column: usize| self.rows.iter().any(|row| row.get(column).is_some_and(|cell| !cell.is_empty()));
+        let says =
+            |column: usize| self.rows.iter().any(|row| row.get(column).is_some_and(|cell| !cell.is_empty()));
         (0..self.columns.len()).filter(|column| *column == 0 || says(*column)).collect()
     }
 
     /// The same rows, `lengths` of them to each table.
     pub(super) fn split(self, lengths: impl IntoIterator<Item = usize>) -> Vec<Self> {
         let mut rows = self.rows.into_iter();
-        let part = |length| Self { columns: self.columns.clone(), rows: rows.by_ref().take(length).collect() };
+        let part =
+            |length| Self { columns: self.columns.clone(), rows: rows.by_ref().take(length).collect() };
         lengths.into_iter().map(part).collect()
     }
 }
@@ -165,7 +167,9 @@ pub(super) fn unbroken(markdown: &str) -> String {
 /// A name or value as code, fit for a table.
 pub(super) fn code(text: &str) -> String {
     // What means something to tables or templates keeps its meaning even between backticks.
-    if !text.is_empty() && text.bytes().all(|byte| matches!(byte, b' '..=b'~') && !matches!(byte, b'`' | b'|' | b'{')) {
+    if !text.is_empty()
+        && text.bytes().all(|byte| matches!(byte, b' '..=b'~') && !matches!(byte, b'`' | b'|' | b'{'))
+    {
         return format!("`{text}`");
     }
     let mut escaped = String::from("<code>");

@@ -113,7 +113,9 @@ fn values(page: &mut Page, scope: Scope<'_, '_>, id: MessageId) {
 fn layout<'s>(page: &mut Page, scope: Scope<'_, 's>, message: &'s Message) {
     if scope.site.layout(message).is_some() {
         page.heading(2, "Memory layout");
-        page.block("The order and offsets of the fields in uORB and in the data of ULog files, eight bytes a row.");
+        page.block(
+            "The order and offsets of the fields in uORB and in the data of ULog files, eight bytes a row.",
+        );
         let name = inline(&message.name);
         let file = href(scope.from, &picture::path(scope.from), "");
         page.block(&format!("[![Memory layout of {name}]({file})]({file})"));

@@ -29,7 +29,9 @@ fn member<'s>(site: &Site<'s>, message: &'s Message, slot: &'s Slot) -> Member<'
     let (tint, element_size) = match field.map(|field| field.ty.element) {
         None => (Tint::Padding, slot.size),
         Some(Element::Scalar(scalar)) => (Tint::of_scalar(scalar.size()), scalar.size()),
-        Some(Element::Message(id)) => (Tint::Nested, site.schema.message(id).uorb.as_ref().map_or(0, |layout| layout.size)),
+        Some(Element::Message(id)) => {
+            (Tint::Nested, site.schema.message(id).uorb.as_ref().map_or(0, |layout| layout.size))
+        }
         Some(Element::String { .. }) => (Tint::Padding, 0),
     };
     let unit = field.and_then(|field| field.unit.as_deref()).filter(|unit| *unit != crate::unit::NONE);

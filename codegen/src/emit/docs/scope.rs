@@ -63,14 +63,13 @@ impl<'p, 's> Scope<'p, 's> {
     fn target(self, word: &str) -> Option<String> {
         let href = match word.split_once('.') {
             Some((message, part)) => self.part_of(self.other(message)?, part)?,
-            None if word.contains('_') => {
-                match self.site.part_named(self.message, word) {
-                    Some(part) if Some(part) == self.at => return None,
-                    Some(part) => self.site.href(self.from, self.message, part),
-                    None => self.page(self.other(word)?),
-                }
-            }
-            None => self.page(self.other(word).filter(|_| is_compound(word))?),
+            None if word.contains('_') => match self.site.part_named(self.message, word) {
+                Some(part) if Some(part) == self.at => return None,
+                Some(part) => self.site.href(self.from, self.message, part),
+                None => self.page(self.other(word)?),
+            },
+            None if is_compound(word) => self.page(self.other(word)?),
+            None => return None,
         };
         Some(link(&code(word), &href))
     }
@@ -148,7 +147,8 @@ mod tests {
 
     #[test]
     fn words_become_links_and_the_rest_is_escaped() {
-        let target = |previous: &str, word: &str| (word == "x" || previous == "code").then(|| format!("<{word}>"));
+        let target =
+            |previous: &str, word: &str| (word == "x" || previous == "code").then(|| format!("<{word}>"));
         assert_eq!(with_links("x", target), "<x>");
         assert_eq!(with_links("a (x), |x| and code 12.", target), r"a (<x>), \|x\| and code <12>.");
         assert_eq!(with_links(" [x]\n x* ", target), r"\[<x>\] x\*");

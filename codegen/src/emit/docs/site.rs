@@ -1,10 +1,12 @@
 //! Where each thing is described, and what refers to it.
 
 use std::cell::OnceCell;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::markdown::href;
-use crate::schema::{Dialect, Element, EnumRef, Form, Interface, Kind, Message, MessageId, Package, Schema, UorbLayout};
+use crate::schema::{
+    Dialect, Element, Enum, EnumRef, Form, Interface, Kind, Message, MessageId, Package, Schema, UorbLayout,
+};
 use crate::source::{SourceMap, Span};
 
 /// Constants that PX4 knows by name; the facts of a message show them.
@@ -42,6 +44,8 @@ pub(super) struct Site<'s> {
     holders: Vec<Vec<FieldRef>>,
     /// The fields that hold each enum.
     enum_holders: BTreeMap<EnumRef, Vec<FieldRef>>,
+    /// By message, what tells its enums apart.
+    enum_names: Vec<Vec<String>>,
     /// By package, what messages and topics are called.
     names: Vec<HashMap<&'s str, MessageId>>,
     /// By message, what its parts are called; gathered when first asked for.
@@ -57,6 +61,7 @@ impl<'s> Site<'s> {
             places: (0..count).map(|_| None).collect(),
             holders: vec![Vec::new(); count],
             enum_holders: BTreeMap::new(),
+            enum_names: schema.messages.iter().map(enum_names).collect(),
             names: vec![HashMap::new(); schema.packages.len()],
             parts: vec![OnceCell::new(); count],
         };
@@ -149,7 +154,7 @@ impl<'s> Site<'s> {
         let (kind, name) = match part {
             Part::Field(index) => ("field", message.fields[index].name.clone()),
             Part::Constant(index) => ("constant", message.constants[index].name.clone()),
-            Part::Enum(index) => ("enum", enum_name(message, index)),
+            Part::Enum(index) => ("enum", self.enum_names[id.0 as usize][index].clone()),
         };
         format!("{prefix}{kind}-{}", name.to_ascii_lowercase())
     }
@@ -197,18 +202,21 @@ pub(super) fn stem(name: &str) -> String {
     if is_reserved { format!("{name}.msg") } else { name.to_owned() }
 }
 
-/// What tells an enum from the others of its message.
-fn enum_name(message: &Message, index: usize) -> String {
-    let prefixes = &message.enums[index].prefixes;
-    let name = prefixes.join("-");
-    // The same constants may be held by fields of different types.
-    let is_known = message.enums[..index].iter().any(|other| other.prefixes == *prefixes);
-    if is_known { format!("{name}-{}", index + 1) } else { name }
+/// What tells each enum from the others of its message.
+fn enum_names(message: &Message) -> Vec<String> {
+    let mut known = BTreeSet::new();
+    let name = |(index, found): (usize, &Enum)| {
+        let name = found.prefixes.join("-");
+        // The same constants may be held by fields of different types.
+        if known.insert(name.clone()) { name } else { format!("{name}-{}", index + 1) }
+    };
+    message.enums.iter().enumerate().map(name).collect()
 }
 
 fn parts(message: &Message) -> HashMap<&str, Part> {
     let enums = message.enums.iter().enumerate().rev();
-    let enums = enums.flat_map(|(index, found)| found.prefixes.iter().map(move |name| (name.as_str(), Part::Enum(index))));
+    let enums = enums
+        .flat_map(|(index, found)| found.prefixes.iter().map(move |name| (name.as_str(), Part::Enum(index))));
     let constants = message.constants.iter().enumerate().filter(|(index, _)| !is_fact(message, *index));
     let constants = constants.map(|(index, constant)| (constant.name.as_str(), Part::Constant(index)));
     let fields = message.fields.iter().enumerate();

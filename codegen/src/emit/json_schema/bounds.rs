@@ -115,6 +115,7 @@ mod tests {
     }
 
     #[test]
+    #[allow(clippy::approx_constant)] // the neighbours of pi are meant, not pi
     fn bounds_of_float32_let_its_own_nearest_value_through() {
         let pi = std::f64::consts::PI;
         let bounds = Bounds::of(Scalar::Float32).expect("a number").within(&range(-pi, pi));

@@ -1,5 +1,7 @@
 //! Enums and flags: open newtypes over the number that the field holds.
 
+use std::fmt::Write as _;
+
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 use uavspec_runtime::Scalar;
@@ -32,7 +34,7 @@ pub(super) fn tokens(owner: &Message, found: &Enum, name: &Ident) -> TokenStream
     let constants = found.members.iter().zip(&names).map(|(member, name)| {
         let mut text = message::constant_text(&owner.constants[member.constant]);
         if let Some(first) = found.alias_of(member) {
-            text += &format!("\n\nAnother name of `{}`.", first.name);
+            let _ = write!(text, "\n\nAnother name of `{}`.", first.name);
         }
         let doc = documentation(&text);
         let value = number(found, member.value);
@@ -70,7 +72,7 @@ pub(super) fn tokens(owner: &Message, found: &Enum, name: &Ident) -> TokenStream
 
 fn member_names(found: &Enum) -> Vec<Ident> {
     let mut scope = Scope::default();
-    found.members.iter().map(|member| ident(&scope.unique(upper_case(&member.name)))).collect()
+    found.members.iter().map(|member| ident(&scope.unique(&upper_case(&member.name)))).collect()
 }
 
 fn open_enum(found: &Enum, name: &Ident, names: &[Ident]) -> TokenStream {

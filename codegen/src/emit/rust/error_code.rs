@@ -42,7 +42,7 @@ fn constant_names(codes: &[&ErrorCode]) -> Vec<Ident> {
                 (true, false) => format!("{name}_{}", severity(code)),
                 (true, true) => format!("{name}_{}", code.code),
             };
-            ident(&scope.unique(name))
+            ident(&scope.unique(&name))
         })
         .collect()
 }
@@ -51,16 +51,12 @@ fn tokens(package: &Package, codes: &[&ErrorCode]) -> TokenStream {
     let module_doc = inner_documentation(&format!("The error codes of package `{}`.", package.name));
     let names = constant_names(codes);
     let name_of = |wanted: &u32| {
-        let index = codes.iter().position(|code| code.code == *wanted);
-        match index {
-            Some(index) => {
-                let name = &names[index];
-                quote!(ErrorCode::#name)
-            }
-            None => {
-                let code = types::integer((*wanted).into());
-                quote!(ErrorCode(#code))
-            }
+        if let Some(index) = codes.iter().position(|code| code.code == *wanted) {
+            let name = &names[index];
+            quote!(ErrorCode::#name)
+        } else {
+            let code = types::integer((*wanted).into());
+            quote!(ErrorCode(#code))
         }
     };
     let constants = codes.iter().zip(&names).map(|(code, name)| {
@@ -69,10 +65,7 @@ fn tokens(package: &Package, codes: &[&ErrorCode]) -> TokenStream {
         quote!(#doc pub const #name: Self = Self(#value);)
     });
     let entries = codes.iter().zip(&names).map(|(code, name)| {
-        let abbreviation = match &code.abbreviation {
-            Some(abbreviation) => quote!(::core::option::Option::Some(#abbreviation)),
-            None => quote!(::core::option::Option::None),
-        };
+        let abbreviation = types::option(code.abbreviation.as_ref().map(|abbreviation| quote!(#abbreviation)));
         let description = &code.description;
         let see_also = code.see_also.iter().map(name_of);
         let alternatives = code.alternatives.iter().map(name_of);

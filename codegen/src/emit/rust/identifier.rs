@@ -21,12 +21,12 @@ pub(super) struct Scope(HashSet<String>);
 
 impl Scope {
     /// `name`, or with `_` and a number after it where it has been given already.
-    pub(super) fn unique(&mut self, name: String) -> String {
+    pub(super) fn unique(&mut self, name: &str) -> String {
         self.numbered(name, "_")
     }
 
     /// The same for names of types, which hold no `_`.
-    pub(super) fn unique_type(&mut self, name: String) -> String {
+    pub(super) fn unique_type(&mut self, name: &str) -> String {
         self.numbered(name, "")
     }
 
@@ -34,11 +34,11 @@ impl Scope {
     pub(super) fn first_free_type(&mut self, names: &[String]) -> String {
         let free = names.iter().find(|name| !self.0.contains(*name));
         let name = free.or(names.last()).cloned().unwrap_or_default();
-        self.unique_type(name)
+        self.unique_type(&name)
     }
 
-    fn numbered(&mut self, name: String, separator: &str) -> String {
-        let mut candidate = name.clone();
+    fn numbered(&mut self, name: &str, separator: &str) -> String {
+        let mut candidate = name.to_owned();
         let mut number = 2;
         while !self.0.insert(candidate.clone()) {
             candidate = format!("{name}{separator}{number}");
@@ -92,12 +92,12 @@ pub(super) fn pascal_case(name: &str) -> String {
 
 /// `health_component_index`, from any case.
 pub(super) fn snake_case(name: &str) -> String {
-    words(name).into_iter().map(|word| word.to_ascii_lowercase()).collect::<Vec<_>>().join("_")
+    words(name).into_iter().map(str::to_ascii_lowercase).collect::<Vec<_>>().join("_")
 }
 
 /// `HEALTH_COMPONENT_INDEX`, from any case.
 pub(super) fn upper_case(name: &str) -> String {
-    words(name).into_iter().map(|word| word.to_ascii_uppercase()).collect::<Vec<_>>().join("_")
+    words(name).into_iter().map(str::to_ascii_uppercase).collect::<Vec<_>>().join("_")
 }
 
 /// Splits a name at what is no letter or digit, and where the case says that a word begins.
@@ -164,7 +164,7 @@ mod tests {
     #[test]
     fn a_name_is_given_once() {
         let mut scope = Scope::default();
-        let names: Vec<String> = ["a", "a", "a_2", "a"].into_iter().map(|name| scope.unique(name.to_owned())).collect();
+        let names: Vec<String> = ["a", "a", "a_2", "a"].into_iter().map(|name| scope.unique(name)).collect();
         assert_eq!(names, ["a", "a_2", "a_2_2", "a_3"]);
     }
 }

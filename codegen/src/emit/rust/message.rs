@@ -1,5 +1,7 @@
 //! A message: its struct, constants, traits, layout assertion and JSON, then its enums.
 
+use std::fmt::Write as _;
+
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
@@ -38,7 +40,7 @@ struct Parts<'c> {
 
 fn field_names(message: &Message) -> Vec<Ident> {
     let mut scope = Scope::default();
-    message.fields.iter().map(|field| ident(&scope.unique(snake_case(&field.name)))).collect()
+    message.fields.iter().map(|field| ident(&scope.unique(&snake_case(&field.name)))).collect()
 }
 
 impl Parts<'_> {
@@ -87,7 +89,7 @@ impl Parts<'_> {
             .enumerate()
             .filter(|(index, _)| !is_member(*index))
             .map(|(_, constant)| {
-                let name = ident(&scope.unique(upper_case(&constant.name)));
+                let name = ident(&scope.unique(&upper_case(&constant.name)));
                 let doc = documentation(&constant_text(constant));
                 let ty = types::constant(constant.ty);
                 let value = types::literal(constant.ty, &constant.value);
@@ -102,16 +104,12 @@ impl Parts<'_> {
         let package = &self.context.schema.package_of(message).name;
         let message_name = &message.name;
         let topics = &message.topics;
-        let option = |value: Option<TokenStream>| match value {
-            Some(value) => quote!(::core::option::Option::Some(#value)),
-            None => quote!(::core::option::Option::None),
-        };
         let integer = |value: u64| types::integer(value.into());
-        let version = option(message.version.map(|version| integer(version.into())));
+        let version = types::option(message.version.map(|version| integer(version.into())));
         let queue_length = integer(message.queue_length.unwrap_or(1).into());
         let hash = hexadecimal(message.hash);
         let type_hash = &message.type_hash;
-        let cdr_size = option(message.cdr.is_fixed.then(|| integer(message.cdr.least)));
+        let cdr_size = types::option(message.cdr.is_fixed.then(|| integer(message.cdr.least)));
         quote! {
             impl ::uavspec_runtime::Message for #name {
                 const PACKAGE: &'static str = #package;
@@ -209,7 +207,7 @@ impl Parts<'_> {
         facts.push(("CDR", format!("{} {cdr}", message.cdr.least)));
         text += "\n\n| | |\n|---|---|";
         for (name, value) in facts {
-            text += &format!("\n| {name} | {value} |");
+            let _ = write!(text, "\n| {name} | {value} |");
         }
         text
     }
@@ -224,7 +222,7 @@ impl Parts<'_> {
         if !facts.is_empty() {
             let facts = facts.join("; ");
             let (first, rest) = facts.split_at(1);
-            text += &format!("\n\n{}{rest}.", first.to_uppercase());
+            let _ = write!(text, "\n\n{}{rest}.", first.to_uppercase());
         }
         text
     }
@@ -279,7 +277,7 @@ pub(super) fn constant_text(constant: &crate::schema::Constant) -> String {
             let unit = parameter.unit.as_deref().filter(|unit| *unit != unit::NONE).map(prose::inline).unwrap_or_default();
             let range = parameter.range.as_ref().and_then(|range| range_text(range.low.as_ref(), range.high.as_ref()));
             let range = range.map(|range| format!(" ({range})")).unwrap_or_default();
-            text += &format!("\n| {} | {unit} | {}{range} |", index + 1, prose::inline(&parameter.description));
+            let _ = write!(text, "\n| {} | {unit} | {}{range} |", index + 1, prose::inline(&parameter.description));
         }
     }
     text

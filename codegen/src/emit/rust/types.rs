@@ -100,9 +100,10 @@ fn default_value(context: &Context<'_>, id: MessageId, field: &Field, value: &Va
     match value {
         Value::List(values) => {
             let values = values.iter().map(element_value);
-            match field.ty.shape {
-                Shape::Array(_) => quote!([#(#values),*]),
-                _ => quote!(::uavspec_runtime::alloc::vec![#(#values),*]),
+            if matches!(field.ty.shape, Shape::Array(_)) {
+                quote!([#(#values),*])
+            } else {
+                quote!(::uavspec_runtime::alloc::vec![#(#values),*])
             }
         }
         value => element_value(value),
@@ -133,6 +134,11 @@ pub(super) fn literal(element: Element, value: &Value) -> TokenStream {
             quote!([#(#values),*])
         }
     }
+}
+
+/// An `Option` of something.
+pub(super) fn option(value: Option<TokenStream>) -> TokenStream {
+    value.map_or_else(|| quote!(::core::option::Option::None), |value| quote!(::core::option::Option::Some(#value)))
 }
 
 /// An integer without suffix; its type is that of where it stands.

@@ -107,9 +107,10 @@ pub(super) struct Cell<'s> {
 impl Cell<'_> {
     /// The segment that bears the name: the first, unless the second has more room.
     pub(super) fn label(&self) -> Option<&Segment> {
-        self.segments.iter().take(2).reduce(|first, second| {
-            if second.columns.len() > first.columns.len() { second } else { first }
-        })
+        self.segments
+            .iter()
+            .take(2)
+            .reduce(|first, second| if second.columns.len() > first.columns.len() { second } else { first })
     }
 }
 
@@ -152,7 +153,8 @@ fn shortened(mut lines: Vec<Line>) -> Vec<Line> {
     }
     let tail = lines.split_off(lines.len() - MAX_LINES / 4);
     lines.truncate(MAX_LINES - MAX_LINES / 4);
-    let hidden = lines.last().map_or(0, |line| line.bytes().end)..tail.first().map_or(0, |line| line.bytes().start);
+    let hidden =
+        lines.last().map_or(0, |line| line.bytes().end)..tail.first().map_or(0, |line| line.bytes().start);
     lines.push(Line::Break { bytes: hidden, is_torn: true });
     lines.extend(tail);
     lines
@@ -212,9 +214,15 @@ mod tests {
         let slots = slots(&[4, 8, 4]);
         let grid = grid(&slots);
         assert_eq!(grid.lines, [Line::Row(0), Line::Row(8)]);
-        let columns: Vec<Vec<Range<usize>>> =
-            grid.cells.iter().map(|cell| cell.segments.iter().map(|segment| segment.columns.clone()).collect()).collect();
-        assert_eq!(columns, [vec![0..4], vec![4..8, 0..4], vec![4..8]]);
+        let columns: Vec<(usize, Range<usize>)> = grid
+            .cells
+            .iter()
+            .enumerate()
+            .flat_map(|(cell, found)| {
+                found.segments.iter().map(move |segment| (cell, segment.columns.clone()))
+            })
+            .collect();
+        assert_eq!(columns, [(0, 0..4), (1, 4..8), (1, 0..4), (2, 4..8)]);
     }
 
     #[test]

@@ -28,7 +28,7 @@ const LINE: usize = 11;
 /// Room for a torn edge below a row.
 const TORN: usize = 4;
 /// Most lines that a name is broken into.
-const MAX_NAME_LINES: usize = 3;
+const MAX_NAME_LINES: usize = 4;
 /// Room for the legend.
 const BOTTOM: usize = 30;
 /// Width of a letter of a name, in tenths: of the usual size, and in boxes with room for more.
@@ -56,7 +56,7 @@ const TINTS: [(Tint, &str, &str); 6] = [
 
 /// The picture of the message `name`.
 pub(super) fn draw(grid: &Grid<'_>, name: &str, caption: &str) -> String {
-    let names: Vec<Vec<&str>> = grid.cells.iter().map(name_lines).collect();
+    let names: Vec<Name<'_>> = grid.cells.iter().map(Name::of).collect();
     let rows = Rows::new(grid, &names);
     let mut svg = Svg::default();
     let (width, height) = (LEFT + ROW * BYTE + INSET, rows.bottom() + BOTTOM);
@@ -73,7 +73,7 @@ pub(super) fn draw(grid: &Grid<'_>, name: &str, caption: &str) -> String {
     ));
     svg.rulers(grid, &rows);
     for (tint, colour, _) in TINTS {
-        let cells: Vec<(&Cell<'_>, &Vec<&str>)> =
+        let cells: Vec<(&Cell<'_>, &Name<'_>)> =
             grid.cells.iter().zip(&names).filter(|(cell, _)| cell.member.tint == tint).collect();
         if !cells.is_empty() {
             svg.put(format_args!("<g fill=\"{colour}\">\n"));
@@ -89,25 +89,38 @@ pub(super) fn draw(grid: &Grid<'_>, name: &str, caption: &str) -> String {
     svg.0
 }
 
-/// The name of a cell in lines that fit it.
-fn name_lines<'s>(cell: &Cell<'s>) -> Vec<&'s str> {
-    let room = cell.label().map_or(0, |segment| segment.columns.len() * BYTE - 2 * INSET) * 10 / LETTER;
-    broken(&cell.member.slot.name, room)
+/// A name in lines.
+#[derive(Debug, PartialEq, Eq)]
+struct Name<'s> {
+    lines: Vec<&'s str>,
+    /// Whether there is more of it than the lines hold.
+    is_cut: bool,
 }
 
-/// A name in lines of at most `room` letters, broken behind underscores where there are any.
-fn broken(name: &str, room: usize) -> Vec<&str> {
-    let mut lines = Vec::new();
-    let mut rest = name;
-    while rest.chars().count() > room && lines.len() + 1 < MAX_NAME_LINES {
-        let limit = rest.char_indices().nth(room).map_or(rest.len(), |(at, _)| at);
-        let cut = rest[..limit].rfind('_').map_or(limit, |at| at + 1);
-        let (line, after) = rest.split_at(cut);
-        lines.push(line);
-        rest = after;
+impl<'s> Name<'s> {
+    /// The name of a cell in lines that fit it.
+    fn of(cell: &Cell<'s>) -> Self {
+        let width = cell.label().map_or(0, |segment| segment.columns.len() * BYTE - 2 * INSET);
+        Self::broken(&cell.member.slot.name, width * 10 / LETTER)
     }
-    lines.push(rest);
-    lines
+
+    /// A name in lines of at most `room` letters, broken behind underscores where there are any.
+    fn broken(name: &'s str, room: usize) -> Self {
+        let end =
+            |text: &str, letters: usize| text.char_indices().nth(letters).map_or(text.len(), |(at, _)| at);
+        let mut lines = Vec::new();
+        let mut rest = name;
+        while end(rest, room) < rest.len() && lines.len() + 1 < MAX_NAME_LINES {
+            let limit = end(rest, room);
+            let cut = rest[..limit].rfind('_').map_or(limit, |at| at + 1);
+            lines.push(&rest[..cut]);
+            rest = &rest[cut..];
+        }
+        let is_cut = end(rest, room) < rest.len();
+        let last = if is_cut { &rest[..end(rest, room.saturating_sub(1))] } else { rest };
+        lines.push(last);
+        Self { lines, is_cut }
+    }
 }
 
 /// Where each line of the picture lies.
@@ -116,7 +129,7 @@ struct Rows {
 }
 
 impl Rows {
-    fn new(grid: &Grid<'_>, names: &[Vec<&str>]) -> Self {
+    fn new(grid: &Grid<'_>, names: &[Name<'_>]) -> Self {
         let mut heights: Vec<usize> = grid
             .lines
             .iter()
@@ -128,7 +141,7 @@ impl Rows {
             .collect();
         for (cell, name) in grid.cells.iter().zip(names) {
             if let Some(segment) = cell.label() {
-                heights[segment.line] = heights[segment.line].max(ROW_HEAD + LINE * name.len());
+                heights[segment.line] = heights[segment.line].max(ROW_HEAD + LINE * name.lines.len());
             }
         }
         for (index, line) in grid.lines.iter().enumerate().skip(1) {
@@ -174,12 +187,16 @@ impl Svg {
     fn rulers(&mut self, grid: &Grid<'_>, rows: &Rows) {
         for column in 0..ROW {
             let middle = x(column) + BYTE / 2;
-            self.put(format_args!("<text class=\"o\" text-anchor=\"middle\" x=\"{middle}\" y=\"12\">+{column}</text>\n"));
+            self.put(format_args!(
+                "<text class=\"o\" text-anchor=\"middle\" x=\"{middle}\" y=\"12\">+{column}</text>\n"
+            ));
         }
         for (index, line) in grid.lines.iter().enumerate() {
             if let Line::Row(start) = line {
                 let (right, y) = (LEFT - 6, rows.top(index) + 12);
-                self.put(format_args!("<text class=\"o\" text-anchor=\"end\" x=\"{right}\" y=\"{y}\">{start}</text>\n"));
+                self.put(format_args!(
+                    "<text class=\"o\" text-anchor=\"end\" x=\"{right}\" y=\"{y}\">{start}</text>\n"
+                ));
             }
         }
     }
@@ -199,7 +216,7 @@ impl Svg {
         }
     }
 
-    fn cell(&mut self, cell: &Cell<'_>, name: &[&str], rows: &Rows) {
+    fn cell(&mut self, cell: &Cell<'_>, name: &Name<'_>, rows: &Rows) {
         let slot = cell.member.slot;
         let unit = cell.member.unit.map(|unit| format!(" [{unit}]")).unwrap_or_default();
         self.put(format_args!(
@@ -224,12 +241,14 @@ impl Svg {
         self.put(format_args!("</g>\n"));
     }
 
-    fn label(&mut self, cell: &Cell<'_>, segment: &Segment, name: &[&str], rows: &Rows) {
+    fn label(&mut self, cell: &Cell<'_>, segment: &Segment, name: &Name<'_>, rows: &Rows) {
         let slot = cell.member.slot;
         let (left, right) = (x(segment.columns.start) + INSET, x(segment.columns.end) - INSET);
         let top = rows.top(segment.line);
         let element = match cell.member.element_size {
-            size if cell.member.tint == Tint::Nested && size < slot.size => format!(", {} each", plural(size as u64, "byte")),
+            size if cell.member.tint == Tint::Nested && size < slot.size => {
+                format!(", {} each", plural(size as u64, "byte"))
+            }
             _ => String::new(),
         };
         self.put(format_args!(
@@ -238,17 +257,18 @@ impl Svg {
             prose::xml(&slot.type_text),
             y = top + 10,
         ));
-        let is_wide = segment.columns.len() > 1 && slot.name.chars().count() * WIDE_LETTER < 10 * (right - left);
+        let is_wide =
+            segment.columns.len() > 1 && slot.name.chars().count() * WIDE_LETTER < 10 * (right - left);
         let class = if is_wide { " class=\"w\"" } else { "" };
         self.put(format_args!("<text{class} x=\"{left}\" y=\"{}\">", top + ROW_HEAD + 6));
-        for (index, line) in name.iter().enumerate() {
+        for (index, line) in name.lines.iter().enumerate() {
             if index == 0 {
                 self.put(format_args!("{}", prose::xml(line)));
             } else {
                 self.put(format_args!("<tspan x=\"{left}\" dy=\"{LINE}\">{}</tspan>", prose::xml(line)));
             }
         }
-        self.put(format_args!("</text>"));
+        self.put(format_args!("{}</text>", if name.is_cut { "…" } else { "" }));
     }
 
     /// The name again, in the part of a cell that stands apart from the one with the label.
@@ -256,14 +276,19 @@ impl Svg {
         let room = (segment.columns.len() * BYTE - 2 * INSET) * 10 / LETTER;
         if name.chars().count() + 2 <= room {
             let (left, top) = (x(segment.columns.start) + INSET, rows.top(segment.line));
-            self.put(format_args!("<text class=\"s\" x=\"{left}\" y=\"{}\">… {}</text>", top + 10, prose::xml(name)));
+            self.put(format_args!(
+                "<text class=\"s\" x=\"{left}\" y=\"{}\">… {}</text>",
+                top + 10,
+                prose::xml(name)
+            ));
         }
     }
 
     /// The edge of a cell: a polygon for each run of lines without a torn break.
     fn outline(&mut self, cell: &Cell<'_>, rows: &Rows) {
         let step = if cell.member.tint == Tint::Nested { 2 } else { 1 };
-        let belong = |above: &Segment, below: &Segment| above.line + step >= below.line && touch(above, below);
+        let belong =
+            |above: &Segment, below: &Segment| above.line + step >= below.line && touch(above, below);
         self.put(format_args!("<path class=\"b\" d=\""));
         let mut runs = cell.segments.chunk_by(belong).peekable();
         let mut is_torn_above = false;
@@ -282,12 +307,20 @@ impl Svg {
         let (left, right) = (x(first.columns.start), x(first.columns.end));
         let (last_left, last_right) = (x(last.columns.start), x(last.columns.end));
         self.put(format_args!("M{left} {top}"));
-        if is_torn_above { self.wave(right - left, 1) } else { self.put(format_args!("H{right}")) }
+        if is_torn_above {
+            self.wave(right - left, 1);
+        } else {
+            self.put(format_args!("H{right}"));
+        }
         if last_right < right {
             self.put(format_args!("V{}H{last_right}", rows.top(last.line)));
         }
         self.put(format_args!("V{bottom}"));
-        if is_torn_below { self.wave(last_right - last_left, -1) } else { self.put(format_args!("H{last_left}")) }
+        if is_torn_below {
+            self.wave(last_right - last_left, -1);
+        } else {
+            self.put(format_args!("H{last_left}"));
+        }
         if last_left < left {
             self.put(format_args!("V{}H{left}", rows.below(first.line)));
         }
@@ -306,24 +339,22 @@ impl Svg {
 
     /// Thin lines between the elements of an array.
     fn dividers(&mut self, cell: &Cell<'_>, rows: &Rows) {
-        let (size, offset) = (cell.member.element_size, cell.member.slot.offset);
-        if size == 0 || size >= cell.member.slot.size {
+        // Scalars are sorted by their sizes, so none straddles a row. What is in messages isn't drawn.
+        let size = cell.member.element_size;
+        if size == 0 || size > ROW || size >= cell.member.slot.size || cell.member.tint == Tint::Nested {
             return;
         }
         let mut path = String::new();
         for (index, segment) in cell.segments.iter().enumerate() {
             let top = rows.top(segment.line);
             let height = rows.below(segment.line) - top;
-            // Where the row starts, as far as elements are concerned, can't be told from the segment:
-            // nested messages fill whole rows, and smaller elements never straddle them.
-            let columns = segment.columns.clone().skip(1).filter(|column| size < ROW && column % size == offset % size);
-            for column in columns {
+            for column in segment.columns.clone().skip(1).filter(|column| column.is_multiple_of(size)) {
                 append(&mut path, format_args!("M{} {top}v{height}", x(column)));
             }
-            let is_new_element = size == ROW && index > 0;
-            if is_new_element && cell.segments[index - 1].line + 1 == segment.line {
-                let (left, right) = (x(segment.columns.start), x(segment.columns.end));
-                append(&mut path, format_args!("M{left} {top}H{right}"));
+            let above = index.checked_sub(1).and_then(|above| cell.segments.get(above));
+            if above.is_some_and(|above| above.line + 1 == segment.line && touch(above, segment)) {
+                let left = x(segment.columns.start.max(above.map_or(0, |above| above.columns.start)));
+                append(&mut path, format_args!("M{left} {top}H{}", x(segment.columns.end)));
             }
         }
         if !path.is_empty() {
@@ -368,9 +399,12 @@ mod tests {
 
     #[test]
     fn names_break_behind_underscores() {
+        let broken = |name, room| Name::broken(name, room).lines;
         assert_eq!(broken("local_position_invalid_relaxed", 15), ["local_position_", "invalid_relaxed"]);
         assert_eq!(broken("short", 15), ["short"]);
         assert_eq!(broken("abcdefgh", 3), ["abc", "def", "gh"]);
-        assert_eq!(broken("a_b_c_d_e_f", 2), ["a_", "b_", "c_d_e_f"]);
+        let cut = Name::broken("a_b_c_d_e_f", 2);
+        assert_eq!(cut, Name { lines: vec!["a_", "b_", "c_", "d"], is_cut: true });
+        assert_eq!(Name::broken("ab", 0), Name { lines: vec!["", "", "", ""], is_cut: true });
     }
 }

@@ -1,0 +1,63 @@
+//! What the fuzz targets share: any bytes as a package, read, rendered and emitted.
+
+use uavspec_codegen::diagnostic::{has_errors, render};
+use uavspec_codegen::emit::inspect;
+use uavspec_codegen::schema::Form;
+use uavspec_codegen::source::Span;
+use uavspec_codegen::{PackageInput, SourceMap, read};
+
+/// Parts the bytes of one input into several files. It is no byte of UTF-8.
+pub const FILE_SEPARATOR: u8 = 0xff;
+
+/// How many diagnostics of an input are rendered.
+const SHOWN: usize = 20;
+
+/// Reads `data` as files with `extension`, called `A`, `B` and so on.
+///
+/// # Panics
+///
+/// Where a diagnostic stands at no place of the sources: what the fuzzer looks for.
+pub fn check(form: Form, extension: &str, data: &[u8]) {
+    let mut sources = SourceMap::default();
+    let mut package = PackageInput {
+        name: "demo".to_owned(),
+        form,
+        ros_package: None,
+        origin: None,
+        revision: None,
+        select: None,
+        sources: Vec::new(),
+    };
+    let mut diagnostics = Vec::new();
+    for (bytes, name) in data.split(|byte| *byte == FILE_SEPARATOR).zip('A'..='Z') {
+        match sources.add(format!("{name}.{extension}"), bytes.to_vec()) {
+            Ok(id) => package.sources.push(id),
+            Err(diagnostic) => diagnostics.push(diagnostic),
+        }
+    }
+    let (schema, mut found) = read(&sources, &[package]);
+    diagnostics.append(&mut found);
+    for diagnostic in &diagnostics {
+        check_place(&sources, diagnostic.span);
+        diagnostic.related.iter().for_each(|(span, _)| check_place(&sources, *span));
+    }
+    if !has_errors(&diagnostics) {
+        inspect::schema(&schema);
+    }
+    // To render one takes longer than to find hundreds.
+    diagnostics.truncate(SHOWN);
+    render::render(&diagnostics, &sources, false);
+}
+
+fn check_place(sources: &SourceMap, span: Span) {
+    let id = sources.source_of(span);
+    let whole = sources.span(id);
+    assert!(
+        whole.start <= span.start && span.start <= span.end && span.end <= whole.end,
+        "{span:?} in {whole:?}"
+    );
+    let text = sources.text(id);
+    for at in [span.start - whole.start, span.end - whole.start] {
+        assert!(text.is_char_boundary(at as usize), "{span:?} parts a character");
+    }
+}
