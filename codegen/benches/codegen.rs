@@ -28,7 +28,8 @@ fn main() {
 fn corpus() -> Option<Vec<PathBuf>> {
     let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/corpus");
     let folder = std::env::var_os("UAVSPEC_CORPUS").map_or(default, PathBuf::from).join("px4/main/msg");
-    let mut files: Vec<PathBuf> = fs::read_dir(folder).ok()?.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    let mut files: Vec<PathBuf> =
+        fs::read_dir(folder).ok()?.filter_map(|entry| Some(entry.ok()?.path())).collect();
     files.sort();
     Some(files)
 }
@@ -52,7 +53,9 @@ fn input(times: usize) -> Input {
             select: None,
             sources: files
                 .iter()
-                .map(|file| sources.add(file.to_string_lossy(), fs::read(file).expect("readable")).expect("valid"))
+                .map(|file| {
+                    sources.add(file.to_string_lossy(), fs::read(file).expect("readable")).expect("valid")
+                })
                 .collect(),
         })
         .collect();
@@ -75,19 +78,25 @@ fn emitter(bencher: Bencher<'_, '_>, times: usize, emit: impl Fn(&Schema, &Sourc
 /// Model to Rust.
 #[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn emit_rust(bencher: Bencher<'_, '_>, times: usize) {
-    emitter(bencher, times, |schema, sources| emit::rust::emit(schema, sources, &emit::rust::Options::default()));
+    emitter(bencher, times, |schema, sources| {
+        emit::rust::emit(schema, sources, &emit::rust::Options::default())
+    });
 }
 
 /// Model to JSON Schemas.
 #[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn emit_json_schema(bencher: Bencher<'_, '_>, times: usize) {
-    emitter(bencher, times, |schema, _| emit::json_schema::emit(schema, &emit::json_schema::Options::default()));
+    emitter(bencher, times, |schema, _| {
+        emit::json_schema::emit(schema, &emit::json_schema::Options::default())
+    });
 }
 
 /// Model to documentation.
 #[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn emit_docs(bencher: Bencher<'_, '_>, times: usize) {
-    emitter(bencher, times, |schema, sources| emit::docs::emit(schema, sources, &emit::docs::Options::default()));
+    emitter(bencher, times, |schema, sources| {
+        emit::docs::emit(schema, sources, &emit::docs::Options::default())
+    });
 }
 
 /// A workspace on disk whose definitions are those of the corpus.
@@ -101,7 +110,8 @@ fn workspace(times: usize) -> TempDir {
             let target = folder.path().join(&name).join(file.file_name().expect("a name"));
             fs::copy(&file, target).expect("a copy");
         }
-        config += &format!("[[package]]\nname = \"{name}\"\ndialect = \"px4\"\ninclude = [\"{name}/*.msg\"]\n");
+        config +=
+            &format!("[[package]]\nname = \"{name}\"\ndialect = \"px4\"\ninclude = [\"{name}/*.msg\"]\n");
     }
     fs::write(folder.path().join("uavspec.toml"), config).expect("a configuration");
     folder

@@ -188,7 +188,11 @@ pub fn generate(config: impl AsRef<Path>) -> Result<Generated, Failure> {
     let changed = output::write(&emit_all(&plan, &schema, &loaded.sources)?)?;
     let mut inputs = loaded.files;
     inputs.insert(0, config.to_path_buf());
-    Ok(Generated { inputs, changed: changed.into_iter().map(Difference::into_path).collect(), warnings: rendered })
+    Ok(Generated {
+        inputs,
+        changed: changed.into_iter().map(Difference::into_path).collect(),
+        warnings: rendered,
+    })
 }
 
 /// The whole command line of an `xtask` that does nothing else.
@@ -219,7 +223,9 @@ fn codegen(args: &CodegenArgs) -> Result<bool, Failure> {
     let plan = match &args.package {
         Some(package) => {
             let Some(out) = &args.out else {
-                return Err(Failure::new("--package needs --out DIR").with_hint("name a folder for the output"));
+                return Err(
+                    Failure::new("--package needs --out DIR").with_hint("name a folder for the output")
+                );
             };
             Plan::from_arguments(&package.package, package.dialect.into(), &package.input, out, &args.emit)
         }
@@ -244,7 +250,8 @@ fn codegen(args: &CodegenArgs) -> Result<bool, Failure> {
         return Ok(differences.is_empty());
     }
     let differences = output::write(&folders)?;
-    let removed = differences.iter().filter(|difference| matches!(difference, Difference::Orphaned(_))).count();
+    let removed =
+        differences.iter().filter(|difference| matches!(difference, Difference::Orphaned(_))).count();
     let summary = format!("{} written, {removed} removed", differences.len() - removed);
     summarise(&loaded, &schema, &folders, &summary, started);
     Ok(true)
@@ -307,7 +314,11 @@ fn side_by_side<'i, T: Sync, R: Send>(
 
 #[cfg(feature = "rust")]
 #[allow(clippy::unnecessary_wraps)] // the other build's can fail
-fn emit_rust(schema: &Schema, sources: &SourceMap, options: &config::RustOptions) -> Result<Vec<OutputFile>, Failure> {
+fn emit_rust(
+    schema: &Schema,
+    sources: &SourceMap,
+    options: &config::RustOptions,
+) -> Result<Vec<OutputFile>, Failure> {
     Ok(emit::rust::emit(schema, sources, &emit::rust::Options { root: options.root.clone() }))
 }
 
@@ -325,7 +336,8 @@ fn report(command: &str, loaded: &Loaded, diagnostics: &[Diagnostic], consequenc
     let _ = write!(anstream::stderr(), "{}", render::render(diagnostics, &loaded.sources, true));
     let count = |level| diagnostics.iter().filter(|diagnostic| diagnostic.level() == level).count();
     let (errors, warnings) = (count(Level::Error), count(Level::Warning));
-    let mut files: Vec<_> = diagnostics.iter().map(|diagnostic| loaded.sources.source_of(diagnostic.span)).collect();
+    let mut files: Vec<_> =
+        diagnostics.iter().map(|diagnostic| loaded.sources.source_of(diagnostic.span)).collect();
     files.sort_unstable();
     files.dedup();
     let counts: Vec<String> = [(errors, "error"), (warnings, "warning")]
@@ -340,7 +352,8 @@ fn report(command: &str, loaded: &Loaded, diagnostics: &[Diagnostic], consequenc
 
 fn summarise(loaded: &Loaded, schema: &Schema, folders: &[Folder], result: &str, started: Instant) {
     let messages: usize = schema.packages.iter().map(|package| package.messages.len()).sum();
-    let codes: usize = schema.packages.iter().flat_map(|package| &package.error_tables).map(|table| table.codes.len()).sum();
+    let codes: usize =
+        schema.packages.iter().flat_map(|package| &package.error_tables).map(|table| table.codes.len()).sum();
     let outputs: usize = folders.iter().map(|folder| folder.files.len()).sum();
     anstream::eprintln!(
         "codegen: {} read, {}, {}, {}: {result} ({} ms)",

@@ -79,7 +79,11 @@ pub fn read(sources: &SourceMap, packages: &[PackageInput]) -> (Schema, Vec<Diag
     (schema, diagnostics)
 }
 
-fn parse<'s>(sources: &'s SourceMap, package: &PackageInput, diagnostics: &mut Vec<Diagnostic>) -> PackageSource<'s> {
+fn parse<'s>(
+    sources: &'s SourceMap,
+    package: &PackageInput,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> PackageSource<'s> {
     let mut files = Vec::new();
     let mut pages = Vec::new();
     for id in &package.sources {
@@ -98,7 +102,8 @@ fn parse<'s>(sources: &'s SourceMap, package: &PackageInput, diagnostics: &mut V
             }
         }
     }
-    let default_ros_package = if package.form == Form::Msg(msg::Dialect::Px4) { PX4_ROS_PACKAGE } else { &package.name };
+    let default_ros_package =
+        if package.form == Form::Msg(msg::Dialect::Px4) { PX4_ROS_PACKAGE } else { &package.name };
     PackageSource {
         name: package.name.clone(),
         form: package.form,

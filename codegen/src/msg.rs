@@ -89,3 +89,9 @@ pub fn parse(
 ) -> (ast::Definition<'_>, Vec<Diagnostic>) {
     parser::parse(sources.text(id), sources.span(id), kind, dialect)
 }
+
+/// Whether `text` can be the name of anything: letters, digits and `_`, with a letter first.
+pub(crate) fn is_identifier(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_alphabetic())
+        && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+}

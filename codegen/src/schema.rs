@@ -4,11 +4,11 @@
 //! messages refer to each other by [`MessageId`]. Everything is ordered, so what is emitted from a
 //! schema doesn't depend on the order in which files were read.
 
+mod documentation;
+mod enumeration;
 pub mod error_codes;
 pub mod fingerprint;
 pub mod layout;
-mod documentation;
-mod enumeration;
 mod resolve;
 
 use uavspec_runtime::Scalar;

@@ -74,7 +74,8 @@ impl SourceMap {
         let start = self.sources.last().map_or(0, |last| last.start + offset(last.text.len()) + 1);
         let id = SourceId(offset(self.sources.len()));
         let len = bytes.len();
-        let total_fits = u32::try_from(len + MAX_SOURCE_LEN).is_ok_and(|len| start.checked_add(len).is_some());
+        let total_fits =
+            u32::try_from(len + MAX_SOURCE_LEN).is_ok_and(|len| start.checked_add(len).is_some());
         let too_long = len > MAX_SOURCE_LEN || !total_fits;
         let (text, invalid) = match String::from_utf8(if too_long { Vec::new() } else { bytes }) {
             Ok(text) => (text, None),
@@ -91,7 +92,10 @@ impl SourceMap {
             return Err(Diagnostic::new(Problem::SourceTooLong { len, max: MAX_SOURCE_LEN }, whole));
         }
         if let Some((at, byte)) = invalid {
-            return Err(Diagnostic::new(Problem::InvalidUtf8 { byte }, whole.part(at..at + '\u{fffd}'.len_utf8())));
+            return Err(Diagnostic::new(
+                Problem::InvalidUtf8 { byte },
+                whole.part(at..at + '\u{fffd}'.len_utf8()),
+            ));
         }
         if has_bom {
             return Err(Diagnostic::new(Problem::ByteOrderMark, whole.part(0..'\u{feff}'.len_utf8())));
@@ -170,7 +174,10 @@ mod tests {
         let error = sources.add("a", b"ok\n\xff\xfe".to_vec()).expect_err("invalid");
         assert_eq!(error.problem, Problem::InvalidUtf8 { byte: 0xff });
         assert_eq!(sources.position(error.span), Position { line: 2, column: 1 });
-        assert_eq!(sources.add("b", "\u{feff}uint8 a".into()).expect_err("a BOM").problem, Problem::ByteOrderMark);
+        assert_eq!(
+            sources.add("b", "\u{feff}uint8 a".into()).expect_err("a BOM").problem,
+            Problem::ByteOrderMark
+        );
         let error = sources.add("c", vec![b' '; MAX_SOURCE_LEN + 1]).expect_err("too long");
         assert!(matches!(error.problem, Problem::SourceTooLong { .. }));
     }

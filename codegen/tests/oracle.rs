@@ -2,13 +2,14 @@
 
 mod support;
 
+use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
 use serde_json::{Value as Json, json};
 use uavspec_codegen::diagnostic::{has_errors, render};
 use uavspec_codegen::emit::inspect;
-use uavspec_codegen::schema::Schema;
+use uavspec_codegen::schema::{Form, Schema};
 
 fn oracle(path: &Path) -> Json {
     serde_json::from_str(&fs::read_to_string(path).expect("an oracle")).expect("JSON")
@@ -121,4 +122,48 @@ fn cdr_sizes_are_those_of_encoded_messages() {
             }
         }
     }
+}
+
+/// Code, abbreviation and what each refers to.
+type Codes = Vec<(u32, Option<String>, Vec<u32>)>;
+
+fn error_codes(path: &str, text: &str) -> Codes {
+    let (sources, schema, diagnostics) = support::texts(Form::Table, &[(path, text)]);
+    assert!(!has_errors(&diagnostics), "{}", render::render(&diagnostics, &sources, false));
+    let codes = schema.packages[0].error_tables.iter().flat_map(|table| &table.codes);
+    codes.map(|code| (code.code, code.abbreviation.clone(), code.see_also.clone())).collect()
+}
+
+#[test]
+fn the_error_codes_are_those_of_the_specification_in_each_form() {
+    let Some(page) = support::shared("spec/flockwave-error-codes.txt") else { return };
+    let page = fs::read_to_string(page).expect("the page");
+    let given = error_codes("page.txt", &page);
+    assert_eq!(given.len(), 62);
+    let (_, schema, _) = support::texts(Form::Table, &[("page.txt", &page)]);
+    let (mut markdown, mut bare, mut asciidoc) = (String::new(), String::new(), String::new());
+    for table in &schema.packages[0].error_tables {
+        let range = format!("{} (codes {}-{})", table.title, table.range.start(), table.range.end());
+        let _ = write!(markdown, "\n## {range}\n\n| Code | Abbr | Description |\n|--:|---|---|\n");
+        let _ = write!(bare, "\n## {range}\n\nCode | Abbr | Description\n--- | --- | ---\n");
+        let _ = write!(asciidoc, "\n== {range}\n\n|===\n|Code |Abbr |Description\n\n");
+        for code in &table.codes {
+            let (number, abbreviation) = (code.code, code.abbreviation.as_deref().unwrap_or_default());
+            let _ = writeln!(markdown, "| {number} | {abbreviation} | {} |", code.description);
+            let _ = writeln!(bare, "{number} | {abbreviation} | {}", code.description);
+            let _ = writeln!(asciidoc, "|{number}\n|{abbreviation}\n|{}\n", code.description);
+        }
+        asciidoc.push_str("|===\n");
+    }
+    assert_eq!(error_codes("page.md", &markdown), given);
+    assert_eq!(error_codes("page.md", &bare), given);
+    assert_eq!(error_codes("page.adoc", &asciidoc), given);
+    // Ours has one code more, and refers to others where the specification does, but for its slips.
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("../definitions/flockwave/error-codes.md");
+    let own = error_codes("page.md", &fs::read_to_string(own).expect("the definitions"));
+    let of = |codes: &Codes| -> Codes {
+        codes.iter().filter(|code| ![65, 72, 139, 142].contains(&code.0)).cloned().collect()
+    };
+    assert_eq!(of(&own), of(&given));
+    assert!(own.iter().any(|code| code.0 == 142));
 }

@@ -57,7 +57,10 @@ fn unknown_codes_are_kept_and_have_a_severity() {
 #[test]
 fn enums_and_flags_show_their_names() {
     assert_eq!(format!("{:?}", BatteryWarning::CRITICAL), "CRITICAL");
-    assert_eq!(format!("{:?} {:?}", BatteryWarning(200), BatteryWarning(200).name()), "BatteryWarning(200) None");
+    assert_eq!(
+        format!("{:?} {:?}", BatteryWarning(200), BatteryWarning(200).name()),
+        "BatteryWarning(200) None"
+    );
     let faults = BatteryFault::SPIKES | BatteryFault::OVER_CURRENT;
     assert_eq!(faults.0, 0b1010);
     assert!(faults.contains(BatteryFault::SPIKES) && faults.is_known());
@@ -105,16 +108,22 @@ mod json {
         battery.voltage_cell_v[3] = f32::INFINITY;
         let error = serde_json::to_string(&battery).expect_err("no JSON").to_string();
         assert!(error.contains("voltage_cell_v is inf"), "{error}");
-        let text = serde_json::to_string(&BatteryStatus::default()).expect("JSON").replace("\"temperature\":0.0", "\"temperature\":1e39");
+        let text = serde_json::to_string(&BatteryStatus::default())
+            .expect("JSON")
+            .replace("\"temperature\":0.0", "\"temperature\":1e39");
         assert!(serde_json::from_str::<BatteryStatus>(&text).is_err());
     }
 
     #[test]
     fn text_of_fixed_size_is_a_string() {
-        let reply = RegisterExtComponentReply { name: "Land".parse().expect("it fits"), ..Default::default() };
+        let reply =
+            RegisterExtComponentReply { name: "Land".parse().expect("it fits"), ..Default::default() };
         let text = serde_json::to_string(&reply).expect("JSON");
         assert!(text.contains("\"name\":\"Land\""), "{text}");
         assert_eq!(serde_json::from_str::<RegisterExtComponentReply>(&text).expect("a reply"), reply);
-        assert!(serde_json::from_str::<RegisterExtComponentReply>(&text.replace("Land", &"x".repeat(26))).is_err());
+        assert!(
+            serde_json::from_str::<RegisterExtComponentReply>(&text.replace("Land", &"x".repeat(26)))
+                .is_err()
+        );
     }
 }

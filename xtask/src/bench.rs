@@ -21,7 +21,9 @@ const RUNS: usize = 5;
 
 pub(crate) fn run(what: What) -> ExitCode {
     let result = match what {
-        What::Codegen => cargo(Path::new("."), &["bench", "--package", "uavspec-codegen", "--bench", "codegen"]),
+        What::Codegen => {
+            cargo(Path::new("."), &["bench", "--package", "uavspec-codegen", "--bench", "codegen"])
+        }
         What::Compile => compile(),
     };
     match result {
@@ -55,7 +57,8 @@ fn compile() -> Result<(), String> {
         format!("{}/*.msg", messages.display())
     );
     fs::write(folder.join("uavspec.toml"), config).map_err(at)?;
-    let generated = uavspec_codegen::cli::generate(folder.join("uavspec.toml")).map_err(|failure| failure.to_string())?;
+    let generated =
+        uavspec_codegen::cli::generate(folder.join("uavspec.toml")).map_err(|failure| failure.to_string())?;
     println!("{} definitions", generated.inputs.len() - 1);
     for (name, arguments) in [
         ("check", &["check", "--quiet"][..]),
@@ -73,7 +76,12 @@ fn compile() -> Result<(), String> {
             times.push(started.elapsed());
         }
         times.sort();
-        println!("{name}: {:.2} s (median of {RUNS}; {:.2} to {:.2})", seconds(times[RUNS / 2]), seconds(times[0]), seconds(times[RUNS - 1]));
+        println!(
+            "{name}: {:.2} s (median of {RUNS}; {:.2} to {:.2})",
+            seconds(times[RUNS / 2]),
+            seconds(times[0]),
+            seconds(times[RUNS - 1])
+        );
     }
     Ok(())
 }

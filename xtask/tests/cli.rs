@@ -38,7 +38,11 @@ fn write(folder: &TempDir, path: &str, text: &str) {
 }
 
 fn xtask(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_xtask")).args(arguments).current_dir(folder).output().expect("xtask runs")
+    Command::new(env!("CARGO_BIN_EXE_xtask"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .expect("xtask runs")
 }
 
 #[track_caller]
@@ -76,10 +80,16 @@ fn generates_checks_and_writes_only_what_changed() {
     assert!(!folder.path().join("out").exists(), "--check writes nothing");
     run(&folder, &["codegen"], 0);
     run(&folder, &["codegen", "--check"], 0);
-    let written = fs::metadata(folder.path().join("out/rust/demo/wind.rs")).expect("output").modified().expect("a time");
+    let written = fs::metadata(folder.path().join("out/rust/demo/wind.rs"))
+        .expect("output")
+        .modified()
+        .expect("a time");
     let errors = run(&folder, &["codegen"], 0);
     assert!(errors.contains(": 0 written, 0 removed"), "{errors}");
-    let untouched = fs::metadata(folder.path().join("out/rust/demo/wind.rs")).expect("output").modified().expect("a time");
+    let untouched = fs::metadata(folder.path().join("out/rust/demo/wind.rs"))
+        .expect("output")
+        .modified()
+        .expect("a time");
     assert_eq!(written, untouched);
     write(&folder, "msg/Wind.msg", &WIND.replace("60", "80"));
     let errors = run(&folder, &["codegen", "--check"], 1);
@@ -141,7 +151,8 @@ fn a_link_inside_the_output_is_not_followed() {
     let folder = workspace();
     fs::create_dir_all(folder.path().join("elsewhere")).expect("a folder");
     fs::create_dir_all(folder.path().join("out/rust")).expect("a folder");
-    std::os::unix::fs::symlink(folder.path().join("elsewhere"), folder.path().join("out/rust/demo")).expect("a link");
+    std::os::unix::fs::symlink(folder.path().join("elsewhere"), folder.path().join("out/rust/demo"))
+        .expect("a link");
     let errors = run(&folder, &["codegen"], 2);
     assert!(errors.contains("is a link"), "{errors}");
     assert!(tree(&folder.path().join("elsewhere")).is_empty());
@@ -153,7 +164,14 @@ fn mistakes_are_shown_all_at_once_and_nothing_is_written() {
     write(&folder, "msg/Wind.msg", "uint64 timestamp\nuint8 MODE = 300\nWnd peak\n");
     write(&folder, "msg/Gust.msg", "uint8[0] a\n");
     let errors = run(&folder, &["codegen"], 1);
-    for code in ["constant-out-of-range", "unknown-type", "zero-length", "did you mean", "msg/Wind.msg:2:14", "msg/Gust.msg:1:6"] {
+    for code in [
+        "constant-out-of-range",
+        "unknown-type",
+        "zero-length",
+        "did you mean",
+        "msg/Wind.msg:2:14",
+        "msg/Gust.msg:1:6",
+    ] {
         assert!(errors.contains(code), "{code} is missing in\n{errors}");
     }
     assert!(errors.contains("codegen: 3 errors in 2 of 2 files; nothing written"), "{errors}");
@@ -166,7 +184,11 @@ fn what_cannot_be_carried_out_is_status_2_with_a_hint() {
     fs::create_dir(folder.path().join("empty")).expect("a folder");
     write(&folder, "invalid.toml", "[[package]]\nname = \"demo\"\ndialekt = \"px4\"\n");
     write(&folder, "nothing.toml", "[output]\n");
-    write(&folder, "unmatched.toml", "[[package]]\nname = \"demo\"\ndialect = \"px4\"\ninclude = [\"nowhere/*.msg\"]\n");
+    write(
+        &folder,
+        "unmatched.toml",
+        "[[package]]\nname = \"demo\"\ndialect = \"px4\"\ninclude = [\"nowhere/*.msg\"]\n",
+    );
     let direct = ["codegen", "--package", "p", "--dialect", "px4", "--input"];
     for (arguments, expected) in [
         (&[&direct[..], &["empty", "--out", "o"]].concat()[..], "no definitions below empty"),
@@ -199,7 +221,19 @@ fn a_folder_or_bytes_in_place_of_a_definition_are_named() {
 #[test]
 fn works_without_a_configuration_file() {
     let folder = workspace();
-    let arguments = ["codegen", "--package", "demo", "--dialect", "px4", "--input", "msg", "--out", "made", "--emit", "rust,docs"];
+    let arguments = [
+        "codegen",
+        "--package",
+        "demo",
+        "--dialect",
+        "px4",
+        "--input",
+        "msg",
+        "--out",
+        "made",
+        "--emit",
+        "rust,docs",
+    ];
     run(&folder, &arguments, 0);
     assert!(folder.path().join("made/rust/mod.rs").exists());
     assert!(folder.path().join("made/docs/README.md").exists());
@@ -210,7 +244,8 @@ fn works_without_a_configuration_file() {
 #[test]
 fn inspect_prints_the_model() {
     let folder = workspace();
-    let output = xtask(folder.path(), &["inspect", "--package", "demo", "--dialect", "px4", "--input", "msg"]);
+    let output =
+        xtask(folder.path(), &["inspect", "--package", "demo", "--dialect", "px4", "--input", "msg"]);
     assert!(output.status.success());
     let model: Json = serde_json::from_slice(&output.stdout).expect("JSON");
     let wind = &model["packages"]["demo"]["messages"]["Wind"];

@@ -20,13 +20,17 @@ impl Crate {
         let repository = repository();
         let workspace = fs::read_to_string(repository.join("Cargo.toml")).expect("the workspace");
         // The lints of this workspace, word for word.
-        let lints = workspace.split("[workspace.lints").skip(1).map(|table| table.split("\n[profile").next().unwrap_or(table));
+        let lints = workspace
+            .split("[workspace.lints")
+            .skip(1)
+            .map(|table| table.split("\n[profile").next().unwrap_or(table));
         let lints: String = lints.map(|table| format!("[lints{table}")).collect();
         let runtime = repository.join("generated/runtime");
         let manifest = format!(
             "[package]\nname = \"{name}\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[features]\nserde = \
-             [\"uavspec-runtime/serde\"]\n\n[dependencies]\nuavspec-runtime = {{ path = {runtime:?} }}\nserde_json = \"1\"\n\n\
-             [workspace]\n\n{lints}"
+             [\"uavspec-runtime/serde\"]\n\n[dependencies]\nuavspec-runtime = {{ path = \"{}\" }}\nserde_json = \"1\"\n\n\
+             [workspace]\n\n{lints}",
+            runtime.display()
         );
         let result = Self { folder };
         result.write("Cargo.toml", &manifest);
@@ -43,7 +47,8 @@ impl Crate {
     fn generate(&self, packages: &str) {
         let config = format!("[output]\nrust = {{ path = \"src\", root = \"lib.rs\" }}\n{packages}");
         self.write("uavspec.toml", &config);
-        uavspec_codegen::cli::generate(self.folder.join("uavspec.toml")).unwrap_or_else(|failure| panic!("{failure}"));
+        uavspec_codegen::cli::generate(self.folder.join("uavspec.toml"))
+            .unwrap_or_else(|failure| panic!("{failure}"));
     }
 
     fn cargo(&self, arguments: &[&str]) -> String {
@@ -72,7 +77,8 @@ fn repository() -> PathBuf {
 }
 
 fn shared(path: &str) -> Option<PathBuf> {
-    let corpus = std::env::var_os("UAVSPEC_CORPUS").map_or_else(|| repository().join("../shared/corpus"), PathBuf::from);
+    let corpus = std::env::var_os("UAVSPEC_CORPUS")
+        .map_or_else(|| repository().join("../shared/corpus"), PathBuf::from);
     let found = corpus.parent()?.join(path);
     if found.exists() {
         return Some(fs::canonicalize(found).expect("a path"));
@@ -93,7 +99,10 @@ fn names_that_fight_the_language() {
         "uint8 type # [@enum SELF]\nuint8 self\nuint8 super\nuint8 crate\nuint8 gen\nuint8 Abc\nuint8 aBC\nuint8 fn\n\
          uint8 SELF_SELF = 1\nuint8 SELF_super = 2\nuint8 SELF_3D = 3\nuint8 SELF_ALSO_1 = 1\nuint8 self = 4\n",
     );
-    package.write("a/Mode.msg", "uint8 mode # [@enum MODE]\nuint8 MODE_A = 0\nuint8 NAME = 1\nuint8 VERSION = 2\nuint8 SIZE = 3\n");
+    package.write(
+        "a/Mode.msg",
+        "uint8 mode # [@enum MODE]\nuint8 MODE_A = 0\nuint8 NAME = 1\nuint8 VERSION = 2\nuint8 SIZE = 3\n",
+    );
     package.write("a/Option.msg", "Some some\nString string\nVec[2] vec\nDefault[40] default\n");
     for name in ["Some", "None", "String", "Vec", "Default", "Self", "Srv", "Box", "Result", "Message"] {
         package.write(&format!("a/{name}.msg"), "uint64 timestamp\n");
@@ -132,11 +141,17 @@ fn all_of_the_corpus() {
     let mut packages = String::new();
     for (name, release) in [("px4", "main"), ("px4_16", "1.16"), ("px4_15", "1.15")] {
         let include = format!("{}/px4/{release}/**/*", corpus.display());
-        let _ = write!(packages, "\n[[package]]\nname = \"{name}\"\ndialect = \"px4\"\ninclude = [{include:?}]\n");
+        let _ = write!(
+            packages,
+            "\n[[package]]\nname = \"{name}\"\ndialect = \"px4\"\ninclude = [{include:?}]\n"
+        );
     }
     for name in ["std_msgs", "builtin_interfaces", "geometry_msgs", "sensor_msgs", "diagnostic_msgs"] {
         let include = format!("{}/ros2/{name}/**/*", corpus.display());
-        let _ = write!(packages, "\n[[package]]\nname = \"{name}\"\ndialect = \"ros2\"\ninclude = [{include:?}]\n");
+        let _ = write!(
+            packages,
+            "\n[[package]]\nname = \"{name}\"\ndialect = \"ros2\"\ninclude = [{include:?}]\n"
+        );
     }
     package.generate(&packages);
     package.compiles();
@@ -192,7 +207,9 @@ fn json_is_that_of_other_tools(package: &Crate) {
 /// Equal, where a float may be written with the digits of a 32-bit or of a 64-bit one, or as an integer.
 fn same(left: &Json, right: &Json) -> bool {
     match (left, right) {
-        (Json::Array(left), Json::Array(right)) => left.len() == right.len() && left.iter().zip(right).all(|(l, r)| same(l, r)),
+        (Json::Array(left), Json::Array(right)) => {
+            left.len() == right.len() && left.iter().zip(right).all(|(l, r)| same(l, r))
+        }
         (Json::Object(left), Json::Object(right)) => {
             left.keys().eq(right.keys()) && left.iter().all(|(key, value)| same(value, &right[key]))
         }

@@ -60,7 +60,11 @@ fn the_workspace_of_the_readme_works() {
     cargo(&folder, &["xtask", "codegen", "--check"]);
     cargo(&folder, &["check", "--package", "messages"]);
     cargo(&folder, &["check", "--package", "messages", "--features", "serde"]);
-    for path in ["messages/src/generated/my_msgs/wind.rs", "schemas/my_msgs/Wind.schema.json", "docs/messages/my_msgs/Wind.md"] {
+    for path in [
+        "messages/src/generated/my_msgs/wind.rs",
+        "schemas/my_msgs/Wind.schema.json",
+        "docs/messages/my_msgs/Wind.md",
+    ] {
         assert!(folder.join(path).exists(), "{path} is missing");
     }
 }

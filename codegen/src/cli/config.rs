@@ -57,7 +57,10 @@ struct Outputs {
 
 /// An output: its folder, or a table of the folder and options.
 #[derive(Debug, Deserialize)]
-#[serde(untagged, expecting = "expected a path, or a table of `path` and `root` (rust), `base` (json_schema) or `title` (docs)")]
+#[serde(
+    untagged,
+    expecting = "expected a path, or a table of `path` and `root` (rust), `base` (json_schema) or `title` (docs)"
+)]
 enum Output<T> {
     Path(PathBuf),
     Table(T),
@@ -184,7 +187,8 @@ impl Config {
         if let Some(path) = path {
             return Self::read(path);
         }
-        let current = std::env::current_dir().map_err(|error| Failure::new(format!("the current folder: {error}")))?;
+        let current =
+            std::env::current_dir().map_err(|error| Failure::new(format!("the current folder: {error}")))?;
         let candidates = current.ancestors().flat_map(|folder| FILE_NAMES.map(|name| folder.join(name)));
         let found = candidates.into_iter().find(|candidate| candidate.is_file());
         let Some(found) = found else {
@@ -197,7 +201,8 @@ impl Config {
 
     fn read(path: &Path) -> Result<Self, Failure> {
         let shown = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|error| Failure::new(format!("{shown}: {error}")))?;
+        let text =
+            std::fs::read_to_string(path).map_err(|error| Failure::new(format!("{shown}: {error}")))?;
         let file: File = toml::from_str(&text).map_err(|error| unreadable(&shown, &text, &error))?;
         if file.packages.is_empty() {
             return Err(Failure::new(format!("{shown} names no package"))
@@ -240,9 +245,9 @@ impl Config {
                     DialectName::Table => Form::Table,
                 },
                 inputs: Inputs::Patterns { folder: folder.clone(), patterns: package.include },
-                select: package
-                    .select
-                    .map(|names| names.into_iter().map(|name| (name.get_ref().clone(), name.span())).collect()),
+                select: package.select.map(|names| {
+                    names.into_iter().map(|name| (name.get_ref().clone(), name.span())).collect()
+                }),
                 ros_package: package.ros_package,
                 origin: package.origin,
                 revision: package.revision,
@@ -277,7 +282,13 @@ fn unreadable(path: &str, text: &str, error: &toml::de::Error) -> Failure {
 
 impl Plan {
     /// A plan for one package, without a file.
-    pub(super) fn from_arguments(name: &str, form: Form, inputs: &[PathBuf], out: &Path, emit: &[Emitter]) -> Self {
+    pub(super) fn from_arguments(
+        name: &str,
+        form: Form,
+        inputs: &[PathBuf],
+        out: &Path,
+        emit: &[Emitter],
+    ) -> Self {
         let outputs = emit
             .iter()
             .map(|emitter| match emitter {

@@ -34,7 +34,12 @@ pub(super) struct Loaded {
 pub(super) fn load(plan: &Plan) -> Result<Loaded, Failure> {
     let mut loader = Loader {
         root: &plan.root,
-        loaded: Loaded { sources: SourceMap::default(), packages: Vec::new(), diagnostics: Vec::new(), files: Vec::new() },
+        loaded: Loaded {
+            sources: SourceMap::default(),
+            packages: Vec::new(),
+            diagnostics: Vec::new(),
+            files: Vec::new(),
+        },
         folders: BTreeMap::new(),
     };
     let config = match &plan.config {
@@ -97,7 +102,11 @@ impl Loader<'_> {
         by_name
             .into_iter()
             .map(|(name, files)| {
-                let name = if is_single { package.name.clone() } else { name.unwrap_or_else(|| package.name.clone()) };
+                let name = if is_single {
+                    package.name.clone()
+                } else {
+                    name.unwrap_or_else(|| package.name.clone())
+                };
                 if let Some((_, folder)) = files.first().and_then(|file| ros_package_of(file)) {
                     self.folders.insert(name.clone(), folder);
                 }
@@ -122,13 +131,17 @@ impl Loader<'_> {
     /// Reads packages that others refer to from the folders beside those, until none is missing that
     /// is there. Of these only what is referred to gets into the output.
     fn ros_dependencies(&mut self) -> Result<(), Failure> {
-        let mut tried: BTreeSet<String> = self.loaded.packages.iter().map(|package| package.name.clone()).collect();
+        let mut tried: BTreeSet<String> =
+            self.loaded.packages.iter().map(|package| package.name.clone()).collect();
         let mut from = 0;
         while from < self.loaded.packages.len() {
             let package = &self.loaded.packages[from];
-            let missing: Vec<String> =
-                referenced_packages(&self.loaded.sources, package).into_iter().filter(|name| !tried.contains(name)).collect();
-            let beside = self.folders.get(&package.name).and_then(|folder| folder.parent()).map(Path::to_path_buf);
+            let missing: Vec<String> = referenced_packages(&self.loaded.sources, package)
+                .into_iter()
+                .filter(|name| !tried.contains(name))
+                .collect();
+            let beside =
+                self.folders.get(&package.name).and_then(|folder| folder.parent()).map(Path::to_path_buf);
             from += 1;
             let Some(beside) = beside else { continue };
             for name in missing {
@@ -217,12 +230,15 @@ fn files_at(path: &Path, form: Form) -> Result<Vec<PathBuf>, Failure> {
     if metadata.is_dir() {
         let files = files_below(path, form)?;
         if files.is_empty() {
-            return Err(Failure::new(format!("no definitions below {}", path.display())).with_hint(wanted(form)));
+            return Err(
+                Failure::new(format!("no definitions below {}", path.display())).with_hint(wanted(form))
+            );
         }
         return Ok(files);
     }
     if !is_definition(path, form) {
-        return Err(Failure::new(format!("{} is no definition of this dialect", path.display())).with_hint(wanted(form)));
+        return Err(Failure::new(format!("{} is no definition of this dialect", path.display()))
+            .with_hint(wanted(form)));
     }
     Ok(vec![path.to_path_buf()])
 }
@@ -253,7 +269,11 @@ fn files_below(folder: &Path, form: Form) -> Result<Vec<PathBuf>, Failure> {
     Ok(files)
 }
 
-fn files_matching(folder: &Path, patterns: &[String], package: &PlannedPackage) -> Result<Vec<PathBuf>, Failure> {
+fn files_matching(
+    folder: &Path,
+    patterns: &[String],
+    package: &PlannedPackage,
+) -> Result<Vec<PathBuf>, Failure> {
     let mut files = Vec::new();
     for pattern in patterns {
         let (base, rest) = literal_base(pattern);
@@ -265,12 +285,16 @@ fn files_matching(folder: &Path, patterns: &[String], package: &PlannedPackage) 
             vec![base.clone()]
         } else if base.is_dir() {
             let below = files_below(&base, package.form)?;
-            below.into_iter().filter(|file| file.strip_prefix(&base).is_ok_and(|path| set.is_match(path))).collect()
+            below
+                .into_iter()
+                .filter(|file| file.strip_prefix(&base).is_ok_and(|path| set.is_match(path)))
+                .collect()
         } else {
             Vec::new()
         };
         if matching.is_empty() {
-            let message = format!("package {}: `{pattern}` matches no file in {}", package.name, folder.display());
+            let message =
+                format!("package {}: `{pattern}` matches no file in {}", package.name, folder.display());
             return Err(Failure::new(message).with_hint(wanted(package.form)));
         }
         files.append(&mut matching);
@@ -300,5 +324,9 @@ fn unreadable(path: &Path, error: &std::io::Error) -> Failure {
 /// A path as diagnostics and output show it: below the root, with `/` on every system.
 fn shown(path: &Path, root: &Path) -> String {
     let path = path.strip_prefix(root).unwrap_or(path);
-    path.components().map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/").replace("//", "/")
+    path.components()
+        .map(|part| part.as_os_str().to_string_lossy())
+        .collect::<Vec<_>>()
+        .join("/")
+        .replace("//", "/")
 }

@@ -79,7 +79,8 @@ pub(super) fn write(folders: &[Folder]) -> Result<Vec<Difference>, Failure> {
     let changes = changes_of_all(folders)?;
     // All is staged before anything is put in place, so that a full disk leaves all as it was.
     let stale: Vec<&Changes<'_>> = changes.iter().filter(|change| change.is_any()).collect();
-    let staged = side_by_side(&stale, |change| stage(change).map_err(|error| unwritable(change.folder, &error)))?;
+    let staged =
+        side_by_side(&stale, |change| stage(change).map_err(|error| unwritable(change.folder, &error)))?;
     let staged: Vec<_> = stale.into_iter().zip(staged).collect();
     side_by_side(&staged, |(change, stage)| {
         commit(change, stage.path()).map_err(|error| unwritable(change.folder, &error))
@@ -115,7 +116,8 @@ fn changes_of_all(folders: &[Folder]) -> Result<Vec<Changes<'_>>, Failure> {
 fn changes_of(folder: &Folder) -> Result<Changes<'_>, Failure> {
     let path = &folder.path;
     if path.exists() && !path.is_dir() {
-        return Err(Failure::new(format!("{} is not a folder", path.display())).with_hint("name a folder for the output"));
+        return Err(Failure::new(format!("{} is not a folder", path.display()))
+            .with_hint("name a folder for the output"));
     }
     let (owned, listed) = read_manifest(path)?;
     let mut paths: Vec<&str> = folder.files.iter().map(|file| file.path.as_str()).collect();
@@ -128,12 +130,18 @@ fn changes_of(folder: &Folder) -> Result<Changes<'_>, Failure> {
         refuse_links(path, &relative)?;
         match fs::read(&full) {
             Ok(bytes) if bytes == file.text.as_bytes() => {}
-            Ok(bytes) if owned.contains(&relative) || is_marked(&bytes) => write.push((relative, file.text.as_str(), true)),
+            Ok(bytes) if owned.contains(&relative) || is_marked(&bytes) => {
+                write.push((relative, file.text.as_str(), true));
+            }
             Ok(_) => {
                 let message = format!("{} exists and was not generated", full.display());
-                return Err(Failure::new(message).with_hint("move it away, or choose another folder for the output"));
+                return Err(
+                    Failure::new(message).with_hint("move it away, or choose another folder for the output")
+                );
             }
-            Err(error) if error.kind() == ErrorKind::NotFound => write.push((relative, file.text.as_str(), false)),
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                write.push((relative, file.text.as_str(), false));
+            }
             Err(error) => return Err(unwritable(&full, &error)),
         }
     }
@@ -145,7 +153,13 @@ fn changes_of(folder: &Folder) -> Result<Changes<'_>, Failure> {
             remove.push(orphan);
         }
     }
-    Ok(Changes { folder: path, write, remove, is_manifest_stale: listed.as_deref() != Some(&manifest), manifest })
+    Ok(Changes {
+        folder: path,
+        write,
+        remove,
+        is_manifest_stale: listed.as_deref() != Some(&manifest),
+        manifest,
+    })
 }
 
 /// The files that an earlier run wrote, and the manifest as it is. Lines that lead out of the folder
@@ -213,5 +227,6 @@ fn commit(change: &Changes<'_>, stage: &Path) -> io::Result<()> {
 }
 
 fn unwritable(path: &Path, error: &io::Error) -> Failure {
-    Failure::new(format!("{}: {error}", path.display())).with_hint("nothing was put in place; check that the folder can be written")
+    Failure::new(format!("{}: {error}", path.display()))
+        .with_hint("nothing was put in place; check that the folder can be written")
 }

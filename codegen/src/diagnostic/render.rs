@@ -93,7 +93,10 @@ fn quote(
     Snippet::source(&text[first..last])
         .path(sources.path(sources.source_of(span)))
         .line_start(sources.position(span).line)
-        .annotation(kind.span(range.start - first..end.clamp(range.start, last) - first).label((!label.is_empty()).then_some(label)))
+        .annotation(
+            kind.span(range.start - first..end.clamp(range.start, last) - first)
+                .label((!label.is_empty()).then_some(label)),
+        )
 }
 
 /// The part of an overlong line that is worth quoting.

@@ -2,7 +2,9 @@
 
 use serde_json::{Map, Value as Json, json};
 
-use crate::schema::{Constant, Element, Field, Interface, Message, MessageId, Package, Range, Schema, Special, Type};
+use crate::schema::{
+    Constant, Element, Field, Interface, Message, MessageId, Package, Range, Schema, Special, Type,
+};
 use crate::unit;
 use crate::value::Value;
 
@@ -15,7 +17,9 @@ pub fn schema(schema: &Schema) -> Json {
 
 fn package(schema: &Schema, package: &Package) -> Json {
     let messages = |ids: &[MessageId]| -> Map<String, Json> {
-        ids.iter().map(|id| (schema.message(*id).name.clone(), message(schema, schema.message(*id)))).collect()
+        ids.iter()
+            .map(|id| (schema.message(*id).name.clone(), message(schema, schema.message(*id))))
+            .collect()
     };
     let interfaces = |name: &str| -> Map<String, Json> {
         let of_kind = package.interfaces.iter().filter(|interface| interface.kind.name() == name);
@@ -139,5 +143,6 @@ pub(crate) fn value(value: &Value) -> Json {
 
 /// An integer of at most 64 bits, as all values of fields and constants are.
 pub(crate) fn integer(value: i128) -> Json {
-    i64::try_from(value).map_or_else(|_| json!(u64::try_from(value).unwrap_or(u64::MAX)), |value| json!(value))
+    i64::try_from(value)
+        .map_or_else(|_| json!(u64::try_from(value).unwrap_or(u64::MAX)), |value| json!(value))
 }

@@ -116,7 +116,9 @@ pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<Outp
     let mut root_scope = Scope::default();
     let mut packages = Vec::new();
     for package in &schema.packages {
-        let has_content = !package.messages.is_empty() || !package.interfaces.is_empty() || !package.error_tables.is_empty();
+        let has_content = !package.messages.is_empty()
+            || !package.interfaces.is_empty()
+            || !package.error_tables.is_empty();
         if has_content {
             let module = root_scope.unique(&module_name(&package.name));
             let modules = name_modules(&mut context, package, &module);
@@ -176,14 +178,20 @@ fn name_modules(context: &mut Context<'_>, package: &Package, module: &str) -> M
 /// Gives a message its place, and its enums names in `scope`, that of the module.
 fn set_place(context: &mut Context<'_>, id: MessageId, place: Place, scope: &mut Scope) {
     let message = context.schema.message(id);
-    let names: Vec<String> = message.enums.iter().map(|found| {
-        let prefix = found.prefixes.first().map_or("Value", String::as_str);
-        let user = message.fields.iter().find(|field| {
-            field.enumeration.is_some_and(|reference| reference.message == id && message.enums[reference.index] == *found)
-        });
-        let fallback = user.map_or_else(|| format!("{prefix}_value"), |field| field.name.clone());
-        scope.first_free_type(&[identifier::pascal_case(prefix), identifier::pascal_case(&fallback)])
-    }).collect();
+    let names: Vec<String> = message
+        .enums
+        .iter()
+        .map(|found| {
+            let prefix = found.prefixes.first().map_or("Value", String::as_str);
+            let user = message.fields.iter().find(|field| {
+                field.enumeration.is_some_and(|reference| {
+                    reference.message == id && message.enums[reference.index] == *found
+                })
+            });
+            let fallback = user.map_or_else(|| format!("{prefix}_value"), |field| field.name.clone());
+            scope.first_free_type(&[identifier::pascal_case(prefix), identifier::pascal_case(&fallback)])
+        })
+        .collect();
     context.enum_names[id.0 as usize] = names;
     context.places[id.0 as usize] = Some(place);
 }
@@ -225,7 +233,12 @@ fn root(packages: &[(&Package, String, Modules)], options: &Options) -> String {
     header("the definitions") + &layout_file(tokens)
 }
 
-fn package_files(context: &Context<'_>, package: &Package, module: &str, modules: &Modules) -> Vec<OutputFile> {
+fn package_files(
+    context: &Context<'_>,
+    package: &Package,
+    module: &str,
+    modules: &Modules,
+) -> Vec<OutputFile> {
     let mut files = Vec::new();
     let mut lines = vec![format!("Package `{}`, in the {} dialect.", package.name, package.form.name())];
     if let Some(origin) = &package.origin {
@@ -236,7 +249,10 @@ fn package_files(context: &Context<'_>, package: &Package, module: &str, modules
     }
     let doc = inner_documentation(&lines.join("\n\n"));
     let messages = modules.messages.iter().map(|(_, place)| {
-        let doc = documentation(&format!("[`{0}`](struct@{0}) and the types of its fields.", ident(&place.type_name)));
+        let doc = documentation(&format!(
+            "[`{0}`](struct@{0}) and the types of its fields.",
+            ident(&place.type_name)
+        ));
         re_export(&doc, &place.modules[1], [&place.type_name])
     });
     let kinds: Vec<TokenStream> = [("srv", "Services."), ("action", "Actions.")]
@@ -262,14 +278,18 @@ fn package_files(context: &Context<'_>, package: &Package, module: &str, modules
         let of_kind: Vec<&InterfaceModule> =
             modules.interfaces.iter().filter(|interface| interface.kind == kind).collect();
         if !of_kind.is_empty() {
-            files.push(OutputFile { path: format!("{module}/{kind}.rs"), text: kind_module(package, &of_kind) });
+            files.push(OutputFile {
+                path: format!("{module}/{kind}.rs"),
+                text: kind_module(package, &of_kind),
+            });
         }
     }
     for interface in &modules.interfaces {
         let path = format!("{module}/{}/{}.rs", interface.kind, interface.module);
         let from = &package.interfaces[interface.index];
         let doc = inner_documentation(&format!("The parts of {}.", prose::code(&from.name)));
-        let parts: Vec<TokenStream> = interface.parts.iter().map(|(id, _)| message::tokens(context, *id)).collect();
+        let parts: Vec<TokenStream> =
+            interface.parts.iter().map(|(id, _)| message::tokens(context, *id)).collect();
         let source = context.sources.path(context.sources.source_of(from.span));
         files.push(OutputFile { path, text: header(source) + &layout_file(quote!(#doc #(#parts)*)) });
     }
@@ -280,13 +300,20 @@ fn kind_module(package: &Package, interfaces: &[&InterfaceModule]) -> String {
     let what = if interfaces[0].kind == "srv" { "Services" } else { "Actions" };
     let doc = inner_documentation(&format!("{what} of package `{}`.", package.name));
     let modules = interfaces.iter().map(|interface| {
-        let doc = documentation(&format!("The parts of {}.", prose::code(&package.interfaces[interface.index].name)));
+        let doc = documentation(&format!(
+            "The parts of {}.",
+            prose::code(&package.interfaces[interface.index].name)
+        ));
         re_export(&doc, &interface.module, interface.parts.iter().map(|(_, name)| name))
     });
     header(&format!("the definitions of package {}", package.name)) + &layout_file(quote!(#doc #(#modules)*))
 }
 
-fn re_export<'n>(doc: &TokenStream, module: &str, names: impl IntoIterator<Item = &'n String>) -> TokenStream {
+fn re_export<'n>(
+    doc: &TokenStream,
+    module: &str,
+    names: impl IntoIterator<Item = &'n String>,
+) -> TokenStream {
     let module = ident(module);
     let names = names.into_iter().map(|name| ident(name));
     quote!(#doc pub mod #module; pub use self::#module::{#(#names),*};)
@@ -300,7 +327,10 @@ fn message_files(context: &Context<'_>) -> Vec<OutputFile> {
         let place = context.place(*id);
         let message = context.schema.message(*id);
         let source = context.sources.path(context.sources.source_of(message.span));
-        let doc = inner_documentation(&format!("[`{0}`](struct@{0}) and the types of its fields.", ident(&place.type_name)));
+        let doc = inner_documentation(&format!(
+            "[`{0}`](struct@{0}) and the types of its fields.",
+            ident(&place.type_name)
+        ));
         let tokens = message::tokens(context, *id);
         let path = format!("{}.rs", place.modules.join("/"));
         OutputFile { path, text: header(source) + &layout_file(quote!(#doc #tokens)) }
@@ -308,10 +338,14 @@ fn message_files(context: &Context<'_>) -> Vec<OutputFile> {
     let workers = thread::available_parallelism().map_or(1, NonZero::get);
     let share = ids.len().div_ceil(workers).max(1);
     thread::scope(|scope| {
-        let work: Vec<_> =
-            ids.chunks(share).map(|ids| scope.spawn(move || ids.iter().map(file).collect::<Vec<_>>())).collect();
+        let work: Vec<_> = ids
+            .chunks(share)
+            .map(|ids| scope.spawn(move || ids.iter().map(file).collect::<Vec<_>>()))
+            .collect();
         // A panic in a worker is a defect here, and goes on in the caller.
-        work.into_iter().flat_map(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
+        work.into_iter()
+            .flat_map(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+            .collect()
     })
 }
 
@@ -370,7 +404,9 @@ fn space_out(item: &str, text: &mut String) {
     for line in item.lines() {
         let code = line.trim_start();
         let depth = line.len() - code.len();
-        let starts_item = ["fn ", "pub ", "impl ", "impl<", "const ", "///", "#[", "::"].iter().any(|start| code.starts_with(start));
+        let starts_item = ["fn ", "pub ", "impl ", "impl<", "const ", "///", "#[", "::"]
+            .iter()
+            .any(|start| code.starts_with(start));
         if closed_at == Some(depth) && depth > 0 && starts_item {
             text.push('\n');
         }

@@ -7,6 +7,7 @@ use std::borrow::Cow;
 
 use uavspec_runtime::Scalar;
 
+use super::is_identifier;
 use super::literal::{LiteralError, parse_scalar};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::Span;
@@ -186,7 +187,9 @@ impl<'s> Reader<'s, '_> {
         let mut from = self.at;
         // Past the last end of a bracket nothing is left to be found.
         let last = self.text.rfind([']', ')']).unwrap_or(0);
-        while let Some(start) = self.text[from..].find(['[', '(']).map(|at| from + at).filter(|start| *start < last) {
+        while let Some(start) =
+            self.text[from..].find(['[', '(']).map(|at| from + at).filter(|start| *start < last)
+        {
             from = start + 1;
             if !self.text[from..].starts_with('@') {
                 continue;
@@ -224,7 +227,8 @@ impl<'s> Reader<'s, '_> {
         }
         let mut statement = statement;
         if let Statement::Range { low, high } = &mut statement
-            && let (Some(least), Some(greatest)) = (low.as_ref().and_then(Value::as_f64), high.as_ref().and_then(Value::as_f64))
+            && let (Some(least), Some(greatest)) =
+                (low.as_ref().and_then(Value::as_f64), high.as_ref().and_then(Value::as_f64))
             && least > greatest
         {
             std::mem::swap(low, high);
@@ -325,7 +329,9 @@ fn prefixes(argument: &str) -> Option<Vec<Prefix<'_>>> {
         })
         .collect();
     // An enum has one owner.
-    prefixes.filter(|prefixes| prefixes.first().is_some_and(|first| prefixes.iter().all(|prefix| prefix.message == first.message)))
+    prefixes.filter(|prefixes| {
+        prefixes.first().is_some_and(|first| prefixes.iter().all(|prefix| prefix.message == first.message))
+    })
 }
 
 fn range(argument: &str) -> Option<Statement<'_>> {
@@ -363,7 +369,9 @@ fn parse_number(text: &str) -> Result<Value, LiteralError> {
         };
         return Ok(Value::Float(factor * std::f64::consts::PI));
     }
-    parse_scalar(text, Scalar::Int64).or_else(|_| parse_scalar(text, Scalar::UInt64)).or_else(|_| parse_scalar(text, Scalar::Float64))
+    parse_scalar(text, Scalar::Int64)
+        .or_else(|_| parse_scalar(text, Scalar::UInt64))
+        .or_else(|_| parse_scalar(text, Scalar::Float64))
 }
 
 fn special(argument: &str) -> Option<Special<'_>> {
@@ -384,16 +392,14 @@ fn looks_like_unit(content: &str) -> bool {
     starts
         && content.len() <= MAX_UNIT_LEN
         && words <= 3
-        && content.chars().all(|c| c.is_alphanumeric() || matches!(c, '/' | '^' | '(' | ')' | '%' | '°' | '*' | '-' | ' '))
+        && content
+            .chars()
+            .all(|c| c.is_alphanumeric() || matches!(c, '/' | '^' | '(' | ')' | '%' | '°' | '*' | '-' | ' '))
 }
 
 fn split_word(text: &str) -> (&str, &str) {
     let end = text.find([' ', '\t']).unwrap_or(text.len());
     (&text[..end], text[end..].trim())
-}
-
-fn is_identifier(text: &str) -> bool {
-    text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
 }
 
 #[cfg(test)]
@@ -404,17 +410,25 @@ mod tests {
         let mut diagnostics = Vec::new();
         let note = read(text, Span::default(), &mut diagnostics);
         let codes = diagnostics.iter().map(|diagnostic| diagnostic.problem.code()).collect();
-        (note.annotations.into_iter().map(|annotation| annotation.statement).collect(), note.text.into_owned(), codes)
+        (
+            note.annotations.into_iter().map(|annotation| annotation.statement).collect(),
+            note.text.into_owned(),
+            codes,
+        )
     }
 
+    #[allow(clippy::unnecessary_wraps)] // bounds are optional
     fn int(value: i128) -> Option<Value> {
         Some(Value::Int(value))
     }
 
     #[test]
     fn any_number_at_the_head_in_any_order() {
-        let (found, text, codes) = statements(" [@invalid NaN if lost] [meters/second] [@range -1 (Left), 1 (Right)] speed [up]");
-        assert!(matches!(&found[0], Statement::Invalid(Special { value: SpecialValue::Number(Value::Float(v)), text: "if lost" }) if v.is_nan()));
+        let (found, text, codes) =
+            statements(" [@invalid NaN if lost] [meters/second] [@range -1 (Left), 1 (Right)] speed [up]");
+        assert!(
+            matches!(&found[0], Statement::Invalid(Special { value: SpecialValue::Number(Value::Float(v)), text: "if lost" }) if v.is_nan())
+        );
         assert_eq!(found[1..], [Statement::Unit("m/s"), Statement::Range { low: int(-1), high: int(1) }]);
         assert_eq!((text.as_str(), codes.len()), ("speed [up]", 0));
     }
@@ -424,7 +438,10 @@ mod tests {
         let range = |text| statements(text).0.remove(0);
         assert_eq!(range("[@range 1,]"), Statement::Range { low: int(1), high: None });
         assert_eq!(range("[@range 0, INF]"), Statement::Range { low: int(0), high: None });
-        assert_eq!(range("[@range -inf (Backwards), inf (Forwards)]"), Statement::Range { low: None, high: None });
+        assert_eq!(
+            range("[@range -inf (Backwards), inf (Forwards)]"),
+            Statement::Range { low: None, high: None }
+        );
         let pi = std::f64::consts::PI;
         let expected = Statement::Range { low: Some(Value::Float(-pi)), high: Some(Value::Float(2.0 * pi)) };
         assert_eq!(range("[@range -pi, 2PI]"), expected);
@@ -438,7 +455,11 @@ mod tests {
             ("[FRD] x", Statement::Frame("FRD")),
             ("[0,1] x", Statement::Range { low: int(0), high: int(1) }),
         ] {
-            assert_eq!(statements(text), (vec![expected], "x".into(), vec!["annotation-near-miss"]), "{text}");
+            assert_eq!(
+                statements(text),
+                (vec![expected], "x".into(), vec!["annotation-near-miss"]),
+                "{text}"
+            );
         }
         let (found, text, codes) = statements("Speed [@range 0, 2] of it");
         assert_eq!(found, [Statement::Range { low: int(0), high: int(2) }]);
@@ -447,7 +468,17 @@ mod tests {
 
     #[test]
     fn what_is_no_annotation_stays_text() {
-        for text in ["[1-99]: reserved", "[-PI..PI) yaw", "(@see Other)", "x [0, 1]", "[", "[]", "x (", "[1..255] id", "[page](http://x.org) y"] {
+        for text in [
+            "[1-99]: reserved",
+            "[-PI..PI) yaw",
+            "(@see Other)",
+            "x [0, 1]",
+            "[",
+            "[]",
+            "x (",
+            "[1..255] id",
+            "[page](http://x.org) y",
+        ] {
             assert_eq!(statements(text), (vec![], text.into(), vec![]), "{text}");
         }
         let (found, text, codes) = statements("[@todo later] x");

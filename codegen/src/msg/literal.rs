@@ -50,7 +50,11 @@ pub fn is_portable(text: &str, value: &Value) -> bool {
     match value {
         Value::Bool(_) => matches!(text, "True" | "False" | "0" | "1"),
         Value::Float(value) => value.fract() == 0.0,
-        _ => text.strip_prefix(['+', '-']).unwrap_or(text).bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'_')),
+        _ => text
+            .strip_prefix(['+', '-'])
+            .unwrap_or(text)
+            .bytes()
+            .all(|byte| matches!(byte, b'0'..=b'9' | b'_')),
     }
 }
 
@@ -107,7 +111,8 @@ fn parse_float(text: &str, scalar: Scalar) -> Result<Value, LiteralError> {
     let names_infinity = text.to_ascii_lowercase().contains("inf");
     if value.abs() > greatest && !names_infinity {
         // In its own precision: the digits that tell it from its neighbours.
-        let greatest = if scalar == Scalar::Float32 { format!("{:e}", f32::MAX) } else { format!("{:e}", f64::MAX) };
+        let greatest =
+            if scalar == Scalar::Float32 { format!("{:e}", f32::MAX) } else { format!("{:e}", f64::MAX) };
         return Err(LiteralError::Range { least: format!("-{greatest}"), greatest });
     }
     Ok(Value::Float(value))
@@ -163,7 +168,9 @@ mod tests {
     #[test]
     fn integers_take_sign_base_and_underscores() {
         let int = |text| parse_scalar(text, Scalar::Int64);
-        for (text, value) in [("010", 10), ("+1", 1), ("-0x1", -1), ("0X1f", 31), ("0b1_01", 5), ("0o17", 15), ("1_000", 1000)] {
+        for (text, value) in
+            [("010", 10), ("+1", 1), ("-0x1", -1), ("0X1f", 31), ("0b1_01", 5), ("0o17", 15), ("1_000", 1000)]
+        {
             assert_eq!(int(text), Ok(Value::Int(value)), "{text}");
         }
         for text in ["", "-", "0x", "1__0", "_1", "1_", "- 1", "1.0", "1e3", "A", "'1'", "1 << 2"] {

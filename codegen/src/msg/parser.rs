@@ -2,9 +2,11 @@
 
 use uavspec_runtime::Scalar;
 
-use super::ast::{Comment, Constant, ConstantType, Definition, Element, Field, Item, Line, Name, Part, Shape, Type};
+use super::ast::{
+    Comment, Constant, ConstantType, Definition, Element, Field, Item, Line, Name, Part, Shape, Type,
+};
 use super::literal::{self, LiteralError};
-use super::{Dialect, Kind, annotation, characters};
+use super::{Dialect, Kind, annotation, characters, is_identifier};
 use crate::diagnostic::{Diagnostic, Problem, has_errors};
 use crate::source::Span;
 use crate::value::Value;
@@ -15,7 +17,12 @@ const MAX_LENGTH: u32 = 16 << 20;
 /// After this many lines that can't be read, the rest is left unread: the file is no definition.
 const MAX_BAD_LINES: usize = 1_000;
 
-pub(super) fn parse(text: &str, span: Span, kind: Kind, dialect: Dialect) -> (Definition<'_>, Vec<Diagnostic>) {
+pub(super) fn parse(
+    text: &str,
+    span: Span,
+    kind: Kind,
+    dialect: Dialect,
+) -> (Definition<'_>, Vec<Diagnostic>) {
     let mut diagnostics = Vec::new();
     let mut parts = vec![Part::default()];
     let expected = kind.part_suffixes().len();
@@ -127,7 +134,9 @@ impl<'s> LineParser<'s, '_> {
         let diagnostic = Diagnostic::new(Problem::MissingName { type_name: type_text.to_owned() }, span);
         let odd_blank = type_text.chars().find(|c| c.is_whitespace());
         self.diagnostics.push(match odd_blank {
-            Some(c) => diagnostic.with_hint(format!("U+{:04X} divides no words here: write a blank", u32::from(c))),
+            Some(c) => {
+                diagnostic.with_hint(format!("U+{:04X} divides no words here: write a blank", u32::from(c)))
+            }
             None => diagnostic,
         });
         Broken
@@ -149,14 +158,18 @@ impl<'s> LineParser<'s, '_> {
         if rest.starts_with('[') {
             let problem = Problem::ArrayAfterName { name: identifier.to_owned() };
             let hint = match rest.find(']') {
-                Some(end) if end + 1 == rest.len() => format!("it belongs to the type: `{type_text}{rest} {identifier}`"),
+                Some(end) if end + 1 == rest.len() => {
+                    format!("it belongs to the type: `{type_text}{rest} {identifier}`")
+                }
                 _ => problem.hint(),
             };
             return Err(self.report_with(problem, span, hint));
         }
         let problem = Problem::InvalidName { name: text.to_owned() };
         Err(match rest {
-            ";" => self.report_with(problem, span, "remove the `;`: the end of the line ends the declaration"),
+            ";" => {
+                self.report_with(problem, span, "remove the `;`: the end of the line ends the declaration")
+            }
             _ => self.report(problem, span),
         })
     }
@@ -224,7 +237,10 @@ impl<'s> LineParser<'s, '_> {
         match digits.parse::<u32>() {
             Ok(0) => Err(self.report(Problem::ZeroLength, span)),
             Ok(length) if length <= MAX_LENGTH => Ok(length),
-            _ => Err(self.report(Problem::TooLarge { what: format!("`{whole}`"), max: MAX_LENGTH.into() }, span)),
+            _ => {
+                Err(self
+                    .report(Problem::TooLarge { what: format!("`{whole}`"), max: MAX_LENGTH.into() }, span))
+            }
         }
     }
 
@@ -240,7 +256,11 @@ impl<'s> LineParser<'s, '_> {
             None => (text, None),
         };
         if matches!(base, "string" | "wstring") {
-            self.only_in_ros2(&format!("type `{text}`"), span, "write `char[16]`, with as many bytes as the text may have")?;
+            self.only_in_ros2(
+                &format!("type `{text}`"),
+                span,
+                "write `char[16]`, with as many bytes as the text may have",
+            )?;
             let bound = match bound {
                 Some(digits) => Some(self.length(digits, text, span)?),
                 None => None,
@@ -256,19 +276,21 @@ impl<'s> LineParser<'s, '_> {
             Some((package, name)) => (Some(package), name),
             None => (None, text),
         };
-        let is_identifier = |text: &str| {
-            text.starts_with(|c: char| c.is_ascii_alphabetic())
-                && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
-        };
         if !is_identifier(name) || !package.is_none_or(is_identifier) {
             let problem = Problem::InvalidType { text: text.to_owned() };
             return Err(match (package, name.strip_prefix("msg/")) {
-                (Some(package), Some(name)) => self.report_with(problem, span, format!("write `{package}/{name}`")),
+                (Some(package), Some(name)) => {
+                    self.report_with(problem, span, format!("write `{package}/{name}`"))
+                }
                 _ => self.report(problem, span),
             });
         }
         if package.is_some() {
-            self.only_in_ros2("messages of other packages", span, "name the message alone, and add its definition to this package")?;
+            self.only_in_ros2(
+                "messages of other packages",
+                span,
+                "name the message alone, and add its definition to this package",
+            )?;
         }
         Ok(Element::Message { package, name })
     }
@@ -333,7 +355,10 @@ impl<'s> LineParser<'s, '_> {
         };
         for range in quoted.unknown_escapes {
             let escape = self.line[start + range.start..start + range.end].to_owned();
-            self.report(Problem::UnknownEscape { escape }, self.span.part(start + range.start..start + range.end));
+            self.report(
+                Problem::UnknownEscape { escape },
+                self.span.part(start + range.start..start + range.end),
+            );
         }
         self.at += quoted.len;
         Ok(quoted.value)
@@ -358,9 +383,10 @@ impl<'s> LineParser<'s, '_> {
                 let problem = Problem::InvalidLiteral { text: text.to_owned(), type_name };
                 Err(self.report_with(problem, span, literal::form(scalar)))
             }
-            Err(LiteralError::Range { least, greatest }) => {
-                Err(self.report(Problem::ConstantOutOfRange { text: text.to_owned(), type_name, least, greatest }, span))
-            }
+            Err(LiteralError::Range { least, greatest }) => Err(self.report(
+                Problem::ConstantOutOfRange { text: text.to_owned(), type_name, least, greatest },
+                span,
+            )),
         }
     }
 

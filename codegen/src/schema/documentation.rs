@@ -155,13 +155,16 @@ impl<'s> Reader<'s> {
         }
         let note = line.comment.as_ref().and_then(|comment| comment.note.as_ref());
         let trailing = note.map_or("", |note| note.text.as_ref());
-        self.commentary.items.push(ItemDocs { description: join([trailing, &lead], "\n\n"), group: self.group });
+        self.commentary
+            .items
+            .push(ItemDocs { description: join([trailing, &lead], "\n\n"), group: self.group });
         self.is_after_item = true;
     }
 
     /// Takes a line `# TOPICS a b` of a px4 message.
     fn topics(&mut self, comment: &Comment<'s>, dialect: Dialect) -> bool {
-        let Some(list) = comment.text.strip_prefix(" TOPICS ").filter(|_| dialect == Dialect::Px4 && comment.column == 0)
+        let Some(list) =
+            comment.text.strip_prefix(" TOPICS ").filter(|_| dialect == Dialect::Px4 && comment.column == 0)
         else {
             return false;
         };

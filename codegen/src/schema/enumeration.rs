@@ -42,7 +42,10 @@ pub struct Member {
 impl Enum {
     /// The member whose name stands for `member`'s value, where that is another one.
     pub fn alias_of(&self, member: &Member) -> Option<&Member> {
-        self.members.iter().find(|other| other.value == member.value).filter(|other| other.name != member.name)
+        self.members
+            .iter()
+            .find(|other| other.value == member.value)
+            .filter(|other| other.name != member.name)
     }
 }
 
@@ -98,7 +101,13 @@ impl ByPrefix {
     }
 
     /// Gathers the enum of `prefixes`.
-    pub(super) fn gather(&self, message: &Message, prefixes: &[String], scalar: Scalar, is_flags: bool) -> Candidate {
+    pub(super) fn gather(
+        &self,
+        message: &Message,
+        prefixes: &[String],
+        scalar: Scalar,
+        is_flags: bool,
+    ) -> Candidate {
         let distinct: BTreeSet<&String> = prefixes.iter().collect();
         let mut members: Vec<Member> =
             distinct.into_iter().filter_map(|prefix| self.members.get(prefix)).flatten().cloned().collect();

@@ -43,7 +43,9 @@ pub(super) fn message_hash(schema: &Schema, message: &Message) -> u32 {
                 open.push(nested.fields.iter());
             }
             Element::Scalar(scalar) => hash.update(scalar.name()),
-            Element::String { .. } => hash.update(&schema.type_text(message, Type { shape: Shape::Single, ..field.ty })),
+            Element::String { .. } => {
+                hash.update(&schema.type_text(message, Type { shape: Shape::Single, ..field.ty }));
+            }
         }
         hash.update(&shape_text(field.ty.shape));
         hash.update(" ");
@@ -95,11 +97,23 @@ struct DescribedField {
 
 impl DescribedField {
     fn scalar(name: &str, scalar: Scalar) -> Self {
-        Self { name: name.to_owned(), type_id: type_id::of(scalar), capacity: 0, string_capacity: 0, nested: String::new() }
+        Self {
+            name: name.to_owned(),
+            type_id: type_id::of(scalar),
+            capacity: 0,
+            string_capacity: 0,
+            nested: String::new(),
+        }
     }
 
     fn nested(name: &str, type_name: String) -> Self {
-        Self { name: name.to_owned(), type_id: type_id::NESTED, capacity: 0, string_capacity: 0, nested: type_name }
+        Self {
+            name: name.to_owned(),
+            type_id: type_id::NESTED,
+            capacity: 0,
+            string_capacity: 0,
+            nested: type_name,
+        }
     }
 
     fn shaped(mut self, shape: Shape) -> Self {
@@ -141,7 +155,9 @@ fn described_fields(schema: &Schema, message: &Message) -> Vec<DescribedField> {
                     string_capacity: bound.unwrap_or(0),
                     ..DescribedField::nested(&field.name, String::new())
                 },
-                Element::Message(id) => DescribedField::nested(&field.name, ros_name(schema, schema.message(id))),
+                Element::Message(id) => {
+                    DescribedField::nested(&field.name, ros_name(schema, schema.message(id)))
+                }
             };
             described.shaped(field.ty.shape)
         })
@@ -206,7 +222,10 @@ fn referenced(schema: &Schema, roots: impl IntoIterator<Item = MessageId>) -> BT
     found
 }
 
-fn describe_all(schema: &Schema, ids: impl IntoIterator<Item = MessageId>) -> Vec<(String, Vec<DescribedField>)> {
+fn describe_all(
+    schema: &Schema,
+    ids: impl IntoIterator<Item = MessageId>,
+) -> Vec<(String, Vec<DescribedField>)> {
     let describe = |id| {
         let message = schema.message(id);
         (ros_name(schema, message), described_fields(schema, message))
@@ -228,7 +247,9 @@ pub(super) fn type_hash(schema: &Schema, id: MessageId) -> String {
 /// The ROS type hash of a service, whose description has three members: the request, the response,
 /// and an event that wraps both for introspection. None for actions.
 pub(super) fn service_hash(schema: &Schema, interface: &Interface, package: usize) -> Option<String> {
-    let (Kind::Service, [request, response]) = (interface.kind, interface.parts.as_slice()) else { return None };
+    let (Kind::Service, [request, response]) = (interface.kind, interface.parts.as_slice()) else {
+        return None;
+    };
     let service = format!("{}/srv/{}", schema.packages[package].ros_package, interface.name);
     let names = [*request, *response].map(|id| ros_name(schema, schema.message(id)));
     let event = format!("{service}_Event");

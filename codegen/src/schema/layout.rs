@@ -51,7 +51,9 @@ pub(super) fn uorb(schema: &Schema, message: &Message) -> Option<UorbLayout> {
                 Shape::Bounded(_) | Shape::Sequence => return None,
             };
             match field.ty.element {
-                Element::Scalar(scalar) => Some(Member { element_size: scalar.size(), count, is_nested: false }),
+                Element::Scalar(scalar) => {
+                    Some(Member { element_size: scalar.size(), count, is_nested: false })
+                }
                 Element::String { .. } => None,
                 Element::Message(id) => {
                     let element_size = schema.message(id).uorb.as_ref()?.size;
@@ -70,8 +72,15 @@ pub(super) fn uorb(schema: &Schema, message: &Message) -> Option<UorbLayout> {
     let mut paddings = 0;
     let mut pad = |slots: &mut Vec<Slot>, from: usize, to: usize| {
         if to > from {
-            let type_text = format!("uint8{}", shape_text(Shape::Array(u32::try_from(to - from).unwrap_or(u32::MAX))));
-            slots.push(Slot { field: None, name: format!("_padding{paddings}"), type_text, offset: from, size: to - from });
+            let type_text =
+                format!("uint8{}", shape_text(Shape::Array(u32::try_from(to - from).unwrap_or(u32::MAX))));
+            slots.push(Slot {
+                field: None,
+                name: format!("_padding{paddings}"),
+                type_text,
+                offset: from,
+                size: to - from,
+            });
             paddings += 1;
         }
     };

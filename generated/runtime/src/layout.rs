@@ -172,7 +172,9 @@ mod tests {
     #[test]
     fn what_is_placed_is_laid_out_and_nothing_else_is() {
         let size = Size { padded: 216, no_padding: 216 };
-        let fields = |nested_offset, nested_size| [("a", 0, 8, 1), ("b", 8, 1, 3), ("c", nested_offset, nested_size, 5)];
+        let fields = |nested_offset, nested_size| {
+            [("a", 0, 8, 1), ("b", 8, 1, 3), ("c", nested_offset, nested_size, 5)]
+        };
         assert!(is_laid_out(&fields(16, 40), 2, size));
         assert!(!is_laid_out(&fields(11, 40), 2, size), "nested messages are aligned");
         assert!(!is_laid_out(&fields(16, 48), 2, size), "a nested message has grown");

@@ -143,9 +143,7 @@ impl ErrorCode {
 
 impl ErrorCode {
     /// All codes that the tables know, in order.
-    pub fn all() -> impl ::core::iter::ExactSizeIterator<
-        Item = Self,
-    > + ::core::iter::DoubleEndedIterator {
+    pub fn all() -> impl ::core::iter::ExactSizeIterator<Item = Self> + ::core::iter::DoubleEndedIterator {
         ENTRIES.iter().map(|entry| entry.code)
     }
 
@@ -690,8 +688,6 @@ impl<'de> ::uavspec_runtime::serde::Deserialize<'de> for ErrorCode {
     fn deserialize<D: ::uavspec_runtime::serde::Deserializer<'de>>(
         deserializer: D,
     ) -> ::core::result::Result<Self, D::Error> {
-        ::core::result::Result::Ok(
-            Self(::uavspec_runtime::serde::Deserialize::deserialize(deserializer)?),
-        )
+        ::core::result::Result::Ok(Self(::uavspec_runtime::serde::Deserialize::deserialize(deserializer)?))
     }
 }

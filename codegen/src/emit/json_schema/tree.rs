@@ -195,7 +195,7 @@ mod tests {
     #[test]
     fn what_is_printed_is_what_serde_json_prints() {
         let text = "plain \"quoted\" back\\slash\nnew\tline\r \u{1}\u{7f} é µ \u{1f681}";
-        let members = vec![
+        let members = [
             member("text", text),
             member(
                 "list",

@@ -15,7 +15,9 @@ pub(super) fn tokens(owner: &Message, found: &Enum, name: &Ident) -> TokenStream
     let users: Vec<&str> = owner
         .fields
         .iter()
-        .filter(|field| field.enumeration.is_some_and(|reference| owner.enums.get(reference.index) == Some(found)))
+        .filter(|field| {
+            field.enumeration.is_some_and(|reference| owner.enums.get(reference.index) == Some(found))
+        })
         .map(|field| field.name.as_str())
         .collect();
     let what = if found.is_flags { "Flags" } else { "Values" };
@@ -76,10 +78,12 @@ fn member_names(found: &Enum) -> Vec<Ident> {
 }
 
 fn open_enum(found: &Enum, name: &Ident, names: &[Ident]) -> TokenStream {
-    let arms = found.members.iter().zip(names).filter(|(member, _)| found.alias_of(member).is_none()).map(|(member, name)| {
-        let text = &member.name;
-        quote!(Self::#name => ::core::option::Option::Some(#text),)
-    });
+    let arms = found.members.iter().zip(names).filter(|(member, _)| found.alias_of(member).is_none()).map(
+        |(member, name)| {
+            let text = &member.name;
+            quote!(Self::#name => ::core::option::Option::Some(#text),)
+        },
+    );
     let type_name = name.to_string();
     quote! {
         impl #name {

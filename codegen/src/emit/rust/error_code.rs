@@ -12,8 +12,11 @@ use uavspec_runtime::Severity;
 /// The text of the module.
 pub(super) fn emit(context: &Context<'_>, package: &Package) -> String {
     let codes: Vec<&ErrorCode> = package.error_tables.iter().flat_map(|table| &table.codes).collect();
-    let mut sources: Vec<&str> =
-        package.error_tables.iter().map(|table| context.sources.path(context.sources.source_of(table.span))).collect();
+    let mut sources: Vec<&str> = package
+        .error_tables
+        .iter()
+        .map(|table| context.sources.path(context.sources.source_of(table.span)))
+        .collect();
     sources.dedup();
     header(&sources.join(", ")) + &layout_file(tokens(package, &codes))
 }
@@ -65,7 +68,8 @@ fn tokens(package: &Package, codes: &[&ErrorCode]) -> TokenStream {
         quote!(#doc pub const #name: Self = Self(#value);)
     });
     let entries = codes.iter().zip(&names).map(|(code, name)| {
-        let abbreviation = types::option(code.abbreviation.as_ref().map(|abbreviation| quote!(#abbreviation)));
+        let abbreviation =
+            types::option(code.abbreviation.as_ref().map(|abbreviation| quote!(#abbreviation)));
         let description = &code.description;
         let see_also = code.see_also.iter().map(name_of);
         let alternatives = code.alternatives.iter().map(name_of);

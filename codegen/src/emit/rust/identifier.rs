@@ -6,10 +6,11 @@ use proc_macro2::{Ident, Span};
 
 /// Words that are no identifiers in edition 2024, but raw ones are.
 const KEYWORDS: [&str; 49] = [
-    "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "do", "dyn", "else", "enum",
-    "extern", "false", "final", "fn", "for", "gen", "if", "impl", "in", "let", "loop", "macro", "match", "mod", "move",
-    "mut", "override", "priv", "pub", "ref", "return", "static", "struct", "trait", "true", "try", "type", "typeof",
-    "unsafe", "unsized", "use", "virtual", "where", "while", "yield", "static",
+    "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "do", "dyn", "else",
+    "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl", "in", "let", "loop", "macro",
+    "match", "mod", "move", "mut", "override", "priv", "pub", "ref", "return", "static", "struct", "trait",
+    "true", "try", "type", "typeof", "unsafe", "unsized", "use", "virtual", "where", "while", "yield",
+    "static",
 ];
 
 /// Words that are no identifiers, not even raw ones.
@@ -149,14 +150,18 @@ mod tests {
 
     #[test]
     fn types_are_called_as_their_messages_are() {
-        for (name, expected) in [("ColorRGBA", "ColorRGBA"), ("vehicle_status", "VehicleStatus"), ("Go_Request", "GoRequest")] {
+        for (name, expected) in
+            [("ColorRGBA", "ColorRGBA"), ("vehicle_status", "VehicleStatus"), ("Go_Request", "GoRequest")]
+        {
             assert_eq!(type_name(name), expected);
         }
     }
 
     #[test]
     fn words_of_the_language_become_identifiers() {
-        for (name, expected) in [("type", "r#type"), ("self", "self_"), ("gen", "r#gen"), ("3D", "_3D"), ("x", "x")] {
+        for (name, expected) in
+            [("type", "r#type"), ("self", "self_"), ("gen", "r#gen"), ("3D", "_3D"), ("x", "x")]
+        {
             assert_eq!(ident(name).to_string(), expected);
         }
     }

@@ -15,7 +15,13 @@ use crate::value::Value;
 /// Everything that the module of a message holds.
 pub(super) fn tokens(context: &Context<'_>, id: MessageId) -> TokenStream {
     let message = context.schema.message(id);
-    let parts = Parts { context, id, message, name: ident(&context.place(id).type_name), fields: field_names(message) };
+    let parts = Parts {
+        context,
+        id,
+        message,
+        name: ident(&context.place(id).type_name),
+        fields: field_names(message),
+    };
     let definition = parts.definition();
     let default = parts.default();
     let constants = parts.constants();
@@ -81,7 +87,9 @@ impl Parts<'_> {
     /// Constants that are no members of an enum.
     fn constants(&self) -> Option<TokenStream> {
         let Self { name, message, .. } = self;
-        let is_member = |index: usize| message.enums.iter().flat_map(|found| &found.members).any(|member| member.constant == index);
+        let is_member = |index: usize| {
+            message.enums.iter().flat_map(|found| &found.members).any(|member| member.constant == index)
+        };
         let mut scope = Scope::default();
         let constants: Vec<TokenStream> = message
             .constants
@@ -240,7 +248,9 @@ impl Parts<'_> {
             }),
         }
         if let Some(range) = &field.range {
-            facts.extend(range_text(range.low.as_ref(), range.high.as_ref()).map(|range| format!("range: {range}")));
+            facts.extend(
+                range_text(range.low.as_ref(), range.high.as_ref()).map(|range| format!("range: {range}")),
+            );
         }
         if let Some(invalid) = &field.invalid {
             facts.push(format!("no data: {}", special_text(invalid)));
@@ -256,7 +266,9 @@ impl Parts<'_> {
         }
         match (field.ty.shape, field.ty.element) {
             (Shape::Bounded(bound), _) => facts.push(format!("at most {bound} elements")),
-            (_, Element::String { bound: Some(bound), .. }) => facts.push(format!("at most {bound} characters")),
+            (_, Element::String { bound: Some(bound), .. }) => {
+                facts.push(format!("at most {bound} characters"));
+            }
             _ => {}
         }
         facts
@@ -274,10 +286,23 @@ pub(super) fn constant_text(constant: &crate::schema::Constant) -> String {
     if constant.parameters.iter().any(|parameter| !is_unused(&parameter.description)) {
         text += "\n\n| parameter | unit | meaning |\n|---|---|---|";
         for (index, parameter) in constant.parameters.iter().enumerate() {
-            let unit = parameter.unit.as_deref().filter(|unit| *unit != unit::NONE).map(prose::inline).unwrap_or_default();
-            let range = parameter.range.as_ref().and_then(|range| range_text(range.low.as_ref(), range.high.as_ref()));
+            let unit = parameter
+                .unit
+                .as_deref()
+                .filter(|unit| *unit != unit::NONE)
+                .map(prose::inline)
+                .unwrap_or_default();
+            let range = parameter
+                .range
+                .as_ref()
+                .and_then(|range| range_text(range.low.as_ref(), range.high.as_ref()));
             let range = range.map(|range| format!(" ({range})")).unwrap_or_default();
-            let _ = write!(text, "\n| {} | {unit} | {}{range} |", index + 1, prose::inline(&parameter.description));
+            let _ = write!(
+                text,
+                "\n| {} | {unit} | {}{range} |",
+                index + 1,
+                prose::inline(&parameter.description)
+            );
         }
     }
     text
@@ -297,7 +322,8 @@ fn range_text(low: Option<&Value>, high: Option<&Value>) -> Option<String> {
 }
 
 fn special_text(special: &Special) -> String {
-    let value = special.value.as_ref().map_or_else(|| "empty".to_owned(), |value| prose::code(&value.to_string()));
+    let value =
+        special.value.as_ref().map_or_else(|| "empty".to_owned(), |value| prose::code(&value.to_string()));
     if special.text.is_empty() { value } else { format!("{value} ({})", prose::inline(&special.text)) }
 }
 

@@ -87,7 +87,11 @@ pub(super) fn default(context: &Context<'_>, id: MessageId, field: &Field) -> To
 fn default_value(context: &Context<'_>, id: MessageId, field: &Field, value: &Value) -> TokenStream {
     let element_value = |value: &Value| {
         let plain = literal(field.ty.element, value);
-        let plain = if matches!(value, Value::Text(_)) { quote!(::uavspec_runtime::alloc::string::String::from(#plain)) } else { plain };
+        let plain = if matches!(value, Value::Text(_)) {
+            quote!(::uavspec_runtime::alloc::string::String::from(#plain))
+        } else {
+            plain
+        };
         match field.enumeration {
             Some(reference) => {
                 let name = &context.enum_names[reference.message.0 as usize][reference.index];
@@ -138,7 +142,10 @@ pub(super) fn literal(element: Element, value: &Value) -> TokenStream {
 
 /// An `Option` of something.
 pub(super) fn option(value: Option<TokenStream>) -> TokenStream {
-    value.map_or_else(|| quote!(::core::option::Option::None), |value| quote!(::core::option::Option::Some(#value)))
+    value.map_or_else(
+        || quote!(::core::option::Option::None),
+        |value| quote!(::core::option::Option::Some(#value)),
+    )
 }
 
 /// An integer without suffix; its type is that of where it stands.
