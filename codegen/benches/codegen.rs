@@ -3,6 +3,7 @@
 //!
 //! `cargo bench -p uavspec-codegen`, or `cargo xtask bench codegen`. Needs the corpus.
 
+use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -110,8 +111,10 @@ fn workspace(times: usize) -> TempDir {
             let target = folder.path().join(&name).join(file.file_name().expect("a name"));
             fs::copy(&file, target).expect("a copy");
         }
-        config +=
-            &format!("[[package]]\nname = \"{name}\"\ndialect = \"px4\"\ninclude = [\"{name}/*.msg\"]\n");
+        let _ = writeln!(
+            config,
+            "[[package]]\nname = \"{name}\"\ndialect = \"px4\"\ninclude = [\"{name}/*.msg\"]"
+        );
     }
     fs::write(folder.path().join("uavspec.toml"), config).expect("a configuration");
     folder

@@ -39,6 +39,7 @@ pub fn render(diagnostics: &[Diagnostic], sources: &SourceMap, styled: bool) -> 
 }
 
 /// An error of another tool at a place, in the same form.
+#[cfg(feature = "cli")]
 pub(crate) fn plain(message: &str, span: Span, sources: &SourceMap) -> String {
     let snippet = quote(span, AnnotationKind::Primary, String::new(), sources);
     let text = Renderer::plain().render(&[Title::ERROR.primary_title(message).element(snippet)]);

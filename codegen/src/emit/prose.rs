@@ -1,6 +1,7 @@
 //! Texts of definitions in Markdown, be it rustdoc or a page: whatever they hold comes out as text.
 
 /// A text of several lines, as paragraphs and simple lists.
+#[cfg(feature = "rust")]
 pub(crate) fn block(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len() + 16);
     for (index, line) in text.lines().enumerate() {
@@ -29,6 +30,7 @@ pub(crate) fn inline(text: &str) -> String {
 }
 
 /// A name or value as code.
+#[cfg(feature = "rust")]
 pub(crate) fn code(text: &str) -> String {
     format!("`{}`", text.replace(['`', '\n'], "'"))
 }
@@ -109,7 +111,7 @@ fn visible(character: char) -> char {
     if is_harmless { character } else { '\u{fffd}' }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "rust"))]
 mod tests {
     use super::*;
 

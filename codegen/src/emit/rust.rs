@@ -2,7 +2,7 @@
 //!
 //! Tokens are made with `quote`, parsed once more by `syn`, so that what is written is Rust, and laid
 //! out by `prettyplease`. Nothing of a definition reaches the output but through identifiers made by
-//! [`identifier`], literals and documentation.
+//! `identifier`, literals and documentation.
 
 mod enumeration;
 mod error_code;
