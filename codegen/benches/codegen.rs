@@ -44,22 +44,15 @@ struct Input {
 fn input(times: usize) -> Input {
     let files = corpus().unwrap_or_default();
     let mut sources = SourceMap::default();
-    let packages = (0..times)
-        .map(|number| PackageInput {
-            name: format!("px4_{number}"),
-            form: Form::Msg(Dialect::Px4),
-            ros_package: None,
-            origin: None,
-            revision: None,
-            select: None,
-            sources: files
-                .iter()
-                .map(|file| {
-                    sources.add(file.to_string_lossy(), fs::read(file).expect("readable")).expect("valid")
-                })
-                .collect(),
-        })
-        .collect();
+    let mut packages = Vec::new();
+    for number in 0..times {
+        let mut add = |file: &PathBuf| {
+            let text = fs::read(file).expect("a readable file");
+            sources.add(file.to_string_lossy(), text).expect("a valid text")
+        };
+        let ids = files.iter().map(&mut add).collect();
+        packages.push(PackageInput::new(format!("px4_{number}"), Form::Msg(Dialect::Px4), ids));
+    }
     Input { sources, packages, messages: files.len() * times }
 }
 

@@ -7,6 +7,35 @@
 //! A stage can't see the types of the stage before the last. Reading never stops at the first
 //! mistake: every stage returns what it could make out and a list of [`Diagnostic`]s. After
 //! [`schema::resolve`] no name is looked up and no text is parsed. Only [`cli`] touches files.
+//!
+//! # Choices
+//!
+//! - Spans count through all sources of a run, so that one is eight bytes and names its file too.
+//! - Annotations and literals are read by the parser, not by `resolve`: a value in the tree is typed and
+//!   in range, and a mistake in it is reported with the line that it stands in.
+//! - All messages of all packages stand in one list, sorted; a [`schema::MessageId`] is an index into it.
+//!   Messages that aren't selected stay in the list, and the packages don't list them.
+//! - `[@enum Message.PREFIX]` names the constants of another message: `battery_warning` of
+//!   `FailsafeFlags` holds those of `BatteryStatus`, and is of the same type.
+//! - The constants of a mask are masks where all are powers of two, else the numbers of bits; the model
+//!   holds masks in both cases.
+//! - ROS 2 refuses names that break its style, so they are errors there; PX4 takes them, so they are
+//!   warnings. Literals that only one of the two worlds reads are warnings too.
+//! - Generated types describe themselves to the runtime (`uorb_message!`, `json_record!`) instead of
+//!   deriving serde's traits: that is less to generate, to read and to compile.
+//! - A diagnostic of another tool's slip: see the tables of deviations in `tests/edge.rs`, which fail
+//!   when one of them is none any more.
+//!
+//! # Measured
+//!
+//! On two cores, with PX4's 261 messages: read and resolved in 5.5 ms; Rust emitted in 40 ms, JSON
+//! Schemas in 5 ms, documentation in 15 ms; the whole command, files to files, in 131 ms (median of 16;
+//! most of it creates 1,050 files), and in 73 ms where nothing has changed. At 4 and 16 times as many
+//! messages the time is 4.2 and 17 times as long to read, 4.2 and 17 times to emit Rust.
+//! `cargo xtask bench codegen` prints these figures.
+//!
+//! The crate that is generated from them takes @BARE@ s to check, @SERDE@ s with serde and @RELEASE@ s to build
+//! in release with serde, without incremental reuse (`cargo xtask bench compile`).
 
 #[cfg(feature = "cli")]
 pub mod cli;
@@ -46,6 +75,21 @@ pub struct PackageInput {
     pub sources: Vec<SourceId>,
 }
 
+impl PackageInput {
+    /// A package of which nothing more is known: all its messages are wanted.
+    pub fn new(name: impl Into<String>, form: Form, sources: Vec<SourceId>) -> Self {
+        Self {
+            name: name.into(),
+            form,
+            ros_package: None,
+            origin: None,
+            revision: None,
+            select: None,
+            sources,
+        }
+    }
+}
+
 /// The package in which PX4's messages reach ROS 2.
 const PX4_ROS_PACKAGE: &str = "px4_msgs";
 
@@ -56,15 +100,7 @@ const PX4_ROS_PACKAGE: &str = "px4_msgs";
 ///
 /// let mut sources = SourceMap::default();
 /// let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Since start\n".into()).unwrap();
-/// let package = PackageInput {
-///     name: "px4".into(),
-///     form: Form::Msg(Dialect::Px4),
-///     ros_package: None,
-///     origin: None,
-///     revision: None,
-///     select: None,
-///     sources: vec![id],
-/// };
+/// let package = PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id]);
 /// let (schema, diagnostics) = read(&sources, &[package]);
 /// assert!(diagnostics.is_empty());
 /// assert_eq!(schema.messages[0].topics, ["wind"]);

@@ -153,15 +153,8 @@ impl Loader<'_> {
                 let sources = self.read_all(&files_below(&messages, Form::Msg(Dialect::Ros2))?)?;
                 self.folders.insert(name.clone(), folder);
                 tried.insert(name.clone());
-                self.loaded.packages.push(PackageInput {
-                    name,
-                    form: Form::Msg(Dialect::Ros2),
-                    ros_package: None,
-                    origin: None,
-                    revision: None,
-                    select: Some(Vec::new()),
-                    sources,
-                });
+                let dependency = PackageInput::new(name, Form::Msg(Dialect::Ros2), sources);
+                self.loaded.packages.push(PackageInput { select: Some(Vec::new()), ..dependency });
             }
         }
         Ok(())

@@ -31,15 +31,7 @@ pub(crate) fn shared(path: &str) -> Option<PathBuf> {
 
 /// A package without sources.
 pub(crate) fn package(name: &str, form: Form) -> PackageInput {
-    PackageInput {
-        name: name.to_owned(),
-        form,
-        ros_package: None,
-        origin: None,
-        revision: None,
-        select: None,
-        sources: Vec::new(),
-    }
+    PackageInput::new(name, form, Vec::new())
 }
 
 /// All files below `folder` whose extension is one of `extensions`, sorted.
