@@ -7,18 +7,20 @@
 //! form that the published JSON Schemas describe.
 #![no_std]
 #![allow(unexpected_cfgs)]
-#![allow(clippy::doc_markdown, clippy::struct_excessive_bools, clippy::struct_field_names)]
-#![allow(clippy::module_name_repetitions, clippy::unreadable_literal, clippy::enum_glob_use)]
-#![allow(
-    clippy::too_long_first_doc_paragraph,
-    clippy::doc_lazy_continuation,
-    clippy::large_types_passed_by_value
-)]
-#![allow(clippy::unseparated_literal_suffix, clippy::excessive_precision, clippy::approx_constant)]
-#![allow(clippy::large_stack_arrays, clippy::must_use_candidate, clippy::similar_names)]
-#![allow(clippy::default_trait_access, clippy::too_many_lines)]
+#![allow(clippy::approx_constant)]
+#![allow(clippy::default_trait_access)]
+#![allow(clippy::doc_lazy_continuation)]
+#![allow(clippy::doc_markdown)]
+#![allow(clippy::excessive_precision)]
+#![allow(clippy::must_use_candidate)]
+#![allow(clippy::struct_excessive_bools)]
+#![allow(clippy::struct_field_names)]
+#![allow(clippy::too_long_first_doc_paragraph)]
+#![allow(clippy::unreadable_literal)]
 
 /// Package `flockwave`.
+#[rustfmt::skip]
 pub mod flockwave;
 /// Package `px4`.
+#[rustfmt::skip]
 pub mod px4;

@@ -19,15 +19,7 @@ const SHOWN: usize = 20;
 /// Where a diagnostic stands at no place of the sources: what the fuzzer looks for.
 pub fn check(form: Form, extension: &str, data: &[u8]) {
     let mut sources = SourceMap::default();
-    let mut package = PackageInput {
-        name: "demo".to_owned(),
-        form,
-        ros_package: None,
-        origin: None,
-        revision: None,
-        select: None,
-        sources: Vec::new(),
-    };
+    let mut package = PackageInput::new("demo", form, Vec::new());
     let mut diagnostics = Vec::new();
     for (bytes, name) in data.split(|byte| *byte == FILE_SEPARATOR).zip('A'..='Z') {
         match sources.add(format!("{name}.{extension}"), bytes.to_vec()) {

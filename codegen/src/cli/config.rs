@@ -196,7 +196,7 @@ impl Config {
                 "create one, name one with --config, or give --package, --dialect, --input and --out",
             ));
         };
-        Self::read(&found)
+        Self::read(found.strip_prefix(&current).unwrap_or(&found))
     }
 
     fn read(path: &Path) -> Result<Self, Failure> {

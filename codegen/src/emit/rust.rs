@@ -207,7 +207,8 @@ fn root(packages: &[(&Package, String, Modules)], options: &Options) -> String {
     let modules = packages.iter().map(|(package, module, _)| {
         let module = ident(module);
         let doc = documentation(&format!("Package `{}`.", package.name));
-        quote!(#doc pub mod #module;)
+        // The layout of generated code is that of the generator.
+        quote!(#doc #[rustfmt::skip] pub mod #module;)
     });
     let no_std = (options.root == "lib.rs").then(|| quote!(#![no_std]));
     let doc = inner_documentation(
@@ -222,12 +223,16 @@ fn root(packages: &[(&Package, String, Modules)], options: &Options) -> String {
         // Without a feature `serde` of this crate its types have no serde traits: no mistake.
         #![allow(unexpected_cfgs)]
         // Names and texts are those of the definitions.
-        #![allow(clippy::doc_markdown, clippy::struct_excessive_bools, clippy::struct_field_names)]
-        #![allow(clippy::module_name_repetitions, clippy::unreadable_literal, clippy::enum_glob_use)]
-        #![allow(clippy::too_long_first_doc_paragraph, clippy::doc_lazy_continuation, clippy::large_types_passed_by_value)]
-        #![allow(clippy::unseparated_literal_suffix, clippy::excessive_precision, clippy::approx_constant)]
-        #![allow(clippy::large_stack_arrays, clippy::must_use_candidate, clippy::similar_names)]
-        #![allow(clippy::default_trait_access, clippy::too_many_lines)]
+        #![allow(clippy::approx_constant)]
+        #![allow(clippy::default_trait_access)]
+        #![allow(clippy::doc_lazy_continuation)]
+        #![allow(clippy::doc_markdown)]
+        #![allow(clippy::excessive_precision)]
+        #![allow(clippy::must_use_candidate)]
+        #![allow(clippy::struct_excessive_bools)]
+        #![allow(clippy::struct_field_names)]
+        #![allow(clippy::too_long_first_doc_paragraph)]
+        #![allow(clippy::unreadable_literal)]
         #(#modules)*
     };
     header("the definitions") + &layout_file(tokens)

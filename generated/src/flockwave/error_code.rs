@@ -143,7 +143,9 @@ impl ErrorCode {
 
 impl ErrorCode {
     /// All codes that the tables know, in order.
-    pub fn all() -> impl ::core::iter::ExactSizeIterator<Item = Self> + ::core::iter::DoubleEndedIterator {
+    pub fn all() -> impl ::core::iter::ExactSizeIterator<
+        Item = Self,
+    > + ::core::iter::DoubleEndedIterator {
         ENTRIES.iter().map(|entry| entry.code)
     }
 
@@ -688,6 +690,8 @@ impl<'de> ::uavspec_runtime::serde::Deserialize<'de> for ErrorCode {
     fn deserialize<D: ::uavspec_runtime::serde::Deserializer<'de>>(
         deserializer: D,
     ) -> ::core::result::Result<Self, D::Error> {
-        ::core::result::Result::Ok(Self(::uavspec_runtime::serde::Deserialize::deserialize(deserializer)?))
+        ::core::result::Result::Ok(
+            Self(::uavspec_runtime::serde::Deserialize::deserialize(deserializer)?),
+        )
     }
 }

@@ -187,7 +187,12 @@ impl HealthComponentIndex {
 
 impl ::core::fmt::Debug for HealthComponentIndex {
     fn fmt(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
-        ::uavspec_runtime::fmt_enum(formatter, "HealthComponentIndex", self.name(), self.0)
+        ::uavspec_runtime::fmt_enum(
+            formatter,
+            "HealthComponentIndex",
+            self.name(),
+            self.0,
+        )
     }
 }
 

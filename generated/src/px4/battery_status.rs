@@ -394,7 +394,10 @@ impl BatteryFault {
 
     /// The names of the flags that are set.
     pub fn names(self) -> impl ::core::iter::Iterator<Item = &'static str> {
-        Self::NAMES.into_iter().filter(move |(flag, _)| self.contains(*flag)).map(|(_, name)| name)
+        Self::NAMES
+            .into_iter()
+            .filter(move |(flag, _)| self.contains(*flag))
+            .map(|(_, name)| name)
     }
 
     /// Whether the definition names all flags that are set.
@@ -412,7 +415,12 @@ impl ::core::ops::BitOr for BatteryFault {
 
 impl ::core::fmt::Debug for BatteryFault {
     fn fmt(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
-        ::uavspec_runtime::fmt_flags(formatter, "BatteryFault", self.names(), (self.0 & !0x3ff).into())
+        ::uavspec_runtime::fmt_flags(
+            formatter,
+            "BatteryFault",
+            self.names(),
+            (self.0 & !0x3ff).into(),
+        )
     }
 }
 
