@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use proptest::sample::select;
 use serde_json::Value as Json;
 use uavspec_codegen::diagnostic::{Diagnostic, has_errors, render};
-use uavspec_codegen::emit::inspect;
+use uavspec_codegen::emit::{self, inspect};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Element, ErrorTable, Form, Message, Schema, Shape, Type};
 use uavspec_codegen::source::Span;
@@ -194,7 +194,24 @@ fn check(form: Form, files: &[(&str, &str)]) -> Result<(), TestCaseError> {
     }
     prop_assert_eq!(render::render(&diagnostics, &sources, false).is_empty(), diagnostics.is_empty());
     if !has_errors(&diagnostics) {
-        inspect::schema(&schema);
+        check_output(&schema, &sources)?;
+    }
+    Ok(())
+}
+
+/// Whatever a definition says, each emitter makes something of it, and that is Rust and JSON.
+fn check_output(schema: &Schema, sources: &SourceMap) -> Result<(), TestCaseError> {
+    inspect::schema(schema);
+    let docs = emit::docs::emit(schema, sources, &emit::docs::Options::default());
+    for file in emit::json_schema::emit(schema, &emit::json_schema::Options::default()) {
+        let parsed: Result<Json, _> = serde_json::from_str(&file.text);
+        prop_assert!(parsed.is_ok(), "{}: {}", file.path, file.text);
+    }
+    let rust = emit::rust::emit(schema, sources, &emit::rust::Options::default());
+    for file in docs.iter().chain(&rust) {
+        prop_assert!(!file.text.contains("compile_error!"), "{}: {}", file.path, file.text);
+        let stray = file.text.chars().find(|c| c.is_control() && *c != '\n');
+        prop_assert!(stray.is_none(), "{}: {stray:?}", file.path);
     }
     Ok(())
 }
@@ -453,13 +470,7 @@ fn check_message(dialect: Dialect, declarations: &[Declaration], text: &str) -> 
     prop_assert_eq!(&declared(&again, &again.messages[0]), &found, "{}", printed);
     let (first, second) = (&schema.messages[0], &again.messages[0]);
     prop_assert_eq!((first.hash, &first.type_hash, first.cdr), (second.hash, &second.type_hash, second.cdr));
-    #[cfg(feature = "rust")]
-    for file in
-        uavspec_codegen::emit::rust::emit(&schema, &sources, &uavspec_codegen::emit::rust::Options::default())
-    {
-        prop_assert!(!file.text.contains("compile_error!"), "{}", file.text);
-    }
-    Ok(())
+    check_output(&schema, &sources)
 }
 
 proptest! {

@@ -1,7 +1,7 @@
 //! What the fuzz targets share: any bytes as a package, read, rendered and emitted.
 
 use uavspec_codegen::diagnostic::{has_errors, render};
-use uavspec_codegen::emit::inspect;
+use uavspec_codegen::emit::{self, inspect};
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::source::Span;
 use uavspec_codegen::{PackageInput, SourceMap, read};
@@ -35,6 +35,8 @@ pub fn check(form: Form, extension: &str, data: &[u8]) {
     }
     if !has_errors(&diagnostics) {
         inspect::schema(&schema);
+        emit::docs::emit(&schema, &sources, &emit::docs::Options::default());
+        emit::json_schema::emit(&schema, &emit::json_schema::Options::default());
     }
     // To render one takes longer than to find hundreds.
     diagnostics.truncate(SHOWN);
