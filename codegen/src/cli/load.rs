@@ -171,7 +171,7 @@ fn referenced_packages(sources: &SourceMap, package: &PackageInput) -> BTreeSet<
         let Some(kind) = Kind::of(sources.path(*id)) else { continue };
         let (definition, _) = msg::parse(sources, *id, kind, Dialect::Ros2);
         for line in definition.parts.iter().flat_map(|part| &part.lines) {
-            let Some(Item::Field(field)) = &line.item else { continue };
+            let Some(Item::Field(field)) = line.item.as_deref() else { continue };
             match field.ty.element {
                 Element::Message { package: Some(package), .. } => {
                     found.insert(package.to_owned());

@@ -13,8 +13,8 @@ const MAX_PER_SOURCE: usize = 200;
 /// Longest message or hint, in bytes: what definitions have in them may be of any length.
 const MAX_TEXT_LEN: usize = 400;
 
-/// Longest line that is quoted whole, in bytes.
-const MAX_LINE_LEN: usize = 2_000;
+/// How much of a line is quoted after what is marked in it, in bytes.
+const MAX_REST_LEN: usize = 200;
 
 /// Renders `diagnostics` in the order of their sources and places, with colours where `styled`.
 pub fn render(diagnostics: &[Diagnostic], sources: &SourceMap, styled: bool) -> String {
@@ -90,7 +90,8 @@ fn quote(
     // A span over several lines is shown by its first.
     let last = end_of_line(range.start);
     let end = range.end.min(last);
-    let (first, last) = window(text, first, last, range.start);
+    // The renderer counts columns from the start, so that only the end of an overlong line is left out.
+    let last = floor_char_boundary(text, last.min(end + MAX_REST_LEN));
     Snippet::source(&text[first..last])
         .path(sources.path(sources.source_of(span)))
         .line_start(sources.position(span).line)
@@ -98,14 +99,4 @@ fn quote(
             kind.span(range.start - first..end.clamp(range.start, last) - first)
                 .label((!label.is_empty()).then_some(label)),
         )
-}
-
-/// The part of an overlong line that is worth quoting.
-fn window(text: &str, first: usize, last: usize, caret: usize) -> (usize, usize) {
-    if last - first <= MAX_LINE_LEN {
-        return (first, last);
-    }
-    let from = caret.saturating_sub(MAX_LINE_LEN / 2).max(first);
-    let to = (caret + MAX_LINE_LEN / 2).min(last);
-    (floor_char_boundary(text, from), floor_char_boundary(text, to))
 }

@@ -20,15 +20,16 @@ pub struct Part<'s> {
     pub lines: Vec<Line<'s>>,
 }
 
-/// A line: a field, a constant, a comment, any with a comment, or nothing.
+/// A line: a field, a constant, a comment, any with a comment, or nothing. What it holds is boxed, so
+/// that an empty line takes little.
 #[derive(Debug)]
 pub struct Line<'s> {
     /// The line without its end.
     pub span: Span,
     /// What it declares.
-    pub item: Option<Item<'s>>,
+    pub item: Option<Box<Item<'s>>>,
     /// Its comment.
-    pub comment: Option<Comment<'s>>,
+    pub comment: Option<Box<Comment<'s>>>,
     /// Whether something stood there that could not be read.
     pub is_broken: bool,
 }

@@ -95,14 +95,14 @@ impl<'s> LineParser<'s, '_> {
         let mut line = Line { span: self.span, item: None, comment: None, is_broken: false };
         if !self.is_at_end() {
             if let Ok(item) = self.item() {
-                line.item = Some(item);
+                line.item = Some(Box::new(item));
             } else {
                 // What is left of the line is skipped, but for its comment.
                 line.is_broken = true;
                 self.at = self.line[self.at..].find('#').map_or(self.line.len(), |at| self.at + at);
             }
         }
-        line.comment = self.comment(line.item.as_ref());
+        line.comment = self.comment(line.item.as_deref()).map(Box::new);
         line
     }
 

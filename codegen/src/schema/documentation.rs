@@ -89,7 +89,7 @@ pub(super) fn read<'s>(part: &Part<'s>, dialect: Dialect) -> Commentary<'s> {
 }
 
 fn own_comment<'l, 's>(line: &'l Line<'s>) -> Option<&'l Comment<'s>> {
-    if line.item.is_some() || line.is_broken { None } else { line.comment.as_ref() }
+    if line.item.is_some() || line.is_broken { None } else { line.comment.as_deref() }
 }
 
 #[derive(Default)]

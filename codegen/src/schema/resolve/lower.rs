@@ -43,7 +43,7 @@ impl<'s> Resolver<'s> {
             .collect();
         let items = part.lines.iter().filter(|line| line.item.is_some());
         for (line, docs) in items.zip(commentary.items) {
-            match &line.item {
+            match line.item.as_deref() {
                 Some(Item::Field(field)) if !duplicates.contains(&field.name.span) => {
                     self.field(index, line, field, docs, &mut pending);
                 }
@@ -69,7 +69,7 @@ impl<'s> Resolver<'s> {
         let mut fields: HashMap<&str, Span> = HashMap::new();
         let mut constants: HashMap<&str, Span> = HashMap::new();
         let mut duplicates = BTreeSet::new();
-        for item in part.lines.iter().filter_map(|line| line.item.as_ref()) {
+        for item in part.lines.iter().filter_map(|line| line.item.as_deref()) {
             let (known, name, whole) = match item {
                 Item::Field(field) => (&mut fields, field.name, field.ty.span.to(field.name.span)),
                 Item::Constant(constant) => {
@@ -306,7 +306,7 @@ impl<'s> Resolver<'s> {
             .map(|(at, field)| (field.name.clone(), at))
             .collect();
         for line in &part.lines {
-            let (Some(Item::Field(field)), Some(note)) = (&line.item, note(line)) else { continue };
+            let (Some(Item::Field(field)), Some(note)) = (line.item.as_deref(), note(line)) else { continue };
             let Some(at) = places.get(&field.ty.span.to(field.name.span)) else { continue };
             for annotation in &note.annotations {
                 if let Statement::Count(target) = annotation.statement {
@@ -347,7 +347,7 @@ impl<'s> Resolver<'s> {
 }
 
 fn constant<'l, 's>(line: &'l Line<'s>) -> Option<&'l ast::Constant<'s>> {
-    match &line.item {
+    match line.item.as_deref() {
         Some(Item::Constant(constant)) => Some(constant),
         _ => None,
     }
