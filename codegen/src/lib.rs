@@ -23,8 +23,8 @@
 //!   warnings. Literals that only one of the two worlds reads are warnings too.
 //! - Generated types describe themselves to the runtime (`uorb_message!`, `json_record!`) instead of
 //!   deriving serde's traits: that is less to generate, to read and to compile.
-//! - A diagnostic of another tool's slip: see the tables of deviations in `tests/edge.rs`, which fail
-//!   when one of them is none any more.
+//! - Where the reference tools are mistaken, `tests/edge.rs` lists the deviation with its reason, and
+//!   fails when one of them is none any more.
 //!
 //! # Measured
 //!
