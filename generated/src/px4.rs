@@ -30,3 +30,14 @@ pub use self::register_ext_component_request::RegisterExtComponentRequest;
 /// [`UnregisterExtComponent`](struct@UnregisterExtComponent) and the types of its fields.
 pub mod unregister_ext_component;
 pub use self::unregister_ext_component::UnregisterExtComponent;
+
+::uavspec_runtime::assert_layouts! {
+    ArmingCheckReply;
+    ArmingCheckRequest;
+    BatteryStatus;
+    Event;
+    FailsafeFlags;
+    RegisterExtComponentReply;
+    RegisterExtComponentRequest;
+    UnregisterExtComponent;
+}

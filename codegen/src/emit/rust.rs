@@ -276,7 +276,8 @@ fn package_files(
         let text = error_code::emit(context, package);
         files.push(OutputFile { path: format!("{module}/error_code.rs"), text });
     }
-    let tokens = quote!(#doc #error_codes #(#messages)* #(#kinds)*);
+    let layouts = assert_layouts(context, modules.messages.iter().map(|(id, place)| (*id, &place.type_name)));
+    let tokens = quote!(#doc #error_codes #(#messages)* #(#kinds)* #layouts);
     let text = header(&format!("the definitions of package {}", package.name)) + &layout_file(tokens);
     files.push(OutputFile { path: format!("{module}.rs"), text });
     for kind in ["srv", "action"] {
@@ -285,7 +286,7 @@ fn package_files(
         if !of_kind.is_empty() {
             files.push(OutputFile {
                 path: format!("{module}/{kind}.rs"),
-                text: kind_module(package, &of_kind),
+                text: kind_module(context, package, &of_kind),
             });
         }
     }
@@ -301,7 +302,7 @@ fn package_files(
     files
 }
 
-fn kind_module(package: &Package, interfaces: &[&InterfaceModule]) -> String {
+fn kind_module(context: &Context<'_>, package: &Package, interfaces: &[&InterfaceModule]) -> String {
     let what = if interfaces[0].kind == "srv" { "Services" } else { "Actions" };
     let doc = inner_documentation(&format!("{what} of package `{}`.", package.name));
     let modules = interfaces.iter().map(|interface| {
@@ -311,7 +312,22 @@ fn kind_module(package: &Package, interfaces: &[&InterfaceModule]) -> String {
         ));
         re_export(&doc, &interface.module, interface.parts.iter().map(|(_, name)| name))
     });
-    header(&format!("the definitions of package {}", package.name)) + &layout_file(quote!(#doc #(#modules)*))
+    let parts = interfaces.iter().flat_map(|interface| &interface.parts);
+    let layouts = assert_layouts(context, parts.map(|(id, name)| (*id, name)));
+    header(&format!("the definitions of package {}", package.name))
+        + &layout_file(quote!(#doc #(#modules)* #layouts))
+}
+
+/// Has the compiler check the layouts of those messages that have one.
+fn assert_layouts<'n>(
+    context: &Context<'_>,
+    messages: impl Iterator<Item = (MessageId, &'n String)>,
+) -> Option<TokenStream> {
+    let names: Vec<_> = messages
+        .filter(|(id, _)| context.schema.message(*id).uorb.is_some())
+        .map(|(_, name)| ident(name))
+        .collect();
+    (!names.is_empty()).then(|| quote!(::uavspec_runtime::assert_layouts! { #(#names;)* }))
 }
 
 fn re_export<'n>(

@@ -5,6 +5,8 @@
 //! padded to a multiple of 8. The generator computes layouts with [`place`], and generated code has
 //! the compiler compute them again and compare.
 
+use crate::UorbMessage;
+
 /// Alignment of nested messages and of the end of each message, in bytes.
 pub const ALIGNMENT: usize = 8;
 
@@ -81,9 +83,6 @@ pub type Placed = (&'static str, usize, usize, usize);
 
 /// Whether fields lie where they should and give `size`: first `scalars` scalar ones, then nested
 /// messages, all in the order of their offsets.
-///
-/// Generated code asserts it while it compiles, with the sizes that nested messages really have, so
-/// that one of another size can't go unnoticed.
 pub const fn is_laid_out(fields: &[Placed], scalars: usize, size: Size) -> bool {
     let mut end = 0;
     let mut greatest = ALIGNMENT;
@@ -106,9 +105,14 @@ pub const fn is_laid_out(fields: &[Placed], scalars: usize, size: Size) -> bool 
     size.no_padding == end && size.padded == align(end)
 }
 
+/// Whether the layout of a message follows from its fields, with the sizes that nested messages have.
+pub const fn is_consistent<T: UorbMessage>() -> bool {
+    is_laid_out(T::LAYOUT, T::SCALARS, Size { padded: T::SIZE, no_padding: T::SIZE_NO_PADDING })
+}
+
 /// Implements [`UorbMessage`](crate::UorbMessage) for a message from its size, its size without the
 /// padding at its end, the number of its scalar fields, and its fields as [`Placed`], nested messages
-/// last. The compiler checks that these go together.
+/// last.
 #[macro_export]
 macro_rules! uorb_message {
     ($type:ident, $size:literal, $no_padding:literal, $scalars:literal;
@@ -117,20 +121,28 @@ macro_rules! uorb_message {
         impl $crate::UorbMessage for $type {
             const SIZE: usize = $size;
             const SIZE_NO_PADDING: usize = $no_padding;
+            const SCALARS: usize = $scalars;
             const LAYOUT: &'static [$crate::layout::Placed] = &[
                 $(($field, $offset, $element, $count),)*
                 $(($nested, $nested_offset, <$message as $crate::UorbMessage>::SIZE, $nested_count),)*
             ];
         }
+    };
+}
 
-        const _: () = assert!(
-            $crate::layout::is_laid_out(
-                <$type as $crate::UorbMessage>::LAYOUT,
-                $scalars,
-                $crate::layout::Size { padded: $size, no_padding: $no_padding },
-            ),
-            "the layout doesn't follow from the fields",
-        );
+/// Has the compiler check the layouts of messages, so that a nested one of another size can't go
+/// unnoticed. One assertion for a whole module costs the compiler far less than one for each message.
+#[macro_export]
+macro_rules! assert_layouts {
+    ($($type:ident;)*) => {
+        const _: () = {
+            let consistent = [$($crate::layout::is_consistent::<$type>()),*];
+            let mut index = 0;
+            while index < consistent.len() {
+                assert!(consistent[index], "the layout of a message doesn't follow from its fields");
+                index += 1;
+            }
+        };
     };
 }
 

@@ -61,6 +61,8 @@ pub trait UorbMessage: Message {
     const SIZE: usize;
     /// Size without the padding at its end: what PX4 registers, and the least that a log holds.
     const SIZE_NO_PADDING: usize;
+    /// How many of its fields are scalars or arrays of scalars; they come before nested messages.
+    const SCALARS: usize;
     /// Where its fields lie, in the order of their offsets.
     const LAYOUT: &'static [layout::Placed];
 }

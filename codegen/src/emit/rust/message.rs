@@ -132,7 +132,7 @@ impl Parts<'_> {
         }
     }
 
-    /// Sizes and offsets, and the assertion that they follow from the fields.
+    /// Sizes and offsets.
     fn layout(&self, layout: &UorbLayout) -> TokenStream {
         let name = &self.name;
         let size = types::integer(layout.size as i128);
