@@ -103,6 +103,12 @@ pub struct PackageArgs {
     input: Vec<PathBuf>,
 }
 
+impl PackageArgs {
+    fn plan(&self, out: &Path, emit: &[Emitter]) -> Plan {
+        Plan::from_arguments(&self.package, self.dialect.into(), &self.input, out, emit)
+    }
+}
+
 /// How definitions are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Dialect {
@@ -227,7 +233,7 @@ fn codegen(args: &CodegenArgs) -> Result<bool, Failure> {
                     Failure::new("--package needs --out DIR").with_hint("name a folder for the output")
                 );
             };
-            Plan::from_arguments(&package.package, package.dialect.into(), &package.input, out, &args.emit)
+            package.plan(out, &args.emit)
         }
         None => Config::find(args.config.as_deref())?.plan(),
     };
@@ -259,9 +265,7 @@ fn codegen(args: &CodegenArgs) -> Result<bool, Failure> {
 
 fn inspect(args: &InspectArgs) -> Result<bool, Failure> {
     let plan = match &args.package {
-        Some(package) => {
-            Plan::from_arguments(&package.package, package.dialect.into(), &package.input, "".as_ref(), &[])
-        }
+        Some(package) => package.plan(Path::new(""), &[]),
         None => Config::find(args.config.as_deref())?.plan(),
     };
     let (loaded, schema, diagnostics) = read(&plan)?;

@@ -249,11 +249,6 @@ impl Field {
             && self.ty.element == Element::Scalar(Scalar::Char)
             && matches!(self.ty.shape, Shape::Array(_))
     }
-
-    /// Whether its numbers are marked as having no unit.
-    pub fn is_dimensionless(&self) -> bool {
-        self.unit.as_deref() == Some(crate::unit::NONE)
-    }
 }
 
 /// Inclusive bounds; an absent one is none.

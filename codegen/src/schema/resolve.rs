@@ -58,13 +58,10 @@ pub fn resolve(mut packages: Vec<PackageSource<'_>>) -> (Schema, Vec<Diagnostic>
     (resolver.schema, resolver.diagnostics)
 }
 
-/// What is still unresolved of a message once its fields are.
-struct Pending {
-    /// Fields that hold an enum: the field, its prefixes, whether it is a mask, and the annotation.
-    enums: Vec<PendingEnum>,
-}
-
+/// A field that is annotated with an enum, which is gathered once all constants are known.
 struct PendingEnum {
+    /// Index of the message that has the field.
+    message: usize,
     field: usize,
     /// The message that owns the constants.
     owner: MessageId,
@@ -85,7 +82,7 @@ struct Resolver<'s> {
     package_by_name: HashMap<String, usize>,
     /// Where each message comes from, in the order of [`Schema::messages`].
     origins: Vec<Origin>,
-    pending: Vec<Pending>,
+    pending: Vec<PendingEnum>,
     claimed: Vec<BTreeSet<String>>,
     suggestions: usize,
     selections: Vec<Option<Vec<(String, Span)>>>,

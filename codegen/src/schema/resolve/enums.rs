@@ -26,15 +26,13 @@ impl<'s> Resolver<'s> {
     }
 
     pub(super) fn enums(&mut self) {
-        for (index, pending) in std::mem::take(&mut self.pending).into_iter().enumerate() {
-            for wanted in pending.enums {
-                self.enumeration(index, &wanted);
-            }
+        for wanted in std::mem::take(&mut self.pending) {
+            self.enumeration(&wanted);
         }
     }
 
-    fn enumeration(&mut self, index: usize, wanted: &PendingEnum) {
-        let field = &self.schema.messages[index].fields[wanted.field];
+    fn enumeration(&mut self, wanted: &PendingEnum) {
+        let field = &self.schema.messages[wanted.message].fields[wanted.field];
         let scalar = match field.ty.element {
             Element::Scalar(scalar) if scalar.integer_bounds().is_some() => scalar,
             element => {
@@ -54,7 +52,7 @@ impl<'s> Resolver<'s> {
             None => self.gather(wanted, scalar),
         };
         self.gathered.insert(key, reference);
-        self.schema.messages[index].fields[wanted.field].enumeration = reference;
+        self.schema.messages[wanted.message].fields[wanted.field].enumeration = reference;
     }
 
     /// Gathers an enum that no field has asked for before; none where it has no members.

@@ -4,7 +4,7 @@ use std::collections::{BTreeSet, HashMap};
 
 use uavspec_runtime::Scalar;
 
-use super::{PackageSource, Pending, PendingEnum, Resolver, id};
+use super::{PackageSource, PendingEnum, Resolver, id};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::msg::annotation::{Note, Prefix, SpecialValue, Statement};
 use crate::msg::ast::{self, ConstantType, Item, Line, Part};
@@ -25,14 +25,12 @@ impl<'s> Resolver<'s> {
             let source = &packages[origin.package];
             let Form::Msg(dialect) = source.form else { continue };
             let part = &source.files[origin.file].3.parts[origin.part];
-            let pending = self.lower_part(index, part, dialect);
-            self.pending.push(pending);
+            self.lower_part(index, part, dialect);
         }
     }
 
-    fn lower_part(&mut self, index: usize, part: &Part<'s>, dialect: Dialect) -> Pending {
+    fn lower_part(&mut self, index: usize, part: &Part<'s>, dialect: Dialect) {
         let commentary = documentation::read(part, dialect);
-        let mut pending = Pending { enums: Vec::new() };
         let duplicates = self.duplicates(part);
         // Before all fields: an annotation may name a constant that stands below.
         self.constants = part
@@ -45,7 +43,7 @@ impl<'s> Resolver<'s> {
         for (line, docs) in items.zip(commentary.items) {
             match line.item.as_deref() {
                 Some(Item::Field(field)) if !duplicates.contains(&field.name.span) => {
-                    self.field(index, line, field, docs, &mut pending);
+                    self.field(index, line, field, docs);
                 }
                 Some(Item::Constant(constant)) if !duplicates.contains(&constant.name.span) => {
                     self.constant(index, line, constant, docs);
@@ -61,7 +59,6 @@ impl<'s> Resolver<'s> {
             self.known_constants(index);
         }
         self.counts(index, part);
-        pending
     }
 
     /// The second and further declarations of a name, by its place.
@@ -90,14 +87,7 @@ impl<'s> Resolver<'s> {
         duplicates
     }
 
-    fn field(
-        &mut self,
-        index: usize,
-        line: &Line<'s>,
-        field: &ast::Field<'s>,
-        docs: ItemDocs,
-        pending: &mut Pending,
-    ) {
+    fn field(&mut self, index: usize, line: &Line<'s>, field: &ast::Field<'s>, docs: ItemDocs) {
         let Some(ty) = self.field_type(index, &field.ty) else { return };
         let mut lowered = Field {
             name: field.name.text.to_owned(),
@@ -116,7 +106,7 @@ impl<'s> Resolver<'s> {
             span: field.ty.span.to(field.name.span),
         };
         if let Some(note) = note(line) {
-            self.annotate(index, &mut lowered, note, pending);
+            self.annotate(index, &mut lowered, note);
         }
         self.schema.messages[index].fields.push(lowered);
     }
@@ -132,7 +122,7 @@ impl<'s> Resolver<'s> {
         Some(Type { element, shape: ty.shape })
     }
 
-    fn annotate(&mut self, index: usize, field: &mut Field, note: &Note<'s>, pending: &mut Pending) {
+    fn annotate(&mut self, index: usize, field: &mut Field, note: &Note<'s>) {
         for annotation in &note.annotations {
             match &annotation.statement {
                 Statement::Unit(unit) => field.unit = Some((*unit).to_owned()),
@@ -159,7 +149,8 @@ impl<'s> Resolver<'s> {
                             prefixes.iter().map(|prefix| prefix.prefix.to_owned()).collect();
                         self.claimed[owner.0 as usize].extend(prefixes.iter().cloned());
                         let field = self.schema.messages[index].fields.len();
-                        pending.enums.push(PendingEnum {
+                        self.pending.push(PendingEnum {
+                            message: index,
                             field,
                             owner,
                             prefixes,
