@@ -4,6 +4,7 @@
 //! messages refer to each other by [`MessageId`]. Everything is ordered, so what is emitted from a
 //! schema doesn't depend on the order in which files were read.
 
+pub(crate) mod constraint;
 mod documentation;
 mod enumeration;
 pub mod error_codes;
@@ -13,6 +14,7 @@ mod resolve;
 
 use uavspec_runtime::Scalar;
 
+pub use self::constraint::Restriction;
 pub use self::documentation::Docs;
 pub use self::enumeration::{Enum, EnumRef, Member};
 pub use self::error_codes::{ErrorCode, ErrorTable};

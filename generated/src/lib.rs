@@ -3,10 +3,9 @@
 //! Types of drone interface definitions, one module a package.
 //!
 //! Every message implements [`Message`](::uavspec_runtime::Message), and those of fixed size also
-//! [`UorbMessage`](::uavspec_runtime::UorbMessage). The feature `serde` gives all of them JSON in the
-//! form that the published JSON Schemas describe.
+//! [`UorbMessage`](::uavspec_runtime::UorbMessage). The features of the runtime decide what more they
+//! have: `serde` gives all of them JSON in the form that the published JSON Schemas describe.
 #![no_std]
-#![allow(unexpected_cfgs)]
 #![allow(clippy::approx_constant)]
 #![allow(clippy::default_trait_access)]
 #![allow(clippy::doc_lazy_continuation)]

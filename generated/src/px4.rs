@@ -8,28 +8,34 @@
 
 /// [`ArmingCheckReply`](struct@ArmingCheckReply) and the types of its fields.
 pub mod arming_check_reply;
-pub use self::arming_check_reply::ArmingCheckReply;
+pub use self::arming_check_reply::{ArmingCheckReply, ArmingCheckReplyView};
 /// [`ArmingCheckRequest`](struct@ArmingCheckRequest) and the types of its fields.
 pub mod arming_check_request;
-pub use self::arming_check_request::ArmingCheckRequest;
+pub use self::arming_check_request::{ArmingCheckRequest, ArmingCheckRequestView};
 /// [`BatteryStatus`](struct@BatteryStatus) and the types of its fields.
 pub mod battery_status;
-pub use self::battery_status::BatteryStatus;
+pub use self::battery_status::{BatteryStatus, BatteryStatusView};
 /// [`Event`](struct@Event) and the types of its fields.
 pub mod event;
-pub use self::event::Event;
+pub use self::event::{Event, EventView};
 /// [`FailsafeFlags`](struct@FailsafeFlags) and the types of its fields.
 pub mod failsafe_flags;
-pub use self::failsafe_flags::FailsafeFlags;
+pub use self::failsafe_flags::{FailsafeFlags, FailsafeFlagsView};
 /// [`RegisterExtComponentReply`](struct@RegisterExtComponentReply) and the types of its fields.
 pub mod register_ext_component_reply;
-pub use self::register_ext_component_reply::RegisterExtComponentReply;
+pub use self::register_ext_component_reply::{
+    RegisterExtComponentReply, RegisterExtComponentReplyView,
+};
 /// [`RegisterExtComponentRequest`](struct@RegisterExtComponentRequest) and the types of its fields.
 pub mod register_ext_component_request;
-pub use self::register_ext_component_request::RegisterExtComponentRequest;
+pub use self::register_ext_component_request::{
+    RegisterExtComponentRequest, RegisterExtComponentRequestView,
+};
 /// [`UnregisterExtComponent`](struct@UnregisterExtComponent) and the types of its fields.
 pub mod unregister_ext_component;
-pub use self::unregister_ext_component::UnregisterExtComponent;
+pub use self::unregister_ext_component::{
+    UnregisterExtComponent, UnregisterExtComponentView,
+};
 
 ::uavspec_runtime::assert_layouts! {
     ArmingCheckReply;

@@ -11,10 +11,11 @@ mod message;
 mod types;
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::num::NonZero;
 use std::thread;
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 use quote::quote;
 
 use self::identifier::{Scope, ident, module_name};
@@ -47,7 +48,7 @@ struct InterfaceModule {
     kind: &'static str,
     module: String,
     index: usize,
-    parts: Vec<(MessageId, String)>,
+    parts: Vec<(MessageId, Place)>,
 }
 
 /// Where the type of a message is: the path from the root of the module tree, and the type's name.
@@ -55,6 +56,15 @@ struct InterfaceModule {
 struct Place {
     modules: Vec<String>,
     type_name: String,
+    /// Of a message of fixed size, the name of the type that looks at its bytes.
+    view_name: String,
+}
+
+impl Place {
+    /// The names of its public types but for enums.
+    fn names(&self) -> impl Iterator<Item = &String> {
+        [&self.type_name, &self.view_name].into_iter().filter(|name| !name.is_empty())
+    }
 }
 
 /// All that the parts of the emitter look up.
@@ -103,7 +113,8 @@ impl Context<'_> {
     }
 }
 
-static UNPLACED: Place = Place { modules: Vec::new(), type_name: String::new() };
+static UNPLACED: Place =
+    Place { modules: Vec::new(), type_name: String::new(), view_name: String::new() };
 
 /// Emits the whole schema as a tree of modules below `options.root`.
 pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<OutputFile> {
@@ -143,16 +154,25 @@ fn name_modules(context: &mut Context<'_>, package: &Package, module: &str) -> M
     }
     types.unique_type("ErrorCode");
     let schema = context.schema;
+    let has_view = |id: MessageId| schema.message(id).uorb.is_some();
     for id in &package.messages {
         let name = &schema.message(*id).name;
         let place = Place {
             modules: vec![module.to_owned(), scope.unique(&module_name(name))],
             type_name: types.unique_type(&identifier::type_name(name)),
+            view_name: String::new(),
         };
-        modules.messages.push((*id, place.clone()));
+        modules.messages.push((*id, place));
+    }
+    // Views are called after the types, and give way to them.
+    for (id, place) in &mut modules.messages {
         let mut own_types = Scope::default();
         own_types.unique_type(&place.type_name);
-        set_place(context, *id, place, &mut own_types);
+        if has_view(*id) {
+            place.view_name = types.unique_type(&format!("{}View", place.type_name));
+            own_types.unique_type(&place.view_name);
+        }
+        set_place(context, *id, place.clone(), &mut own_types);
     }
     let mut scopes: BTreeMap<&str, (Scope, Scope)> = BTreeMap::new();
     for (index, interface) in package.interfaces.iter().enumerate() {
@@ -163,12 +183,15 @@ fn name_modules(context: &mut Context<'_>, package: &Package, module: &str) -> M
         let mut own_types = Scope::default();
         for id in &interface.parts {
             let type_name = types.unique_type(&identifier::type_name(&schema.message(*id).name));
+            let view_name =
+                if has_view(*id) { types.unique_type(&format!("{type_name}View")) } else { String::new() };
             own_types.unique_type(&type_name);
-            parts.push((*id, type_name));
-        }
-        for (id, type_name) in &parts {
+            own_types.unique_type(&view_name);
             let path = vec![module.to_owned(), kind.to_owned(), name.clone()];
-            set_place(context, *id, Place { modules: path, type_name: type_name.clone() }, &mut own_types);
+            parts.push((*id, Place { modules: path, type_name, view_name }));
+        }
+        for (id, place) in &parts {
+            set_place(context, *id, place.clone(), &mut own_types);
         }
         modules.interfaces.push(InterfaceModule { kind, module: name, index, parts });
     }
@@ -214,14 +237,12 @@ fn root(packages: &[(&Package, String, Modules)], options: &Options) -> String {
     let doc = inner_documentation(
         "Types of drone interface definitions, one module a package.\n\n\
          Every message implements [`Message`](::uavspec_runtime::Message), and those of fixed size also\n\
-         [`UorbMessage`](::uavspec_runtime::UorbMessage). The feature `serde` gives all of them JSON in the\n\
-         form that the published JSON Schemas describe.",
+         [`UorbMessage`](::uavspec_runtime::UorbMessage). The features of the runtime decide what more they\n\
+         have: `serde` gives all of them JSON in the form that the published JSON Schemas describe.",
     );
     let tokens = quote! {
         #doc
         #no_std
-        // Without a feature `serde` of this crate its types have no serde traits: no mistake.
-        #![allow(unexpected_cfgs)]
         // Names and texts are those of the definitions.
         #![allow(clippy::approx_constant)]
         #![allow(clippy::default_trait_access)]
@@ -258,7 +279,7 @@ fn package_files(
             "[`{0}`](struct@{0}) and the types of its fields.",
             ident(&place.type_name)
         ));
-        re_export(&doc, &place.modules[1], [&place.type_name])
+        re_export(&doc, &place.modules[1], place.names())
     });
     let kinds: Vec<TokenStream> = [("srv", "Services."), ("action", "Actions.")]
         .into_iter()
@@ -276,7 +297,7 @@ fn package_files(
         let text = error_code::emit(context, package);
         files.push(OutputFile { path: format!("{module}/error_code.rs"), text });
     }
-    let layouts = assert_layouts(context, modules.messages.iter().map(|(id, place)| (*id, &place.type_name)));
+    let layouts = assert_layouts(modules.messages.iter().map(|(_, place)| place));
     let tokens = quote!(#doc #error_codes #(#messages)* #(#kinds)* #layouts);
     let text = header(&format!("the definitions of package {}", package.name)) + &layout_file(tokens);
     files.push(OutputFile { path: format!("{module}.rs"), text });
@@ -286,7 +307,7 @@ fn package_files(
         if !of_kind.is_empty() {
             files.push(OutputFile {
                 path: format!("{module}/{kind}.rs"),
-                text: kind_module(context, package, &of_kind),
+                text: kind_module(package, &of_kind),
             });
         }
     }
@@ -302,7 +323,7 @@ fn package_files(
     files
 }
 
-fn kind_module(context: &Context<'_>, package: &Package, interfaces: &[&InterfaceModule]) -> String {
+fn kind_module(package: &Package, interfaces: &[&InterfaceModule]) -> String {
     let what = if interfaces[0].kind == "srv" { "Services" } else { "Actions" };
     let doc = inner_documentation(&format!("{what} of package `{}`.", package.name));
     let modules = interfaces.iter().map(|interface| {
@@ -310,23 +331,18 @@ fn kind_module(context: &Context<'_>, package: &Package, interfaces: &[&Interfac
             "The parts of {}.",
             prose::code(&package.interfaces[interface.index].name)
         ));
-        re_export(&doc, &interface.module, interface.parts.iter().map(|(_, name)| name))
+        re_export(&doc, &interface.module, interface.parts.iter().flat_map(|(_, place)| place.names()))
     });
     let parts = interfaces.iter().flat_map(|interface| &interface.parts);
-    let layouts = assert_layouts(context, parts.map(|(id, name)| (*id, name)));
+    let layouts = assert_layouts(parts.map(|(_, place)| place));
     header(&format!("the definitions of package {}", package.name))
         + &layout_file(quote!(#doc #(#modules)* #layouts))
 }
 
 /// Has the compiler check the layouts of those messages that have one.
-fn assert_layouts<'n>(
-    context: &Context<'_>,
-    messages: impl Iterator<Item = (MessageId, &'n String)>,
-) -> Option<TokenStream> {
-    let names: Vec<_> = messages
-        .filter(|(id, _)| context.schema.message(*id).uorb.is_some())
-        .map(|(_, name)| ident(name))
-        .collect();
+fn assert_layouts<'p>(places: impl Iterator<Item = &'p Place>) -> Option<TokenStream> {
+    let names: Vec<_> =
+        places.filter(|place| !place.view_name.is_empty()).map(|place| ident(&place.type_name)).collect();
     (!names.is_empty()).then(|| quote!(::uavspec_runtime::assert_layouts! { #(#names;)* }))
 }
 
@@ -391,31 +407,66 @@ fn layout_file(tokens: TokenStream) -> String {
             text.push('\n');
         }
         was_module = is_module;
-        let file = syn::File { shebang: None, frontmatter: None, attrs: Vec::new(), items: vec![item] };
-        let laid_out = prettyplease::unparse(&file);
-        if let syn::Item::Macro(_) = file.items[0] {
-            list_entries(&laid_out, &mut text);
-        } else {
-            space_out(&laid_out, &mut text);
+        if let syn::Item::Macro(call) = item {
+            list_entries(&call, &mut text);
+            continue;
         }
+        let file = syn::File { shebang: None, frontmatter: None, attrs: Vec::new(), items: vec![item] };
+        space_out(&prettyplease::unparse(&file), &mut text);
     }
     text
 }
 
-/// Puts each entry of a macro call in braces on a line of its own: `name! { first; second; … }`.
-fn list_entries(call: &str, text: &mut String) {
-    for line in call.lines().take_while(|line| !line.starts_with("    ")) {
-        push_line(line, text);
+/// Writes a macro call in braces with each entry on a line of its own: `name! { first; second; … }`.
+fn list_entries(call: &syn::ItemMacro, text: &mut String) {
+    for segment in &call.mac.path.segments {
+        let _ = write!(text, "::{}", segment.ident);
     }
-    let inner: Vec<&str> = call.lines().filter(|line| line.starts_with("    ")).map(str::trim).collect();
-    let inner = inner.join(" ");
-    for entry in inner.split_terminator(';') {
-        text.push_str("    ");
-        text.push_str(entry.trim());
-        text.push_str(";\n");
+    text.push_str("! {\n");
+    let mut line = String::new();
+    for token in call.mac.tokens.clone() {
+        let is_end = matches!(&token, TokenTree::Punct(punct) if punct.as_char() == ';');
+        write_tokens(token.into(), &mut line);
+        if is_end {
+            let _ = writeln!(text, "    {}", line.trim_end());
+            line.clear();
+        }
     }
-    if !inner.is_empty() {
-        text.push_str("}\n");
+    text.push_str("}\n");
+}
+
+/// Writes tokens with spaces where people put them, and perhaps one after the last.
+fn write_tokens(tokens: TokenStream, text: &mut String) {
+    for token in tokens {
+        match token {
+            TokenTree::Group(group) => {
+                let (open, close) = match group.delimiter() {
+                    Delimiter::Parenthesis => ("(", ")"),
+                    Delimiter::Bracket => ("[", "]"),
+                    Delimiter::Brace => ("{", "}"),
+                    Delimiter::None => ("", ""),
+                };
+                text.push_str(open);
+                write_tokens(group.stream(), text);
+                text.truncate(text.trim_end().len());
+                text.push_str(close);
+            }
+            TokenTree::Punct(punct) => {
+                let is_path = punct.spacing() == Spacing::Joint || text.ends_with(':');
+                match punct.as_char() {
+                    ':' if is_path => text.push(':'),
+                    '=' => text.push_str(" = "),
+                    separator @ (':' | ',' | ';') => text.extend([separator, ' ']),
+                    operator => text.push(operator),
+                }
+            }
+            TokenTree::Ident(_) | TokenTree::Literal(_) => {
+                if text.ends_with(|last: char| last.is_alphanumeric() || matches!(last, '_' | '"')) {
+                    text.push(' ');
+                }
+                let _ = write!(text, "{token}");
+            }
+        }
     }
 }
 

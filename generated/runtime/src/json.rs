@@ -4,37 +4,45 @@
 //! which JSON has no word for, is an error that names the field. PX4's `char[N]` is a string. Reading
 //! takes the fields in any order and refuses missing, repeated and unknown ones.
 //!
-//! Generated code describes a message by [`Record`], whose fields are each a [`Field`]. That is far
-//! less code than serde's own derive makes, so it compiles faster; and as the next key is mostly the
-//! next field, reading compares one name a field.
+//! Fields go out as they do for every format, each as a [`Field`]; reading takes them in any order, by
+//! [`Fields`]. That is far less code than serde's own derive makes, so it compiles faster; and as the
+//! next key is mostly the next field, reading compares one name a field.
 
-use alloc::string::String;
+#[cfg(feature = "alloc")]
 use alloc::vec::Vec;
 use core::fmt;
 use core::marker::PhantomData;
 
 use serde::de::{DeserializeSeed, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
-use serde::ser::{Error as _, SerializeSeq as _, SerializeStruct, SerializeTuple as _};
+use serde::ser::{Error as _, SerializeStruct, SerializeTuple as _};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::descriptor::MessageDescriptor;
+use crate::record::{FieldSink, Record, Value};
 use crate::Text;
 
-/// A message as a list of named fields.
-pub trait Record: Default {
-    /// Its name, which some formats keep.
-    const NAME: &'static str;
+/// A message whose fields can be read one by one, in any order.
+pub trait Fields: Record + Default {
     /// Names of its fields, in declared order.
-    const FIELDS: &'static [&'static str];
+    const NAMES: &'static [&'static str];
     /// A bit for each field: which of them have been read.
     type Seen: AsMut<[u64]>;
     /// No field has been read.
     const UNSEEN: Self::Seen;
 
-    /// Writes all fields in order.
-    fn write<S: SerializeStruct>(&self, out: &mut Writer<S>);
-
     /// Reads the field `index`.
-    fn read<'de, S: Source<'de>>(&mut self, index: usize, source: &mut S) -> Result<(), S::Error>;
+    fn read_field<'de, S: Source<'de>>(&mut self, index: usize, source: &mut S) -> Result<(), S::Error>;
+}
+
+/// The names of the `N` fields of a message.
+pub const fn names<const N: usize>(message: &MessageDescriptor) -> [&'static str; N] {
+    let mut names = [""; N];
+    let mut index = 0;
+    while index < N {
+        names[index] = message.fields[index].name;
+        index += 1;
+    }
+    names
 }
 
 /// A value of a field.
@@ -58,34 +66,34 @@ pub trait Source<'de> {
     fn read<T: Field>(&mut self, field: &mut T) -> Result<(), Self::Error>;
 }
 
-/// Takes the fields of a message. It keeps the first error and then takes no more, so that generated
-/// code needs no `?` for each field, which costs the compiler more than all else.
-pub struct Writer<S: SerializeStruct> {
+/// Keeps the first error and then takes no more.
+struct Writer<S: SerializeStruct> {
     out: S,
     result: Result<(), S::Error>,
 }
 
-impl<S: SerializeStruct> Writer<S> {
-    /// Writes a field.
-    pub fn field<T: Field>(&mut self, name: &'static str, value: &T) {
+impl<S: SerializeStruct> FieldSink for Writer<S> {
+    #[inline]
+    fn field<T: Value>(&mut self, message: &'static MessageDescriptor, index: usize, value: &T) {
         if self.result.is_ok() {
+            let name = message.fields[index].name;
             self.result = self.out.serialize_field(name, &Named { name, value });
         }
     }
 }
 
 /// Writes a message.
-pub fn serialize<T: Record, S: Serializer>(record: &T, serializer: S) -> Result<S::Ok, S::Error> {
-    let out = serializer.serialize_struct(T::NAME, T::FIELDS.len())?;
+pub fn serialize<T: Fields, S: Serializer>(record: &T, serializer: S) -> Result<S::Ok, S::Error> {
+    let out = serializer.serialize_struct(T::DESCRIPTOR.name, T::NAMES.len())?;
     let mut writer = Writer { out, result: Ok(()) };
-    record.write(&mut writer);
+    record.write_fields(&mut writer);
     writer.result?;
     writer.out.end()
 }
 
 /// Reads a message.
-pub fn deserialize<'de, T: Record, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
-    deserializer.deserialize_struct(T::NAME, T::FIELDS, RecordVisitor(PhantomData))
+pub fn deserialize<'de, T: Fields, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
+    deserializer.deserialize_struct(T::DESCRIPTOR.name, T::NAMES, RecordVisitor(PhantomData))
 }
 
 /// Says that reading came to a field that isn't there, which generated code can't cause.
@@ -106,11 +114,11 @@ impl<T: Field> Serialize for Named<'_, T> {
 
 struct RecordVisitor<T>(PhantomData<T>);
 
-impl<'de, T: Record> Visitor<'de> for RecordVisitor<T> {
+impl<'de, T: Fields> Visitor<'de> for RecordVisitor<T> {
     type Value = T;
 
     fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "an object with the fields of {}", T::NAME)
+        write!(formatter, "an object with the fields of {}", T::DESCRIPTOR.name)
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
@@ -118,17 +126,17 @@ impl<'de, T: Record> Visitor<'de> for RecordVisitor<T> {
         let mut seen = T::UNSEEN;
         let mut source = Members(map);
         let mut guess = 0;
-        while let Some(index) = source.0.next_key_seed(KeySeed { names: T::FIELDS, guess })? {
+        while let Some(index) = source.0.next_key_seed(KeySeed { names: T::NAMES, guess })? {
             if let Some(word) = seen.as_mut().get_mut(index / 64) {
                 if *word >> (index % 64) & 1 == 1 {
-                    return Err(A::Error::duplicate_field(T::FIELDS[index]));
+                    return Err(A::Error::duplicate_field(T::NAMES[index]));
                 }
                 *word |= 1 << (index % 64);
             }
-            record.read(index, &mut source)?;
+            record.read_field(index, &mut source)?;
             guess = index + 1;
         }
-        for (index, name) in T::FIELDS.iter().enumerate() {
+        for (index, name) in T::NAMES.iter().enumerate() {
             if seen.as_mut().get(index / 64).is_some_and(|word| word >> (index % 64) & 1 == 0) {
                 return Err(A::Error::missing_field(name));
             }
@@ -139,8 +147,8 @@ impl<'de, T: Record> Visitor<'de> for RecordVisitor<T> {
     fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<T, A::Error> {
         let mut record = T::default();
         let mut source = Elements(seq);
-        for index in 0..T::FIELDS.len() {
-            record.read(index, &mut source)?;
+        for index in 0..T::NAMES.len() {
+            record.read_field(index, &mut source)?;
         }
         Ok(record)
     }
@@ -234,7 +242,24 @@ macro_rules! plain_fields {
     };
 }
 
-plain_fields!(bool, i8, u8, i16, u16, i32, u32, i64, u64, String);
+plain_fields!(bool, i8, u8, i16, u16, i32, u32, i64, u64);
+
+#[cfg(feature = "alloc")]
+plain_fields!(alloc::string::String);
+
+impl<T: Fields> Field for T {
+    fn initial() -> Self {
+        Self::default()
+    }
+
+    fn serialize<S: Serializer>(&self, _: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
+        serialize(self, serializer)
+    }
+
+    fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserialize(deserializer)
+    }
+}
 
 /// Floats: in text NaN is `null`, and infinity can't be said; binary formats hold both.
 macro_rules! float_fields {
@@ -311,12 +336,15 @@ impl<'de, T: Field, const N: usize> Visitor<'de> for ArrayVisitor<T, N> {
     }
 }
 
+#[cfg(feature = "alloc")]
 impl<T: Field> Field for Vec<T> {
     fn initial() -> Self {
         Self::new()
     }
 
     fn serialize<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
+        use serde::ser::SerializeSeq as _;
+
         let mut out = serializer.serialize_seq(Some(self.len()))?;
         for value in self {
             out.serialize_element(&Named { name: field, value })?;
@@ -329,8 +357,10 @@ impl<T: Field> Field for Vec<T> {
     }
 }
 
+#[cfg(feature = "alloc")]
 struct SequenceVisitor<T>(PhantomData<T>);
 
+#[cfg(feature = "alloc")]
 impl<'de, T: Field> Visitor<'de> for SequenceVisitor<T> {
     type Value = Vec<T>;
 
@@ -377,24 +407,20 @@ impl<const N: usize> Visitor<'_> for TextVisitor<Text<N>> {
     }
 }
 
-/// Gives a message its serde traits through [`Record`]: its type, its name, the number of words that
-/// hold a bit for each field, and its fields with their indices and names.
+/// Gives a message its serde traits, from its fields and their indices.
+#[doc(hidden)]
 #[macro_export]
-macro_rules! json_record {
-    ($type:ident, $name:literal, $words:literal; $($index:literal $field:ident $key:literal;)*) => {
-        impl $crate::json::Record for $type {
-            const NAME: &'static str = $name;
-            const FIELDS: &'static [&'static str] = &[$($key),*];
-            type Seen = [u64; $words];
-            const UNSEEN: Self::Seen = [0; $words];
-
-            #[allow(unused_variables)]
-            fn write<S: $crate::serde::ser::SerializeStruct>(&self, out: &mut $crate::json::Writer<S>) {
-                $(out.field($key, &self.$field);)*
-            }
+macro_rules! __json_record {
+    ($type:ident; $($index:literal $field:ident)*) => {
+        impl $crate::json::Fields for $type {
+            const NAMES: &'static [&'static str] = &$crate::json::names::<{ <[usize]>::len(&[$($index),*]) }>(
+                <Self as $crate::record::Record>::DESCRIPTOR,
+            );
+            type Seen = [u64; <[usize]>::len(&[$($index),*]).div_ceil(64)];
+            const UNSEEN: Self::Seen = [0; <[usize]>::len(&[$($index),*]).div_ceil(64)];
 
             #[allow(unused_variables, clippy::match_single_binding)]
-            fn read<'de, S: $crate::json::Source<'de>>(
+            fn read_field<'de, S: $crate::json::Source<'de>>(
                 &mut self,
                 index: usize,
                 source: &mut S,
@@ -417,32 +443,13 @@ macro_rules! json_record {
                 $crate::json::deserialize(deserializer)
             }
         }
-
-        impl $crate::json::Field for $type {
-            fn initial() -> Self {
-                ::core::default::Default::default()
-            }
-
-            fn serialize<S: $crate::serde::Serializer>(
-                &self,
-                _: &'static str,
-                serializer: S,
-            ) -> ::core::result::Result<S::Ok, S::Error> {
-                $crate::json::serialize(self, serializer)
-            }
-
-            fn deserialize<'de, D: $crate::serde::Deserializer<'de>>(
-                deserializer: D,
-            ) -> ::core::result::Result<Self, D::Error> {
-                $crate::json::deserialize(deserializer)
-            }
-        }
     };
 }
 
-/// Gives an enum or flags their serde traits: those of the number that they hold.
+/// Gives a number in a newtype its serde traits.
+#[doc(hidden)]
 #[macro_export]
-macro_rules! json_number {
+macro_rules! __json_number {
     ($type:ty) => {
         impl $crate::serde::Serialize for $type {
             fn serialize<S: $crate::serde::Serializer>(
@@ -460,10 +467,17 @@ macro_rules! json_number {
                 ::core::result::Result::Ok(Self($crate::serde::Deserialize::deserialize(deserializer)?))
             }
         }
+    };
+}
 
+/// Makes a number in a newtype a field.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __json_field {
+    ($type:ty) => {
         impl $crate::json::Field for $type {
             fn initial() -> Self {
-                ::core::default::Default::default()
+                Self(0)
             }
 
             fn serialize<S: $crate::serde::Serializer>(

@@ -5,7 +5,7 @@
 //! padded to a multiple of 8. The generator computes layouts with [`place`], and generated code has
 //! the compiler compute them again and compare.
 
-use crate::UorbMessage;
+use crate::descriptor::{Element, FieldDescriptor, MessageDescriptor, Shape};
 
 /// Alignment of nested messages and of the end of each message, in bytes.
 pub const ALIGNMENT: usize = 8;
@@ -78,56 +78,55 @@ const fn align(offset: usize) -> usize {
     }
 }
 
-/// A field in memory: its name, its offset, the size of an element in bytes, and the number of elements.
-pub type Placed = (&'static str, usize, usize, usize);
-
-/// Whether fields lie where they should and give `size`: first `scalars` scalar ones, then nested
-/// messages, all in the order of their offsets.
-pub const fn is_laid_out(fields: &[Placed], scalars: usize, size: Size) -> bool {
-    let mut end = 0;
-    let mut greatest = ALIGNMENT;
+/// Whether the fields of a message lie where they should and give its size.
+///
+/// Another way than [`place`] goes, so that each checks the other: first the room that each size of
+/// element takes, then the offset of each field, in declared order.
+pub const fn is_consistent(message: &MessageDescriptor) -> bool {
+    let Some(size) = message.size else { return false };
+    // Where the next field with elements of 8, 4, 2 and 1 bytes lies, and the next nested message.
+    let mut next = [0; 5];
     let mut index = 0;
-    while index < fields.len() {
-        let (_, offset, element_size, count) = fields[index];
-        if index >= scalars {
-            end = align(end);
-        } else if element_size > greatest {
-            return false;
-        } else {
-            greatest = element_size;
+    while index < message.fields.len() {
+        let (class, size) = class_and_size(&message.fields[index]);
+        let mut later = class + 1;
+        while later < next.len() {
+            next[later] += size;
+            later += 1;
         }
-        if offset != end {
+        index += 1;
+    }
+    next[4] = align(next[4]);
+    let mut end = 0;
+    index = 0;
+    while index < message.fields.len() {
+        let field = &message.fields[index];
+        let (class, size) = class_and_size(field);
+        if field.offset != next[class] {
             return false;
         }
-        end += element_size * count;
+        next[class] += size;
+        if next[class] > end {
+            end = next[class];
+        }
         index += 1;
     }
     size.no_padding == end && size.padded == align(end)
 }
 
-/// Whether the layout of a message follows from its fields, with the sizes that nested messages have.
-pub const fn is_consistent<T: UorbMessage>() -> bool {
-    is_laid_out(T::LAYOUT, T::SCALARS, Size { padded: T::SIZE, no_padding: T::SIZE_NO_PADDING })
-}
-
-/// Implements [`UorbMessage`](crate::UorbMessage) for a message from its size, its size without the
-/// padding at its end, the number of its scalar fields, and its fields as [`Placed`], nested messages
-/// last.
-#[macro_export]
-macro_rules! uorb_message {
-    ($type:ident, $size:literal, $no_padding:literal, $scalars:literal;
-        $($field:literal $offset:literal $element:literal $count:literal;)*
-        $(nested $nested:literal $nested_offset:literal $message:ty, $nested_count:literal;)*) => {
-        impl $crate::UorbMessage for $type {
-            const SIZE: usize = $size;
-            const SIZE_NO_PADDING: usize = $no_padding;
-            const SCALARS: usize = $scalars;
-            const LAYOUT: &'static [$crate::layout::Placed] = &[
-                $(($field, $offset, $element, $count),)*
-                $(($nested, $nested_offset, <$message as $crate::UorbMessage>::SIZE, $nested_count),)*
-            ];
-        }
+/// The index of the class of a field's element size, and the size of the whole field.
+const fn class_and_size(field: &FieldDescriptor) -> (usize, usize) {
+    let (class, element_size) = match field.element {
+        Element::Scalar(scalar) => (3 - scalar.size().ilog2() as usize, scalar.size()),
+        Element::Text => (3, 1),
+        Element::Message(nested) => (4, nested.padded_size()),
+        Element::String { .. } => (4, 0),
     };
+    let count = match field.shape {
+        Shape::Array(length) => length as usize,
+        Shape::Single | Shape::Bounded(_) | Shape::Sequence => 1,
+    };
+    (class, element_size * count)
 }
 
 /// Has the compiler check the layouts of messages, so that a nested one of another size can't go
@@ -136,7 +135,7 @@ macro_rules! uorb_message {
 macro_rules! assert_layouts {
     ($($type:ident;)*) => {
         const _: () = {
-            let consistent = [$($crate::layout::is_consistent::<$type>()),*];
+            let consistent = [$($crate::layout::is_consistent(<$type as $crate::record::Record>::DESCRIPTOR)),*];
             let mut index = 0;
             while index < consistent.len() {
                 assert!(consistent[index], "the layout of a message doesn't follow from its fields");
@@ -149,6 +148,7 @@ macro_rules! assert_layouts {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::descriptor::field;
 
     const fn scalar(element_size: usize, count: usize) -> Member {
         Member { element_size, count, is_nested: false }
@@ -182,16 +182,21 @@ mod tests {
     }
 
     #[test]
-    fn what_is_placed_is_laid_out_and_nothing_else_is() {
-        let size = Size { padded: 216, no_padding: 216 };
-        let fields = |nested_offset, nested_size| {
-            [("a", 0, 8, 1), ("b", 8, 1, 3), ("c", nested_offset, nested_size, 5)]
+    fn what_is_placed_is_consistent_and_nothing_else_is() {
+        const NESTED: MessageDescriptor = MessageDescriptor {
+            size: Some(Size { padded: 40, no_padding: 40 }),
+            ..MessageDescriptor::NONE
         };
-        assert!(is_laid_out(&fields(16, 40), 2, size));
-        assert!(!is_laid_out(&fields(11, 40), 2, size), "nested messages are aligned");
-        assert!(!is_laid_out(&fields(16, 48), 2, size), "a nested message has grown");
-        let size = Size { padded: 16, no_padding: 9 };
-        assert!(!is_laid_out(&[("a", 0, 1, 1), ("b", 1, 8, 1)], 2, size), "scalars go from large to small");
-        assert!(!is_laid_out(&[("a", 1, 8, 1)], 1, size), "no gap at the start");
+        fn is_consistent(offsets: [usize; 3], padded: usize, no_padding: usize) -> bool {
+            let [a, b, c] = offsets;
+            let nested = FieldDescriptor { element: Element::Message(&NESTED), ..field::byte("a", a) };
+            let fields = alloc::vec![nested.array(5), field::uint64("b", b), field::byte("c", c).array(3)];
+            let size = Some(Size { padded, no_padding });
+            super::is_consistent(&MessageDescriptor { fields: fields.leak(), size, ..MessageDescriptor::NONE })
+        }
+        assert!(is_consistent([16, 0, 8], 216, 216));
+        assert!(!is_consistent([11, 0, 8], 216, 216), "nested messages are aligned");
+        assert!(!is_consistent([16, 3, 0], 216, 216), "scalars go from large to small");
+        assert!(!is_consistent([16, 0, 8], 256, 256), "the size is another");
     }
 }

@@ -50,6 +50,16 @@ impl fmt::Display for Severity {
     }
 }
 
+/// Whether a list of error codes says that the UAV is ready for takeoff: it holds code 1 (on the
+/// ground) and no other.
+///
+/// An empty list says that nothing is wrong, but not that the UAV stands on the ground.
+pub fn is_ready_for_takeoff<C: Into<u32>>(codes: impl IntoIterator<Item = C>) -> bool {
+    const ON_THE_GROUND: u32 = 1;
+    let mut codes = codes.into_iter().map(Into::into).peekable();
+    codes.peek().is_some() && codes.all(|code| code == ON_THE_GROUND)
+}
+
 /// A range of error codes that the specification sets apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ErrorClass {

@@ -675,23 +675,6 @@ static ENTRIES: [Entry; 63] = [
     },
 ];
 
-#[cfg(feature = "serde")]
-impl ::uavspec_runtime::serde::Serialize for ErrorCode {
-    fn serialize<S: ::uavspec_runtime::serde::Serializer>(
-        &self,
-        serializer: S,
-    ) -> ::core::result::Result<S::Ok, S::Error> {
-        ::uavspec_runtime::serde::Serialize::serialize(&self.0, serializer)
-    }
-}
-
-#[cfg(feature = "serde")]
-impl<'de> ::uavspec_runtime::serde::Deserialize<'de> for ErrorCode {
-    fn deserialize<D: ::uavspec_runtime::serde::Deserializer<'de>>(
-        deserializer: D,
-    ) -> ::core::result::Result<Self, D::Error> {
-        ::core::result::Result::Ok(
-            Self(::uavspec_runtime::serde::Deserialize::deserialize(deserializer)?),
-        )
-    }
+::uavspec_runtime::error_code! {
+    ErrorCode;
 }

@@ -107,55 +107,48 @@ impl ::uavspec_runtime::Message for ArmingCheckReply {
     const CDR_SIZE: ::core::option::Option<usize> = ::core::option::Option::Some(231);
 }
 
-::uavspec_runtime::uorb_message! {
-    ArmingCheckReply, 232, 232, 20;
-    "timestamp" 0 8 1;
-    "request_id" 8 1 1;
-    "registration_id" 9 1 1;
-    "health_component_index" 10 1 1;
-    "health_component_is_present" 11 1 1;
-    "health_component_warning" 12 1 1;
-    "health_component_error" 13 1 1;
-    "can_arm_and_run" 14 1 1;
-    "num_events" 15 1 1;
-    "mode_req_angular_velocity" 16 1 1;
-    "mode_req_attitude" 17 1 1;
-    "mode_req_local_alt" 18 1 1;
-    "mode_req_local_position" 19 1 1;
-    "mode_req_local_position_relaxed" 20 1 1;
-    "mode_req_global_position" 21 1 1;
-    "mode_req_global_position_relaxed" 22 1 1;
-    "mode_req_mission" 23 1 1;
-    "mode_req_home_position" 24 1 1;
-    "mode_req_prevent_arming" 25 1 1;
-    "mode_req_manual_control" 26 1 1;
-    nested "events" 32 super::Event, 5;
+::uavspec_runtime::record! {
+    ArmingCheckReply, ArmingCheckReplyView, 232, 232;
+    0 timestamp: u64 = uint64("timestamp", 0);
+    1 request_id: u8 = uint8("request_id", 8);
+    2 registration_id: u8 = uint8("registration_id", 9);
+    3 health_component_index: HealthComponentIndex = uint8("health_component_index", 10).within(&number().values::<HealthComponentIndex>());
+    4 health_component_is_present: bool = bool("health_component_is_present", 11);
+    5 health_component_warning: bool = bool("health_component_warning", 12);
+    6 health_component_error: bool = bool("health_component_error", 13);
+    7 can_arm_and_run: bool = bool("can_arm_and_run", 14);
+    8 num_events: u8 = uint8("num_events", 15).within(&number().counting(5));
+    9 events: [super::Event; 5] = message::<super::Event>("events", 32).array(5);
+    10 mode_req_angular_velocity: bool = bool("mode_req_angular_velocity", 16);
+    11 mode_req_attitude: bool = bool("mode_req_attitude", 17);
+    12 mode_req_local_alt: bool = bool("mode_req_local_alt", 18);
+    13 mode_req_local_position: bool = bool("mode_req_local_position", 19);
+    14 mode_req_local_position_relaxed: bool = bool("mode_req_local_position_relaxed", 20);
+    15 mode_req_global_position: bool = bool("mode_req_global_position", 21);
+    16 mode_req_global_position_relaxed: bool = bool("mode_req_global_position_relaxed", 22);
+    17 mode_req_mission: bool = bool("mode_req_mission", 23);
+    18 mode_req_home_position: bool = bool("mode_req_home_position", 24);
+    19 mode_req_prevent_arming: bool = bool("mode_req_prevent_arming", 25);
+    20 mode_req_manual_control: bool = bool("mode_req_manual_control", 26);
 }
 
-#[cfg(feature = "serde")]
-::uavspec_runtime::json_record! {
-    ArmingCheckReply, "ArmingCheckReply", 1;
-    0 timestamp "timestamp";
-    1 request_id "request_id";
-    2 registration_id "registration_id";
-    3 health_component_index "health_component_index";
-    4 health_component_is_present "health_component_is_present";
-    5 health_component_warning "health_component_warning";
-    6 health_component_error "health_component_error";
-    7 can_arm_and_run "can_arm_and_run";
-    8 num_events "num_events";
-    9 events "events";
-    10 mode_req_angular_velocity "mode_req_angular_velocity";
-    11 mode_req_attitude "mode_req_attitude";
-    12 mode_req_local_alt "mode_req_local_alt";
-    13 mode_req_local_position "mode_req_local_position";
-    14 mode_req_local_position_relaxed "mode_req_local_position_relaxed";
-    15 mode_req_global_position "mode_req_global_position";
-    16 mode_req_global_position_relaxed "mode_req_global_position_relaxed";
-    17 mode_req_mission "mode_req_mission";
-    18 mode_req_home_position "mode_req_home_position";
-    19 mode_req_prevent_arming "mode_req_prevent_arming";
-    20 mode_req_manual_control "mode_req_manual_control";
+::uavspec_runtime::flags! {
+    ArmingCheckReply;
+    health_component_is_present "health_component_is_present" "" "True if that component is there; not used yet, kept for health reports (health_component_t in events.json)";
+    health_component_warning "health_component_warning" "" "True if that component has a warning; not used yet, kept for health reports";
+    health_component_error "health_component_error" "" "True if that component has an error; not used yet, kept for health reports";
+    can_arm_and_run "can_arm_and_run" "" "True if the component lets the vehicle arm; a flight mode: arm in it, or enter it once armed. If false, events say why";
+    mode_req_angular_velocity "mode_req_angular_velocity" "Mode requirements" "True if the mode needs angular rates (as from gyroscopes)";
+    mode_req_attitude "mode_req_attitude" "Mode requirements" "True if the mode needs an attitude";
+    mode_req_local_alt "mode_req_local_alt" "Mode requirements" "True if the mode needs a local altitude";
+    mode_req_local_position "mode_req_local_position" "Mode requirements" "True if the mode needs a local position at full accuracy";
+    mode_req_local_position_relaxed "mode_req_local_position_relaxed" "Mode requirements" "True if the mode needs a local position but copes with a coarse one";
+    mode_req_global_position "mode_req_global_position" "Mode requirements" "True if the mode needs a global position at full accuracy";
+    mode_req_global_position_relaxed "mode_req_global_position_relaxed" "Mode requirements" "True if the mode needs a global position but copes with a coarse one";
+    mode_req_mission "mode_req_mission" "Mode requirements" "True if the mode needs a mission on board";
+    mode_req_home_position "mode_req_home_position" "Mode requirements" "True if the mode needs a home position, as Return does";
+    mode_req_prevent_arming "mode_req_prevent_arming" "Mode requirements" "True if the vehicle must not arm in the mode, as in Land";
+    mode_req_manual_control "mode_req_manual_control" "Mode requirements" "True if the mode needs a pilot's input";
 }
 
 /// Values of `health_component_index` of `ArmingCheckReply`.
@@ -196,17 +189,7 @@ impl ::core::fmt::Debug for HealthComponentIndex {
     }
 }
 
-impl ::core::convert::From<u8> for HealthComponentIndex {
-    fn from(value: u8) -> Self {
-        Self(value)
-    }
+::uavspec_runtime::open! {
+    HealthComponentIndex: u8;
+    0;
 }
-
-impl ::core::convert::From<HealthComponentIndex> for u8 {
-    fn from(value: HealthComponentIndex) -> Self {
-        value.0
-    }
-}
-
-#[cfg(feature = "serde")]
-::uavspec_runtime::json_number!(HealthComponentIndex);

@@ -41,17 +41,9 @@ impl ::uavspec_runtime::Message for ArmingCheckRequest {
     const CDR_SIZE: ::core::option::Option<usize> = ::core::option::Option::Some(20);
 }
 
-::uavspec_runtime::uorb_message! {
-    ArmingCheckRequest, 16, 13, 3;
-    "timestamp" 0 8 1;
-    "valid_registrations_mask" 8 4 1;
-    "request_id" 12 1 1;
-}
-
-#[cfg(feature = "serde")]
-::uavspec_runtime::json_record! {
-    ArmingCheckRequest, "ArmingCheckRequest", 1;
-    0 timestamp "timestamp";
-    1 request_id "request_id";
-    2 valid_registrations_mask "valid_registrations_mask";
+::uavspec_runtime::record! {
+    ArmingCheckRequest, ArmingCheckRequestView, 16, 13;
+    0 timestamp: u64 = uint64("timestamp", 0);
+    1 request_id: u8 = uint8("request_id", 12);
+    2 valid_registrations_mask: u32 = uint32("valid_registrations_mask", 8);
 }

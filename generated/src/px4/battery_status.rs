@@ -196,93 +196,55 @@ impl ::uavspec_runtime::Message for BatteryStatus {
     const CDR_SIZE: ::core::option::Option<usize> = ::core::option::Option::Some(180);
 }
 
-::uavspec_runtime::uorb_message! {
-    BatteryStatus, 168, 167, 40;
-    "timestamp" 0 8 1;
-    "voltage_v" 8 4 1;
-    "voltage_filtered_v" 12 4 1;
-    "current_a" 16 4 1;
-    "current_filtered_a" 20 4 1;
-    "current_average_a" 24 4 1;
-    "discharged_mah" 28 4 1;
-    "remaining" 32 4 1;
-    "scale" 36 4 1;
-    "time_remaining_s" 40 4 1;
-    "temperature" 44 4 1;
-    "voltage_cell_v" 48 4 14;
-    "max_cell_voltage_delta" 104 4 1;
-    "custom_faults" 108 4 1;
-    "average_power" 112 4 1;
-    "available_energy" 116 4 1;
-    "full_charge_capacity_wh" 120 4 1;
-    "remaining_capacity_wh" 124 4 1;
-    "design_capacity" 128 4 1;
-    "nominal_voltage" 132 4 1;
-    "capacity" 136 2 1;
-    "cycle_count" 138 2 1;
-    "average_time_to_empty" 140 2 1;
-    "serial_number" 142 2 1;
-    "manufacture_date" 144 2 1;
-    "state_of_health" 146 2 1;
-    "max_error" 148 2 1;
-    "interface_error" 150 2 1;
-    "faults" 152 2 1;
-    "average_time_to_full" 154 2 1;
-    "over_discharge_count" 156 2 1;
-    "connected" 158 1 1;
-    "cell_count" 159 1 1;
-    "source" 160 1 1;
-    "priority" 161 1 1;
-    "id" 162 1 1;
-    "is_powering_off" 163 1 1;
-    "is_required" 164 1 1;
-    "warning" 165 1 1;
-    "mode" 166 1 1;
+::uavspec_runtime::record! {
+    BatteryStatus, BatteryStatusView, 168, 167;
+    0 timestamp: u64 = uint64("timestamp", 0);
+    1 connected: bool = bool("connected", 158);
+    2 voltage_v: f32 = float32("voltage_v", 8);
+    3 voltage_filtered_v: f32 = float32("voltage_filtered_v", 12);
+    4 current_a: f32 = float32("current_a", 16);
+    5 current_filtered_a: f32 = float32("current_filtered_a", 20);
+    6 current_average_a: f32 = float32("current_average_a", 24);
+    7 discharged_mah: f32 = float32("discharged_mah", 28);
+    8 remaining: f32 = float32("remaining", 32).within(&number().from(int(0)).to(int(1)).or(&[float(-1.0)]));
+    9 scale: f32 = float32("scale", 36).within(&number().from(int(1)).or(&[float(-1.0)]));
+    10 time_remaining_s: f32 = float32("time_remaining_s", 40).within(&Constraint::NAN);
+    11 temperature: f32 = float32("temperature", 44).within(&Constraint::NAN);
+    12 cell_count: u8 = uint8("cell_count", 159);
+    13 source: BatterySource = uint8("source", 160).within(&number().values::<BatterySource>());
+    14 priority: u8 = uint8("priority", 161);
+    15 capacity: u16 = uint16("capacity", 136);
+    16 cycle_count: u16 = uint16("cycle_count", 138);
+    17 average_time_to_empty: u16 = uint16("average_time_to_empty", 140);
+    18 serial_number: u16 = uint16("serial_number", 142);
+    19 manufacture_date: u16 = uint16("manufacture_date", 144);
+    20 state_of_health: u16 = uint16("state_of_health", 146).within(&number().from(int(0)).to(int(100)));
+    21 max_error: u16 = uint16("max_error", 148).within(&number().from(int(1)).to(int(100)));
+    22 id: u8 = uint8("id", 162);
+    23 interface_error: u16 = uint16("interface_error", 150);
+    24 voltage_cell_v: [f32; 14] = float32("voltage_cell_v", 48).array(14);
+    25 max_cell_voltage_delta: f32 = float32("max_cell_voltage_delta", 104);
+    26 is_powering_off: bool = bool("is_powering_off", 163);
+    27 is_required: bool = bool("is_required", 164);
+    28 faults: BatteryFault = uint16("faults", 152).within(&number().flags::<BatteryFault>());
+    29 custom_faults: u32 = uint32("custom_faults", 108);
+    30 warning: BatteryWarning = uint8("warning", 165).within(&number().values::<BatteryWarning>());
+    31 mode: BatteryMode = uint8("mode", 166).within(&number().values::<BatteryMode>());
+    32 average_power: f32 = float32("average_power", 112);
+    33 available_energy: f32 = float32("available_energy", 116);
+    34 full_charge_capacity_wh: f32 = float32("full_charge_capacity_wh", 120);
+    35 remaining_capacity_wh: f32 = float32("remaining_capacity_wh", 124);
+    36 design_capacity: f32 = float32("design_capacity", 128);
+    37 average_time_to_full: u16 = uint16("average_time_to_full", 154);
+    38 over_discharge_count: u16 = uint16("over_discharge_count", 156);
+    39 nominal_voltage: f32 = float32("nominal_voltage", 132);
 }
 
-#[cfg(feature = "serde")]
-::uavspec_runtime::json_record! {
-    BatteryStatus, "BatteryStatus", 1;
-    0 timestamp "timestamp";
-    1 connected "connected";
-    2 voltage_v "voltage_v";
-    3 voltage_filtered_v "voltage_filtered_v";
-    4 current_a "current_a";
-    5 current_filtered_a "current_filtered_a";
-    6 current_average_a "current_average_a";
-    7 discharged_mah "discharged_mah";
-    8 remaining "remaining";
-    9 scale "scale";
-    10 time_remaining_s "time_remaining_s";
-    11 temperature "temperature";
-    12 cell_count "cell_count";
-    13 source "source";
-    14 priority "priority";
-    15 capacity "capacity";
-    16 cycle_count "cycle_count";
-    17 average_time_to_empty "average_time_to_empty";
-    18 serial_number "serial_number";
-    19 manufacture_date "manufacture_date";
-    20 state_of_health "state_of_health";
-    21 max_error "max_error";
-    22 id "id";
-    23 interface_error "interface_error";
-    24 voltage_cell_v "voltage_cell_v";
-    25 max_cell_voltage_delta "max_cell_voltage_delta";
-    26 is_powering_off "is_powering_off";
-    27 is_required "is_required";
-    28 faults "faults";
-    29 custom_faults "custom_faults";
-    30 warning "warning";
-    31 mode "mode";
-    32 average_power "average_power";
-    33 available_energy "available_energy";
-    34 full_charge_capacity_wh "full_charge_capacity_wh";
-    35 remaining_capacity_wh "remaining_capacity_wh";
-    36 design_capacity "design_capacity";
-    37 average_time_to_full "average_time_to_full";
-    38 over_discharge_count "over_discharge_count";
-    39 nominal_voltage "nominal_voltage";
+::uavspec_runtime::flags! {
+    BatteryStatus;
+    connected "connected" "Readings and estimates" "True if a battery is connected; where only voltage is measured, if that is above a threshold";
+    is_powering_off "is_powering_off" "Operation" "True if the battery is about to switch itself off; false also means not known";
+    is_required "is_required" "Operation" "True if arming without this battery is not permitted";
 }
 
 /// Values of `source` of `BatteryStatus`.
@@ -324,20 +286,10 @@ impl ::core::fmt::Debug for BatterySource {
     }
 }
 
-impl ::core::convert::From<u8> for BatterySource {
-    fn from(value: u8) -> Self {
-        Self(value)
-    }
+::uavspec_runtime::open! {
+    BatterySource: u8;
+    0, 1, 2;
 }
-
-impl ::core::convert::From<BatterySource> for u8 {
-    fn from(value: BatterySource) -> Self {
-        value.0
-    }
-}
-
-#[cfg(feature = "serde")]
-::uavspec_runtime::json_number!(BatterySource);
 
 /// Flags of `faults` of `BatteryStatus`.
 ///
@@ -424,20 +376,10 @@ impl ::core::fmt::Debug for BatteryFault {
     }
 }
 
-impl ::core::convert::From<u16> for BatteryFault {
-    fn from(value: u16) -> Self {
-        Self(value)
-    }
+::uavspec_runtime::open! {
+    BatteryFault: u16;
+    0x1, 0x2, 0x4, 0x8, 0x10, 0x20, 0x40, 0x80, 0x100, 0x200;
 }
-
-impl ::core::convert::From<BatteryFault> for u16 {
-    fn from(value: BatteryFault) -> Self {
-        value.0
-    }
-}
-
-#[cfg(feature = "serde")]
-::uavspec_runtime::json_number!(BatteryFault);
 
 /// Values of `warning` of `BatteryStatus`.
 ///
@@ -493,20 +435,10 @@ impl ::core::fmt::Debug for BatteryWarning {
     }
 }
 
-impl ::core::convert::From<u8> for BatteryWarning {
-    fn from(value: u8) -> Self {
-        Self(value)
-    }
+::uavspec_runtime::open! {
+    BatteryWarning: u8;
+    0, 1, 2, 3, 4, 6, 7, 10;
 }
-
-impl ::core::convert::From<BatteryWarning> for u8 {
-    fn from(value: BatteryWarning) -> Self {
-        value.0
-    }
-}
-
-#[cfg(feature = "serde")]
-::uavspec_runtime::json_number!(BatteryWarning);
 
 /// Values of `mode` of `BatteryStatus`.
 ///
@@ -547,17 +479,7 @@ impl ::core::fmt::Debug for BatteryMode {
     }
 }
 
-impl ::core::convert::From<u8> for BatteryMode {
-    fn from(value: u8) -> Self {
-        Self(value)
-    }
+::uavspec_runtime::open! {
+    BatteryMode: u8;
+    0, 1, 2;
 }
-
-impl ::core::convert::From<BatteryMode> for u8 {
-    fn from(value: BatteryMode) -> Self {
-        value.0
-    }
-}
-
-#[cfg(feature = "serde")]
-::uavspec_runtime::json_number!(BatteryMode);

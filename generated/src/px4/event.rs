@@ -48,21 +48,11 @@ impl ::uavspec_runtime::Message for Event {
     const CDR_SIZE: ::core::option::Option<usize> = ::core::option::Option::Some(44);
 }
 
-::uavspec_runtime::uorb_message! {
-    Event, 40, 40, 5;
-    "timestamp" 0 8 1;
-    "id" 8 4 1;
-    "event_sequence" 12 2 1;
-    "arguments" 14 1 25;
-    "log_levels" 39 1 1;
-}
-
-#[cfg(feature = "serde")]
-::uavspec_runtime::json_record! {
-    Event, "Event", 1;
-    0 timestamp "timestamp";
-    1 id "id";
-    2 event_sequence "event_sequence";
-    3 arguments "arguments";
-    4 log_levels "log_levels";
+::uavspec_runtime::record! {
+    Event, EventView, 40, 40;
+    0 timestamp: u64 = uint64("timestamp", 0);
+    1 id: u32 = uint32("id", 8);
+    2 event_sequence: u16 = uint16("event_sequence", 12);
+    3 arguments: [u8; 25] = uint8("arguments", 14).array(25);
+    4 log_levels: u8 = uint8("log_levels", 39);
 }

@@ -59,27 +59,19 @@ impl ::uavspec_runtime::Message for RegisterExtComponentReply {
     const CDR_SIZE: ::core::option::Option<usize> = ::core::option::Option::Some(52);
 }
 
-::uavspec_runtime::uorb_message! {
-    RegisterExtComponentReply, 48, 47, 8;
-    "timestamp" 0 8 1;
-    "request_id" 8 8 1;
-    "px4_ros2_api_version" 16 2 1;
-    "name" 18 1 25;
-    "success" 43 1 1;
-    "arming_check_id" 44 1 1;
-    "mode_id" 45 1 1;
-    "mode_executor_id" 46 1 1;
+::uavspec_runtime::record! {
+    RegisterExtComponentReply, RegisterExtComponentReplyView, 48, 47;
+    0 timestamp: u64 = uint64("timestamp", 0);
+    1 request_id: u64 = uint64("request_id", 8);
+    2 name: ::uavspec_runtime::Text<25> = text("name", 18).array(25);
+    3 px4_ros2_api_version: u16 = uint16("px4_ros2_api_version", 16);
+    4 success: bool = bool("success", 43);
+    5 arming_check_id: i8 = int8("arming_check_id", 44);
+    6 mode_id: i8 = int8("mode_id", 45);
+    7 mode_executor_id: i8 = int8("mode_executor_id", 46);
 }
 
-#[cfg(feature = "serde")]
-::uavspec_runtime::json_record! {
-    RegisterExtComponentReply, "RegisterExtComponentReply", 1;
-    0 timestamp "timestamp";
-    1 request_id "request_id";
-    2 name "name";
-    3 px4_ros2_api_version "px4_ros2_api_version";
-    4 success "success";
-    5 arming_check_id "arming_check_id";
-    6 mode_id "mode_id";
-    7 mode_executor_id "mode_executor_id";
+::uavspec_runtime::flags! {
+    RegisterExtComponentReply;
+    success "success" "" "True if everything asked for is registered; if false, the ids below mean nothing";
 }

@@ -66,31 +66,25 @@ impl ::uavspec_runtime::Message for RegisterExtComponentRequest {
     const CDR_SIZE: ::core::option::Option<usize> = ::core::option::Option::Some(54);
 }
 
-::uavspec_runtime::uorb_message! {
-    RegisterExtComponentRequest, 56, 49, 10;
-    "timestamp" 0 8 1;
-    "request_id" 8 8 1;
-    "px4_ros2_api_version" 16 2 1;
-    "name" 18 1 25;
-    "register_arming_check" 43 1 1;
-    "register_mode" 44 1 1;
-    "register_mode_executor" 45 1 1;
-    "enable_replace_internal_mode" 46 1 1;
-    "replace_internal_mode" 47 1 1;
-    "activate_mode_immediately" 48 1 1;
+::uavspec_runtime::record! {
+    RegisterExtComponentRequest, RegisterExtComponentRequestView, 56, 49;
+    0 timestamp: u64 = uint64("timestamp", 0);
+    1 request_id: u64 = uint64("request_id", 8);
+    2 name: ::uavspec_runtime::Text<25> = text("name", 18).array(25);
+    3 px4_ros2_api_version: u16 = uint16("px4_ros2_api_version", 16);
+    4 register_arming_check: bool = bool("register_arming_check", 43);
+    5 register_mode: bool = bool("register_mode", 44);
+    6 register_mode_executor: bool = bool("register_mode_executor", 45);
+    7 enable_replace_internal_mode: bool = bool("enable_replace_internal_mode", 46);
+    8 replace_internal_mode: u8 = uint8("replace_internal_mode", 47);
+    9 activate_mode_immediately: bool = bool("activate_mode_immediately", 48);
 }
 
-#[cfg(feature = "serde")]
-::uavspec_runtime::json_record! {
-    RegisterExtComponentRequest, "RegisterExtComponentRequest", 1;
-    0 timestamp "timestamp";
-    1 request_id "request_id";
-    2 name "name";
-    3 px4_ros2_api_version "px4_ros2_api_version";
-    4 register_arming_check "register_arming_check";
-    5 register_mode "register_mode";
-    6 register_mode_executor "register_mode_executor";
-    7 enable_replace_internal_mode "enable_replace_internal_mode";
-    8 replace_internal_mode "replace_internal_mode";
-    9 activate_mode_immediately "activate_mode_immediately";
+::uavspec_runtime::flags! {
+    RegisterExtComponentRequest;
+    register_arming_check "register_arming_check" "Parts to register" "True to take part in arming checks, and so to answer each ArmingCheckRequest";
+    register_mode "register_mode" "Parts to register" "True to add a flight mode; requires register_arming_check";
+    register_mode_executor "register_mode_executor" "Parts to register" "True to add an executor, which then owns that mode; requires register_mode";
+    enable_replace_internal_mode "enable_replace_internal_mode" "" "True if the new mode takes the place of a built-in one";
+    activate_mode_immediately "activate_mode_immediately" "" "True to enter the new mode as soon as it is registered; requires register_mode_executor";
 }

@@ -51,21 +51,11 @@ impl ::uavspec_runtime::Message for UnregisterExtComponent {
     const CDR_SIZE: ::core::option::Option<usize> = ::core::option::Option::Some(40);
 }
 
-::uavspec_runtime::uorb_message! {
-    UnregisterExtComponent, 40, 36, 5;
-    "timestamp" 0 8 1;
-    "name" 8 1 25;
-    "arming_check_id" 33 1 1;
-    "mode_id" 34 1 1;
-    "mode_executor_id" 35 1 1;
-}
-
-#[cfg(feature = "serde")]
-::uavspec_runtime::json_record! {
-    UnregisterExtComponent, "UnregisterExtComponent", 1;
-    0 timestamp "timestamp";
-    1 name "name";
-    2 arming_check_id "arming_check_id";
-    3 mode_id "mode_id";
-    4 mode_executor_id "mode_executor_id";
+::uavspec_runtime::record! {
+    UnregisterExtComponent, UnregisterExtComponentView, 40, 36;
+    0 timestamp: u64 = uint64("timestamp", 0);
+    1 name: ::uavspec_runtime::Text<25> = text("name", 8).array(25);
+    2 arming_check_id: i8 = int8("arming_check_id", 33);
+    3 mode_id: i8 = int8("mode_id", 34);
+    4 mode_executor_id: i8 = int8("mode_executor_id", 35);
 }

@@ -4,11 +4,8 @@ use uavspec_runtime::Scalar;
 
 use super::tree::{Member, Node, member};
 use crate::schema::Range;
+use crate::schema::constraint::{MAX_FLOAT32, spread};
 use crate::value::Value;
-
-/// The greatest `float32` in the shortest form that reads back as it. Most programs write that form,
-/// and it is slightly above the exact value, so the exact value as a bound would refuse it.
-const MAX_FLOAT32: f64 = 3.402_823_5e38;
 
 /// Inclusive bounds of a number.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,23 +76,6 @@ pub(super) fn number<'s>(value: &Value) -> Node<'s> {
         Value::Float(value) if value.is_finite() => Node::Float(*value),
         _ => Node::Null,
     }
-}
-
-/// Least and greatest of the forms in which `value` may stand in JSON when a `scalar` held it.
-///
-/// A `float32` isn't exactly pi: it is written widened to 64 bits (3.1415927410125732) or in its
-/// shortest form (3.1415927), and both are greater than pi.
-fn spread(value: &Value, scalar: Scalar) -> (Value, Value) {
-    let exact = value.as_f64().filter(|exact| scalar == Scalar::Float32 && exact.abs() < MAX_FLOAT32);
-    let Some(exact) = exact else { return (value.clone(), value.clone()) };
-    #[allow(clippy::cast_possible_truncation)] // rounding is what this is about
-    let rounded = exact as f32;
-    let widened = f64::from(rounded);
-    let shortest = rounded.to_string().parse().unwrap_or(widened);
-    let (low, high) = (widened.min(shortest), widened.max(shortest));
-    let low = if low < exact { Value::Float(low) } else { value.clone() };
-    let high = if high > exact { Value::Float(high) } else { value.clone() };
-    (low, high)
 }
 
 /// Exact for integers, which floats of 64 bits can't tell apart near the bounds of 64-bit integers.

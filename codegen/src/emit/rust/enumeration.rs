@@ -42,6 +42,7 @@ pub(super) fn tokens(owner: &Message, found: &Enum, name: &Ident) -> TokenStream
         let value = number(found, member.value);
         quote!(#doc pub const #name: Self = Self(#value);)
     });
+    let known = found.members.iter().map(|member| number(found, member.value));
     let behaviour = if found.is_flags { flags(found, name, &names) } else { open_enum(found, name, &names) };
     quote! {
         #doc
@@ -55,20 +56,7 @@ pub(super) fn tokens(owner: &Message, found: &Enum, name: &Ident) -> TokenStream
 
         #behaviour
 
-        impl ::core::convert::From<#primitive> for #name {
-            fn from(value: #primitive) -> Self {
-                Self(value)
-            }
-        }
-
-        impl ::core::convert::From<#name> for #primitive {
-            fn from(value: #name) -> Self {
-                value.0
-            }
-        }
-
-        #[cfg(feature = "serde")]
-        ::uavspec_runtime::json_number!(#name);
+        ::uavspec_runtime::open! { #name: #primitive; #(#known),*; }
     }
 }
 

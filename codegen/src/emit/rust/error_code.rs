@@ -187,19 +187,7 @@ fn tokens(package: &Package, codes: &[&ErrorCode]) -> TokenStream {
         /// By code.
         static ENTRIES: [Entry; #count] = [#(#entries),*];
 
-        #[cfg(feature = "serde")]
-        impl ::uavspec_runtime::serde::Serialize for ErrorCode {
-            fn serialize<S: ::uavspec_runtime::serde::Serializer>(&self, serializer: S) -> ::core::result::Result<S::Ok, S::Error> {
-                ::uavspec_runtime::serde::Serialize::serialize(&self.0, serializer)
-            }
-        }
-
-        #[cfg(feature = "serde")]
-        impl<'de> ::uavspec_runtime::serde::Deserialize<'de> for ErrorCode {
-            fn deserialize<D: ::uavspec_runtime::serde::Deserializer<'de>>(deserializer: D) -> ::core::result::Result<Self, D::Error> {
-                ::core::result::Result::Ok(Self(::uavspec_runtime::serde::Deserialize::deserialize(deserializer)?))
-            }
-        }
+        ::uavspec_runtime::error_code! { ErrorCode; }
     }
 }
 

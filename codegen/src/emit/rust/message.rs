@@ -1,4 +1,4 @@
-//! A message: its struct, constants, traits, layout assertion and JSON, then its enums.
+//! A message: its struct, constants, traits, codecs and flags, then its enums.
 
 use std::fmt::Write as _;
 
@@ -8,7 +8,9 @@ use quote::quote;
 use super::identifier::{Scope, ident, snake_case, upper_case};
 use super::{Context, documentation, enumeration, types};
 use crate::emit::prose;
-use crate::schema::{Element, Field, Message, MessageId, Shape, Slot, Special, UorbLayout};
+use uavspec_runtime::{Constraint, Number, Scalar};
+
+use crate::schema::{Dialect, Element, Field, Message, MessageId, Restriction, Shape, Special};
 use crate::unit;
 use crate::value::Value;
 
@@ -26,14 +28,14 @@ pub(super) fn tokens(context: &Context<'_>, id: MessageId) -> TokenStream {
     let default = parts.default();
     let constants = parts.constants();
     let traits = parts.message_trait();
-    let layout = message.uorb.as_ref().map(|layout| parts.layout(layout));
-    let json = parts.json();
+    let record = parts.record();
+    let flags = parts.flags();
     let enums = message
         .enums
         .iter()
         .zip(&context.enum_names[id.0 as usize])
         .map(|(found, name)| enumeration::tokens(message, found, &ident(name)));
-    quote!(#definition #default #constants #traits #layout #json #(#enums)*)
+    quote!(#definition #default #constants #traits #record #flags #(#enums)*)
 }
 
 struct Parts<'c> {
@@ -132,58 +134,123 @@ impl Parts<'_> {
         }
     }
 
-    /// Sizes and offsets.
-    fn layout(&self, layout: &UorbLayout) -> TokenStream {
-        let name = &self.name;
-        let size = types::integer(layout.size as i128);
-        let no_padding = types::integer(layout.size_no_padding as i128);
-        let is_nested = |field: &&Field| matches!(field.ty.element, Element::Message(_));
-        let nested = self.message.fields.iter().filter(is_nested).count();
-        let scalars = types::integer((self.message.fields.len() - nested) as i128);
-        let members = layout.slots.iter().filter_map(|slot| Some(self.member(slot, slot.field?)));
-        quote! {
-            ::uavspec_runtime::uorb_message! {
-                #name, #size, #no_padding, #scalars;
-                #(#members)*
-            }
-        }
-    }
-
-    fn member(&self, slot: &Slot, field: usize) -> TokenStream {
-        let field = &self.message.fields[field];
-        let name = &slot.name;
-        let offset = types::integer(slot.offset as i128);
-        let count = match field.ty.shape {
-            Shape::Array(length) => types::integer(length.into()),
-            Shape::Single | Shape::Bounded(_) | Shape::Sequence => quote!(1),
-        };
-        match field.ty.element {
-            Element::Message(nested) => {
-                let path = self.context.path(self.id, nested);
-                quote!(nested #name #offset #path, #count;)
-            }
-            Element::Scalar(scalar) => {
-                let size = types::integer(scalar.size() as i128);
-                quote!(#name #offset #size #count;)
-            }
-            // Messages with strings have no layout.
-            Element::String { .. } => TokenStream::new(),
-        }
-    }
-
-    fn json(&self) -> TokenStream {
-        let Self { name, fields, message, .. } = self;
-        let message_name = &message.name;
-        let names = message.fields.iter().map(|field| &field.name);
-        let words = types::integer(message.fields.len().div_ceil(64) as i128);
+    /// The fields with their types and places, from which a macro of the runtime makes the codecs.
+    fn record(&self) -> TokenStream {
+        let Self { context, id, message, name, fields } = self;
+        let types = message.fields.iter().map(|field| types::field(context, *id, field));
         let indices = (0..message.fields.len()).map(proc_macro2::Literal::usize_unsuffixed);
+        let descriptors = (0..message.fields.len()).map(|index| self.descriptor(index));
+        let head = message.uorb.as_ref().map(|layout| {
+            let view = ident(&self.context.place(self.id).view_name);
+            let size = types::integer(layout.size as i128);
+            let no_padding = types::integer(layout.size_no_padding as i128);
+            quote!(, #view, #size, #no_padding)
+        });
         quote! {
-            #[cfg(feature = "serde")]
-            ::uavspec_runtime::json_record! {
-                #name, #message_name, #words;
-                #(#indices #fields #names;)*
+            ::uavspec_runtime::record! {
+                #name #head;
+                #(#indices #fields: #types = #descriptors;)*
             }
         }
+    }
+
+    /// An expression in the words of `uavspec_runtime::descriptor::field`.
+    fn descriptor(&self, index: usize) -> TokenStream {
+        let Self { context, id, message, .. } = self;
+        let field = &message.fields[index];
+        let name = &field.name;
+        let slots = message.uorb.iter().flat_map(|layout| &layout.slots);
+        let slot = slots.into_iter().find(|slot| slot.field == Some(index));
+        let offset = types::integer(slot.map_or(0, |slot| slot.offset) as i128);
+        let is_text = field.is_text(types::dialect(context, *id));
+        let element = match field.ty.element {
+            Element::Scalar(_) if is_text => quote!(text(#name, #offset)),
+            Element::Scalar(scalar) => {
+                let maker = ident(scalar.name());
+                quote!(#maker(#name, #offset))
+            }
+            Element::String { wide, bound } => {
+                let maker = if wide { quote!(wstring) } else { quote!(string) };
+                let bound = bound.map(|bound| {
+                    let bound = types::integer(bound.into());
+                    quote!(.at_most(#bound))
+                });
+                quote!(#maker(#name, #offset) #bound)
+            }
+            Element::Message(nested) => {
+                let path = context.path(*id, nested);
+                quote!(message::<#path>(#name, #offset))
+            }
+        };
+        let shape = match field.ty.shape {
+            Shape::Single => None,
+            Shape::Array(length) => Some((quote!(array), Some(length))),
+            Shape::Bounded(bound) => Some((quote!(bounded), Some(bound))),
+            Shape::Sequence => Some((quote!(sequence), None)),
+        };
+        let shape = shape.map(|(method, length)| {
+            let length = length.map(|length| types::integer(length.into()));
+            quote!(.#method(#length))
+        });
+        let restriction = context.schema.restriction(message, field).map(|restriction| {
+            let restriction = self.restriction(field, &restriction);
+            quote!(.within(#restriction))
+        });
+        quote!(#element #shape #restriction)
+    }
+
+    fn restriction(&self, field: &Field, restriction: &Restriction) -> TokenStream {
+        if restriction.constraint() == Constraint::NAN {
+            return quote!(&Constraint::NAN);
+        }
+        let low = restriction.low.map(|low| {
+            let low = number(low);
+            quote!(.from(#low))
+        });
+        let high = restriction.high.map(|high| {
+            let high = number(high);
+            quote!(.to(#high))
+        });
+        let special = (!restriction.special.is_empty()).then(|| {
+            let special = restriction.special.iter().map(|value| number(*value));
+            quote!(.or(&[#(#special),*]))
+        });
+        let count = restriction.count.map(|length| {
+            let length = types::integer(length.into());
+            quote!(.counting(#length))
+        });
+        let known = field.enumeration.map(|reference| {
+            let path = types::enumeration(self.context, self.id, reference);
+            if restriction.is_flags { quote!(.flags::<#path>()) } else { quote!(.values::<#path>()) }
+        });
+        let nan = restriction.allows_nan.then(|| quote!(.nan()));
+        quote!(&number() #low #high #special #count #known #nan)
+    }
+
+    /// `set_flags()`, for messages that have flags.
+    fn flags(&self) -> Option<TokenStream> {
+        let Self { name, message, fields, .. } = self;
+        let reports_failures = self.reports_failures();
+        let mut entries = Vec::new();
+        for (field, ident) in message.fields.iter().zip(fields) {
+            let zero = match (field.ty.element, field.ty.shape) {
+                (Element::Scalar(Scalar::Bool), Shape::Single) => None,
+                (Element::Scalar(Scalar::UInt8), Shape::Single) if reports_failures => Some(quote!(0)),
+                _ => continue,
+            };
+            let group = field.group.and_then(|group| message.groups.get(group));
+            let group = group.map_or("", |group| group.summary.as_str());
+            let field_name = &field.name;
+            let label = field.description.lines().next().unwrap_or_default();
+            entries.push(quote!(#ident #field_name #group #label #zero;));
+        }
+        let failures = reports_failures.then(|| quote!(::uavspec_runtime::failure_flags! { #name; }));
+        (!entries.is_empty()).then(|| quote!(::uavspec_runtime::flags! { #name; #(#entries)* } #failures))
+    }
+
+    /// Whether each flag of the message reports a failure when it is set, which PX4 states of this one.
+    fn reports_failures(&self) -> bool {
+        types::dialect(self.context, self.id) == Dialect::Px4 && self.message.name == "FailsafeFlags"
     }
 
     fn message_text(&self) -> String {
@@ -325,6 +392,20 @@ fn special_text(special: &Special) -> String {
     let value =
         special.value.as_ref().map_or_else(|| "empty".to_owned(), |value| prose::code(&value.to_string()));
     if special.text.is_empty() { value } else { format!("{value} ({})", prose::inline(&special.text)) }
+}
+
+/// A number of a constraint.
+fn number(value: Number) -> TokenStream {
+    match value {
+        Number::Int(value) => {
+            let value = types::integer(value);
+            quote!(int(#value))
+        }
+        Number::Float(value) => {
+            let value = types::literal(Element::Scalar(Scalar::Float64), &Value::Float(value));
+            quote!(float(#value))
+        }
+    }
 }
 
 fn hexadecimal(value: u32) -> TokenStream {

@@ -5,7 +5,7 @@ use quote::quote;
 use uavspec_runtime::Scalar;
 
 use super::Context;
-use crate::schema::{Dialect, Element, Field, Form, MessageId, Shape};
+use crate::schema::{Dialect, Element, EnumRef, Field, Form, MessageId, Shape};
 use crate::value::Value;
 
 /// The primitive that holds a scalar.
@@ -54,14 +54,19 @@ pub(super) fn field(context: &Context<'_>, id: MessageId, field: &Field) -> Toke
 
 fn element(context: &Context<'_>, id: MessageId, field: &Field) -> TokenStream {
     if let Some(reference) = field.enumeration {
-        let name = &context.enum_names[reference.message.0 as usize][reference.index];
-        return context.enum_path(id, reference.message, name);
+        return enumeration(context, id, reference);
     }
     match field.ty.element {
         Element::Scalar(scalar) => primitive(scalar),
         Element::String { .. } => quote!(::uavspec_runtime::alloc::string::String),
         Element::Message(nested) => context.path(id, nested),
     }
+}
+
+/// The path of an enum's type as the module of the message `id` writes it.
+pub(super) fn enumeration(context: &Context<'_>, id: MessageId, reference: EnumRef) -> TokenStream {
+    let name = &context.enum_names[reference.message.0 as usize][reference.index];
+    context.enum_path(id, reference.message, name)
 }
 
 /// Whether `Default` can be derived for a field: arrays have it up to 32 elements.
@@ -94,8 +99,7 @@ fn default_value(context: &Context<'_>, id: MessageId, field: &Field, value: &Va
         };
         match field.enumeration {
             Some(reference) => {
-                let name = &context.enum_names[reference.message.0 as usize][reference.index];
-                let path = context.enum_path(id, reference.message, name);
+                let path = enumeration(context, id, reference);
                 quote!(#path(#plain))
             }
             None => plain,

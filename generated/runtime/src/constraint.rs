@@ -1,0 +1,179 @@
+//! What the values of a field may be beyond what its type says, and which rule a value breaks.
+
+use core::cmp::Ordering;
+use core::fmt;
+
+/// A number of a definition or of a field. Integers of 64 bits, signed and unsigned, are exact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Number {
+    /// Of an integer type, or a `bool` as 0 or 1.
+    Int(i128),
+    /// Of a float.
+    Float(f64),
+}
+
+impl Number {
+    /// Whether it is NaN.
+    pub const fn is_nan(self) -> bool {
+        matches!(self, Self::Float(value) if value.is_nan())
+    }
+
+    #[allow(clippy::cast_precision_loss)] // only where a float takes part in a comparison
+    const fn as_f64(self) -> f64 {
+        match self {
+            Self::Int(value) => value as f64,
+            Self::Float(value) => value,
+        }
+    }
+
+    /// Whether both are the same value; NaN is NaN.
+    pub fn is_same(self, other: Self) -> bool {
+        self.partial_cmp(&other) == Some(Ordering::Equal) || self.is_nan() && other.is_nan()
+    }
+}
+
+impl PartialOrd for Number {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        match (self, other) {
+            (Self::Int(left), Self::Int(right)) => Some(left.cmp(right)),
+            _ => self.as_f64().partial_cmp(&other.as_f64()),
+        }
+    }
+}
+
+impl fmt::Display for Number {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Int(value) => value.fmt(formatter),
+            Self::Float(value) => value.fmt(formatter),
+        }
+    }
+}
+
+/// What a number may be. The definition says it; the published schema asserts the same of JSON, but
+/// for documented values and the places of NaN, which a schema leaves open.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Constraint<'k> {
+    /// Least value (`@range`).
+    pub low: Option<Number>,
+    /// Greatest value (`@range`).
+    pub high: Option<Number>,
+    /// Values that mean that there is no data (`@invalid`), or that a set point doesn't apply
+    /// (`@uncontrolled`): allowed wherever they lie.
+    pub special: &'k [Number],
+    /// Length of the array whose entries in use the value counts (`@count`).
+    pub count: Option<u32>,
+    /// The documented values (`@enum`), or masks where `is_flags`.
+    pub known: Option<&'k [i128]>,
+    /// Whether values are made of the `known` ones bit by bit (`@flags`).
+    pub is_flags: bool,
+    /// Whether NaN has a meaning.
+    pub allows_nan: bool,
+}
+
+impl<'k> Constraint<'k> {
+    /// Any value that the type holds; of a float, any but NaN.
+    pub const NONE: Self = Self {
+        low: None,
+        high: None,
+        special: &[],
+        count: None,
+        known: None,
+        is_flags: false,
+        allows_nan: false,
+    };
+
+    /// Any value that the type holds.
+    pub const NAN: Self = Self { allows_nan: true, ..Self::NONE };
+
+    /// The rule that `value` breaks, if it does.
+    pub fn broken_by(&self, value: Number) -> Option<Rule> {
+        if self.special.iter().any(|special| special.is_same(value)) {
+            return None;
+        }
+        if value.is_nan() {
+            return (!self.allows_nan).then_some(Rule::Nan);
+        }
+        if self.count.is_some_and(|length| value > Number::Int(length.into())) {
+            return Some(Rule::Count);
+        }
+        if self.low.is_some_and(|low| value < low) || self.high.is_some_and(|high| value > high) {
+            return Some(Rule::Range);
+        }
+        (!self.is_documented(value)).then_some(Rule::Enum)
+    }
+
+    /// Writes what `value`, which breaks `rule`, should have been.
+    pub fn explain(&self, rule: Rule, value: Number, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match rule {
+            Rule::Count => {
+                write!(formatter, "{value} entries in use of an array of {}", self.count.unwrap_or_default())
+            }
+            Rule::Range => {
+                write!(formatter, "{value} is out of range")?;
+                match (self.low, self.high) {
+                    (Some(low), Some(high)) => write!(formatter, ", {low} to {high}"),
+                    (Some(low), None) => write!(formatter, ", {low} or more"),
+                    (None, Some(high)) => write!(formatter, ", at most {high}"),
+                    (None, None) => Ok(()),
+                }
+            }
+            Rule::Enum if self.is_flags => write!(formatter, "{value} has bits that are not documented"),
+            Rule::Enum => write!(formatter, "{value} is not a documented value"),
+            Rule::Nan => formatter.write_str("NaN, which has no meaning here"),
+            Rule::Bound => write!(formatter, "{value} is over the bound"),
+            Rule::Text => formatter.write_str("not UTF-8"),
+        }
+    }
+
+    fn is_documented(&self, value: Number) -> bool {
+        let (Some(known), Number::Int(value)) = (self.known, value) else { return true };
+        if self.is_flags {
+            // Of a negative number all bits above its type's are set too, as they are of a mask's.
+            value & !known.iter().fold(0, |all, mask| all | mask) == 0
+        } else {
+            known.contains(&value)
+        }
+    }
+}
+
+/// A rule that a value can break. [`id`](Self::id) is its permanent name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Rule {
+    /// A count is at most the length of the array that it counts.
+    Count,
+    /// A sequence or string keeps to its bound.
+    Bound,
+    /// Text of fixed size is UTF-8 up to its first NUL.
+    Text,
+    /// A field with an `@enum` holds a documented value.
+    Enum,
+    /// A value lies in its `@range`, unless it is the `@invalid` one.
+    Range,
+    /// NaN stands only where the definition gives it a meaning.
+    Nan,
+}
+
+impl Rule {
+    /// All of them.
+    pub const ALL: [Self; 6] = [Self::Count, Self::Bound, Self::Text, Self::Enum, Self::Range, Self::Nan];
+
+    /// Its permanent id, as the conformance suite reports it.
+    pub const fn id(self) -> &'static str {
+        match self {
+            Self::Count => "PX-LEN-01",
+            Self::Bound => "PX-CDR-02",
+            Self::Text => "PX-STR-01",
+            Self::Enum => "PX-ENUM-01",
+            Self::Range => "PX-RANGE-01",
+            Self::Nan => "PX-NAN-01",
+        }
+    }
+}
+
+/// The id.
+impl fmt::Display for Rule {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(self.id())
+    }
+}

@@ -1,0 +1,329 @@
+//! Messages as lists of fields, which is how codecs and checks see them.
+//!
+//! Generated code says once, for each message, how its fields go out ([`Record::write_fields`]) and
+//! come in ([`Record::read_fields`]). Each format is a sink and a source that takes or gives one field after the
+//! other. They keep the first fault and go on with zeros, so that generated code needs no `?` for
+//! each field: that costs the compiler more than all else, and the processor a branch.
+
+use crate::descriptor::{FieldDescriptor, MessageDescriptor, Shape};
+use crate::Number;
+
+/// A message as a list of fields.
+pub trait Record: Sized + crate::JsonField {
+    /// What is known of its fields.
+    const DESCRIPTOR: &'static MessageDescriptor;
+
+    /// Gives each field to `sink`, in declared order.
+    fn write_fields<S: FieldSink>(&self, sink: &mut S);
+
+    /// Takes each field from `source`, in declared order.
+    fn read_fields<S: FieldSource>(source: &mut S) -> Self;
+}
+
+/// Takes the fields of a message.
+pub trait FieldSink {
+    /// Takes the field `index` of `message`.
+    fn field<T: Value>(&mut self, message: &'static MessageDescriptor, index: usize, value: &T);
+}
+
+/// Gives the fields of a message.
+pub trait FieldSource {
+    /// Gives the field `index` of `message`.
+    fn field<T: Value>(&mut self, message: &'static MessageDescriptor, index: usize) -> T;
+}
+
+/// Takes values in one format.
+pub trait Sink: FieldSink {
+    /// Takes a number.
+    fn scalar<P: Primitive>(&mut self, value: P);
+
+    /// Takes an array of numbers.
+    fn scalars<P: Primitive>(&mut self, values: &[P]) {
+        for (index, value) in values.iter().enumerate() {
+            self.select(Some(index));
+            self.scalar(*value);
+        }
+        self.select(None);
+    }
+
+    /// Takes text of fixed size.
+    fn text(&mut self, bytes: &[u8]);
+
+    /// Takes the length of a sequence.
+    fn length(&mut self, length: usize, shape: Shape);
+
+    /// Takes a string, of at most `bound` characters.
+    fn string(&mut self, text: &str, is_wide: bool, bound: Option<u32>);
+
+    /// Takes a message.
+    fn message<M: Record>(&mut self, message: &M);
+
+    /// Learns which element of an array comes next; none after the last.
+    fn select(&mut self, element: Option<usize>);
+}
+
+/// Gives values in one format.
+pub trait Source: FieldSource {
+    /// Gives a number.
+    fn scalar<P: Primitive>(&mut self) -> P;
+
+    /// Gives an array of numbers.
+    fn scalars<P: Primitive>(&mut self, values: &mut [P]);
+
+    /// Gives the length of a sequence whose elements take at least `element_size` bytes each: no more
+    /// than the bytes that are left can hold.
+    fn length(&mut self, shape: Shape, element_size: usize) -> usize;
+
+    /// Gives a string, of at most `bound` characters.
+    #[cfg(feature = "alloc")]
+    fn string(&mut self, is_wide: bool, bound: Option<u32>) -> alloc::string::String;
+
+    /// Gives a message.
+    fn message<M: Record>(&mut self) -> M;
+
+    /// Whether there was a fault: all values from then on are zero.
+    fn has_failed(&self) -> bool;
+
+    /// Learns in which element of an array the first fault is.
+    fn blame(&mut self, element: usize);
+}
+
+/// A value of a field.
+pub trait Value: Sized + crate::JsonField {
+    /// Least number of bytes that it takes in CDR, without alignment.
+    const LEAST_SIZE: usize;
+
+    /// Gives itself to `sink`.
+    fn write<S: Sink>(&self, sink: &mut S, field: &'static FieldDescriptor);
+
+    /// Comes from `source`.
+    fn read<S: Source>(source: &mut S, field: &'static FieldDescriptor) -> Self;
+
+    /// Gives all values of an array.
+    #[inline]
+    fn write_all<S: Sink>(values: &[Self], sink: &mut S, field: &'static FieldDescriptor) {
+        for (index, value) in values.iter().enumerate() {
+            sink.select(Some(index));
+            value.write(sink, field);
+        }
+        sink.select(None);
+    }
+
+    /// Takes all values of an array of fixed length.
+    #[inline]
+    fn read_array<S: Source, const N: usize>(source: &mut S, field: &'static FieldDescriptor) -> [Self; N] {
+        core::array::from_fn(|index| element(source, index, field))
+    }
+
+    /// Takes all values of a sequence.
+    #[cfg(feature = "alloc")]
+    fn read_sequence<S: Source>(
+        source: &mut S,
+        length: usize,
+        field: &'static FieldDescriptor,
+    ) -> alloc::vec::Vec<Self> {
+        let mut values = alloc::vec::Vec::new();
+        for index in 0..length {
+            values.push(element(source, index, field));
+            if source.has_failed() {
+                break;
+            }
+        }
+        values
+    }
+}
+
+#[inline]
+fn element<T: Value, S: Source>(source: &mut S, index: usize, field: &'static FieldDescriptor) -> T {
+    let had_failed = source.has_failed();
+    let value = T::read(source, field);
+    if !had_failed && source.has_failed() {
+        source.blame(index);
+    }
+    value
+}
+
+/// A number of fixed size.
+pub trait Primitive: Copy + Default + 'static {
+    /// Size in bytes, which is its alignment too.
+    const SIZE: usize;
+
+    /// The number that little-endian bytes hold; zero where there are too few.
+    fn read_le(bytes: &[u8]) -> Self;
+
+    /// The number that big-endian bytes hold; zero where there are too few.
+    fn read_be(bytes: &[u8]) -> Self;
+
+    /// Writes it little-endian to `bytes`, which have its size.
+    fn write_le(self, bytes: &mut [u8]);
+
+    /// Writes it big-endian to `bytes`, which have its size.
+    fn write_be(self, bytes: &mut [u8]);
+
+    /// The number, for checks.
+    fn number(self) -> Number;
+
+    /// The byte of a `bool` if it is neither 0 nor 1, given the bytes that it comes from.
+    #[inline]
+    fn odd_bool(_: &[u8]) -> Option<u8> {
+        None
+    }
+}
+
+macro_rules! primitives {
+    ($($type:ident $number:ident,)*) => {$(
+        impl Primitive for $type {
+            const SIZE: usize = size_of::<$type>();
+
+            #[inline]
+            fn read_le(bytes: &[u8]) -> Self {
+                bytes.first_chunk().map_or_else(Self::default, |bytes| Self::from_le_bytes(*bytes))
+            }
+
+            #[inline]
+            fn read_be(bytes: &[u8]) -> Self {
+                bytes.first_chunk().map_or_else(Self::default, |bytes| Self::from_be_bytes(*bytes))
+            }
+
+            #[inline]
+            fn write_le(self, bytes: &mut [u8]) {
+                if let Some(bytes) = bytes.first_chunk_mut() {
+                    *bytes = self.to_le_bytes();
+                }
+            }
+
+            #[inline]
+            fn write_be(self, bytes: &mut [u8]) {
+                if let Some(bytes) = bytes.first_chunk_mut() {
+                    *bytes = self.to_be_bytes();
+                }
+            }
+
+            #[inline]
+            fn number(self) -> Number {
+                Number::$number(self.into())
+            }
+        }
+    )*};
+}
+
+primitives!(u8 Int, i8 Int, u16 Int, i16 Int, u32 Int, i32 Int, u64 Int, i64 Int, f32 Float, f64 Float,);
+
+/// Any byte but 0 is true: real logs hold 153, 94 and 194.
+impl Primitive for bool {
+    const SIZE: usize = 1;
+
+    #[inline]
+    fn read_le(bytes: &[u8]) -> Self {
+        bytes.first().is_some_and(|byte| *byte != 0)
+    }
+
+    #[inline]
+    fn read_be(bytes: &[u8]) -> Self {
+        Self::read_le(bytes)
+    }
+
+    #[inline]
+    fn write_le(self, bytes: &mut [u8]) {
+        u8::from(self).write_le(bytes);
+    }
+
+    #[inline]
+    fn write_be(self, bytes: &mut [u8]) {
+        u8::from(self).write_le(bytes);
+    }
+
+    #[inline]
+    fn number(self) -> Number {
+        Number::Int(self.into())
+    }
+
+    #[inline]
+    fn odd_bool(bytes: &[u8]) -> Option<u8> {
+        bytes.first().copied().filter(|byte| *byte > 1)
+    }
+}
+
+/// Implements [`Value`](crate::record::Value) and the codecs of a message from its name, the name of
+/// its view and its two sizes where it has fixed size, and its fields: index, name, type and descriptor.
+#[macro_export]
+macro_rules! record {
+    ($type:ident, $view:ident, $size:literal, $no_padding:literal;
+        $($index:literal $field:ident: $field_type:ty = $descriptor:expr;)*) => {
+        $crate::__record!($type, ::core::option::Option::Some($crate::layout::Size { padded: $size, no_padding: $no_padding });
+            $($index $field $descriptor;)*);
+
+        impl $crate::UorbMessage for $type {
+            const SIZE: usize = $size;
+            const SIZE_NO_PADDING: usize = $no_padding;
+            type Bytes = [u8; $size];
+            const ZEROS: [u8; $size] = [0; $size];
+            type View<'b> = $view<'b>;
+
+            #[inline]
+            fn view_at(bytes: &[u8], offset: usize) -> $view<'_> {
+                $view($crate::uorb::chunk(bytes, offset))
+            }
+
+            #[inline]
+            fn from_view(view: $view<'_>) -> Self {
+                $crate::uorb::read(view.0)
+            }
+        }
+
+        #[doc = concat!("[`", stringify!($type), "`] in the bytes of a payload: each field is read when it is asked for.")]
+        #[derive(Clone, Copy)]
+        pub struct $view<'b>(&'b [u8; $no_padding]);
+
+        impl<'b> $view<'b> {
+            $(
+                #[doc = concat!("See [`", stringify!($type), "::", stringify!($field), "`].")]
+                #[inline]
+                pub fn $field(self) -> $crate::uorb::View<'b, $field_type> {
+                    $crate::uorb::look::<$type, $field_type>(self.0, $index)
+                }
+            )*
+        }
+
+        impl ::core::fmt::Debug for $view<'_> {
+            fn fmt(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
+                ::core::fmt::Debug::fmt(&<$type as $crate::UorbMessage>::from_view(*self), formatter)
+            }
+        }
+    };
+    ($type:ident; $($index:literal $field:ident: $field_type:ty = $descriptor:expr;)*) => {
+        $crate::__record!($type, ::core::option::Option::None; $($index $field $descriptor;)*);
+    };
+}
+
+/// The part of [`record!`](crate::record!) that messages of any size have.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __record {
+    ($type:ident, $size:expr; $($index:literal $field:ident $descriptor:expr;)*) => {
+        impl $crate::record::Record for $type {
+            const DESCRIPTOR: &'static $crate::descriptor::MessageDescriptor = {
+                #[allow(unused_imports)]
+                use $crate::descriptor::field::*;
+                &$crate::descriptor::MessageDescriptor {
+                    name: stringify!($type),
+                    fields: &[$($descriptor),*],
+                    size: $size,
+                }
+            };
+
+            #[allow(unused_variables)]
+            fn write_fields<S: $crate::record::FieldSink>(&self, sink: &mut S) {
+                $(sink.field(Self::DESCRIPTOR, $index, &self.$field);)*
+            }
+
+            #[allow(unused_variables)]
+            #[inline]
+            fn read_fields<S: $crate::record::FieldSource>(source: &mut S) -> Self {
+                Self { $($field: source.field(Self::DESCRIPTOR, $index)),* }
+            }
+        }
+
+        $crate::__json_record!($type; $($index $field)*);
+    };
+}

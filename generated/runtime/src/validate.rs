@@ -1,0 +1,130 @@
+//! Whether the values of a message are what its definition allows.
+
+use core::fmt;
+
+use crate::descriptor::{Element, FieldDescriptor, MessageDescriptor, Shape};
+use crate::record::{FieldSink, Primitive, Record, Sink, Value};
+use crate::{Constraint, Message, Number, Path, Rule};
+
+/// A value that breaks a rule. Shown as `events[2].id: …`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Violation {
+    /// The rule that is broken.
+    pub rule: Rule,
+    /// Where in the message.
+    pub path: Path,
+    /// The value: of a sequence or string its length, of text how many of its bytes are UTF-8.
+    pub found: Number,
+    /// What was expected of a number; no more than the rule says of all else.
+    pub constraint: Option<&'static Constraint<'static>>,
+    /// The bound of a sequence or string.
+    pub bound: Option<u32>,
+}
+
+impl fmt::Display for Violation {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { rule, path, found, .. } = self;
+        write!(formatter, "{path}: ")?;
+        match (self.constraint, self.bound) {
+            (Some(constraint), _) => constraint.explain(*rule, *found, formatter)?,
+            (None, Some(bound)) => write!(formatter, "{found} elements or characters where {bound} fit")?,
+            (None, None) if *rule == Rule::Text => write!(formatter, "no UTF-8 from byte {found} on")?,
+            (None, None) => Constraint::NONE.explain(*rule, *found, formatter)?,
+        }
+        write!(formatter, " ({})", rule.id())
+    }
+}
+
+#[cfg(feature = "std")]
+impl std::error::Error for Violation {}
+
+/// Calls `report` with everything in `message` that breaks a rule.
+pub(crate) fn each<T: Message>(message: &T, report: &mut dyn FnMut(Violation)) {
+    let path = Path::to(T::DESCRIPTOR);
+    message.write_fields(&mut Validator { path, field: None, report });
+}
+
+struct Validator<'r> {
+    path: Path,
+    /// The field that is being looked at.
+    field: Option<&'static FieldDescriptor>,
+    report: &'r mut dyn FnMut(Violation),
+}
+
+impl Validator<'_> {
+    fn violation(&mut self, rule: Rule, found: Number, bound: Option<u32>) {
+        let constraint = self.field.and_then(|field| field.constraint);
+        (self.report)(Violation { rule, path: self.path, found, constraint, bound });
+    }
+
+    fn bound(&mut self, length: usize, bound: Option<u32>) {
+        if bound.is_some_and(|bound| length > bound as usize) {
+            self.violation(Rule::Bound, Number::Int(length as i128), bound);
+        }
+    }
+}
+
+impl FieldSink for Validator<'_> {
+    #[inline]
+    fn field<T: Value>(&mut self, message: &'static MessageDescriptor, index: usize, value: &T) {
+        let field = &message.fields[index];
+        if !field.is_restricted() {
+            return;
+        }
+        let outer = self.field.replace(field);
+        self.path.enter(index);
+        value.write(self, field);
+        self.path.leave();
+        self.field = outer;
+    }
+}
+
+impl Sink for Validator<'_> {
+    #[inline]
+    fn scalar<P: Primitive>(&mut self, value: P) {
+        let constraint = self.field.and_then(|field| field.constraint).unwrap_or(&Constraint::NONE);
+        let found = value.number();
+        if let Some(rule) = constraint.broken_by(found) {
+            self.violation(rule, found, None);
+        }
+    }
+
+    fn text(&mut self, bytes: &[u8]) {
+        let text = bytes.split(|byte| *byte == 0).next().unwrap_or_default();
+        if let Err(error) = core::str::from_utf8(text) {
+            self.violation(Rule::Text, Number::Int(error.valid_up_to() as i128), None);
+        }
+    }
+
+    fn length(&mut self, length: usize, shape: Shape) {
+        self.bound(length, shape.bound());
+    }
+
+    fn string(&mut self, text: &str, _: bool, bound: Option<u32>) {
+        self.bound(text.chars().count(), bound);
+    }
+
+    #[inline]
+    fn message<M: Record>(&mut self, message: &M) {
+        message.write_fields(self);
+    }
+
+    #[inline]
+    fn select(&mut self, element: Option<usize>) {
+        self.path.select(element);
+    }
+}
+
+impl FieldDescriptor {
+    /// Whether its type holds anything that a rule forbids.
+    #[inline]
+    const fn is_restricted(&self) -> bool {
+        match self.element {
+            Element::Scalar(scalar) => {
+                self.constraint.is_some() || scalar.is_float() || matches!(self.shape, Shape::Bounded(_))
+            }
+            Element::String { bound, .. } => bound.is_some() || matches!(self.shape, Shape::Bounded(_)),
+            Element::Text | Element::Message(_) => true,
+        }
+    }
+}
