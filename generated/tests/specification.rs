@@ -6,6 +6,8 @@ use uavspec::px4::{
     ArmingCheckReply, ArmingCheckRequest, BatteryStatus, Event, FailsafeFlags, RegisterExtComponentReply,
     RegisterExtComponentRequest, UnregisterExtComponent,
 };
+use uavspec_runtime::descriptor::{Element, Shape};
+use uavspec_runtime::record::Record as _;
 use uavspec_runtime::{ErrorClass, Severity, UorbMessage};
 
 /// Size, size without padding and hash, as PX4's own generator gives them: for `FailsafeFlags` and
@@ -27,8 +29,9 @@ fn layouts_and_hashes_are_those_of_px4() {
 
 #[test]
 fn the_layout_says_where_each_field_lies() {
-    let (name, offset, size, count) = ArmingCheckReply::LAYOUT[20];
-    assert_eq!((name, offset, size, count), ("events", 32, Event::SIZE, 5));
+    let field = &ArmingCheckReply::DESCRIPTOR.fields[9];
+    assert_eq!((field.name, field.offset, field.shape), ("events", 32, Shape::Array(5)));
+    assert_eq!(field.element, Element::Message(Event::DESCRIPTOR));
 }
 
 #[test]
