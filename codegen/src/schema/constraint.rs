@@ -79,7 +79,8 @@ impl Schema {
     fn allows_nan(&self, message: &Message, field: &Field, dialect: Dialect) -> bool {
         let is_nan = |special: &Option<Special>| {
             special.as_ref().is_some_and(|special| {
-                matches!(special.value, Some(Value::Float(value)) if value.is_nan()) || says_nan(&special.text)
+                matches!(special.value, Some(Value::Float(value)) if value.is_nan())
+                    || says_nan(&special.text)
             })
         };
         let group = field.group.and_then(|group| message.groups.get(group));

@@ -17,9 +17,9 @@ use serde::de::{DeserializeSeed, Error as _, IgnoredAny, MapAccess, SeqAccess, V
 use serde::ser::{Error as _, SerializeStruct, SerializeTuple as _};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::Text;
 use crate::descriptor::MessageDescriptor;
 use crate::record::{FieldSink, Record, Value};
-use crate::Text;
 
 /// A message whose fields can be read one by one, in any order.
 pub trait Fields: Record + Default {
@@ -47,9 +47,6 @@ pub const fn names<const N: usize>(message: &MessageDescriptor) -> [&'static str
 
 /// A value of a field.
 pub trait Field: Sized {
-    /// What stands in a field until it is read: `Default`, which arrays of any length don't have.
-    fn initial() -> Self;
-
     /// Writes it; `field` is the name to mention in an error.
     fn serialize<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error>;
 
@@ -227,10 +224,6 @@ impl Visitor<'_> for KeySeed {
 macro_rules! plain_fields {
     ($($type:ty),*) => {
         $(impl Field for $type {
-            fn initial() -> Self {
-                Self::default()
-            }
-
             fn serialize<S: Serializer>(&self, _: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
                 Serialize::serialize(self, serializer)
             }
@@ -248,10 +241,6 @@ plain_fields!(bool, i8, u8, i16, u16, i32, u32, i64, u64);
 plain_fields!(alloc::string::String);
 
 impl<T: Fields> Field for T {
-    fn initial() -> Self {
-        Self::default()
-    }
-
     fn serialize<S: Serializer>(&self, _: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
         serialize(self, serializer)
     }
@@ -265,10 +254,6 @@ impl<T: Fields> Field for T {
 macro_rules! float_fields {
     ($($type:ty),*) => {
         $(impl Field for $type {
-            fn initial() -> Self {
-                Self::default()
-            }
-
             fn serialize<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
                 if !serializer.is_human_readable() || self.is_finite() {
                     Serialize::serialize(self, serializer)
@@ -296,11 +281,7 @@ macro_rules! float_fields {
 
 float_fields!(f32, f64);
 
-impl<T: Field, const N: usize> Field for [T; N] {
-    fn initial() -> Self {
-        core::array::from_fn(|_| T::initial())
-    }
-
+impl<T: Value, const N: usize> Field for [T; N] {
     fn serialize<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
         let mut out = serializer.serialize_tuple(N)?;
         for value in self {
@@ -316,7 +297,7 @@ impl<T: Field, const N: usize> Field for [T; N] {
 
 struct ArrayVisitor<T, const N: usize>(PhantomData<T>);
 
-impl<'de, T: Field, const N: usize> Visitor<'de> for ArrayVisitor<T, N> {
+impl<'de, T: Value, const N: usize> Visitor<'de> for ArrayVisitor<T, N> {
     type Value = [T; N];
 
     fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -324,7 +305,7 @@ impl<'de, T: Field, const N: usize> Visitor<'de> for ArrayVisitor<T, N> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<[T; N], A::Error> {
-        let mut array = <[T; N]>::initial();
+        let mut array = core::array::from_fn(|_| T::initial());
         for (index, element) in array.iter_mut().enumerate() {
             let value = seq.next_element_seed(FieldSeed(PhantomData))?;
             *element = value.ok_or_else(|| A::Error::invalid_length(index, &self))?;
@@ -338,10 +319,6 @@ impl<'de, T: Field, const N: usize> Visitor<'de> for ArrayVisitor<T, N> {
 
 #[cfg(feature = "alloc")]
 impl<T: Field> Field for Vec<T> {
-    fn initial() -> Self {
-        Self::new()
-    }
-
     fn serialize<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
         use serde::ser::SerializeSeq as _;
 
@@ -379,10 +356,6 @@ impl<'de, T: Field> Visitor<'de> for SequenceVisitor<T> {
 }
 
 impl<const N: usize> Field for Text<N> {
-    fn initial() -> Self {
-        Self::default()
-    }
-
     fn serialize<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
         let text = self.as_str().map_err(|error| S::Error::custom(format_args!("{field}: {error}")))?;
         serializer.serialize_str(text)
@@ -476,10 +449,6 @@ macro_rules! __json_number {
 macro_rules! __json_field {
     ($type:ty) => {
         impl $crate::json::Field for $type {
-            fn initial() -> Self {
-                Self(0)
-            }
-
             fn serialize<S: $crate::serde::Serializer>(
                 &self,
                 _: &'static str,

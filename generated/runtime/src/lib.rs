@@ -24,6 +24,7 @@ pub mod cdr;
 mod constraint;
 pub mod descriptor;
 mod error;
+mod fixed;
 mod flag;
 #[cfg(feature = "serde")]
 pub mod json;
