@@ -17,10 +17,12 @@ const SAMPLES: usize = 41;
 /// How long one sample takes, in nanoseconds.
 const SAMPLE_NS: u128 = 500_000;
 
+type Function<'f> = Box<dyn FnMut() + 'f>;
+
 /// Functions that are compared, the first being what the others are compared with.
 struct Comparison<'f> {
     title: &'f str,
-    functions: Vec<(&'f str, Box<dyn FnMut() + 'f>)>,
+    functions: Vec<(&'f str, Function<'f>)>,
 }
 
 impl<'f> Comparison<'f> {
@@ -189,6 +191,7 @@ fn json<T: Message + Serialize + DeserializeOwned, D: Serialize + DeserializeOwn
 }
 
 /// The same messages as a user would write them by hand.
+#[allow(clippy::struct_excessive_bools, clippy::struct_field_names)]
 mod derived {
     use serde::{Deserialize, Serialize};
 

@@ -62,7 +62,9 @@ pub(crate) fn decode<T: Message, const STRICT: bool>(payload: &[u8]) -> Result<T
 fn decode_body<T: Message, const BIG: bool, const STRICT: bool>(payload: &[u8]) -> Result<T, DecodeError> {
     let mut failure = None;
     if let Some(size) = T::CDR_SIZE {
-        let Some(body) = payload.get(HEADER..size) else { return Err(truncated(T::DESCRIPTOR, payload.len())) };
+        let Some(body) = payload.get(HEADER..size) else {
+            return Err(truncated(T::DESCRIPTOR, payload.len()));
+        };
         let message = fixed::read::<T, Packed<BIG>, STRICT>(body, &mut failure);
         if let Some(error) = &mut failure {
             error.offset += HEADER;
@@ -199,11 +201,6 @@ impl<'b, const BIG: bool, const STRICT: bool> Reader<'b, BIG, STRICT> {
         // Nothing is read from here on.
         self.at = self.body.len();
     }
-
-    #[inline]
-    fn number<P: Primitive>(bytes: &[u8]) -> P {
-        if BIG { P::read_be(bytes) } else { P::read_le(bytes) }
-    }
 }
 
 impl<const BIG: bool, const STRICT: bool> FieldSource for Reader<'_, BIG, STRICT> {
@@ -225,7 +222,7 @@ impl<const BIG: bool, const STRICT: bool> Source for Reader<'_, BIG, STRICT> {
         if STRICT && let Some(byte) = P::odd_bool(bytes) {
             self.fail(Fault::Bool(byte), self.at - 1);
         }
-        Self::number(bytes)
+        Packed::<BIG>::read(bytes)
     }
 
     #[inline]
@@ -251,7 +248,7 @@ impl<const BIG: bool, const STRICT: bool> Source for Reader<'_, BIG, STRICT> {
             }
         }
         for (value, bytes) in values.iter_mut().zip(bytes.chunks_exact(P::SIZE)) {
-            *value = Self::number(bytes);
+            *value = Packed::<BIG>::read(bytes);
         }
     }
 
@@ -278,7 +275,7 @@ impl<const BIG: bool, const STRICT: bool> Source for Reader<'_, BIG, STRICT> {
         let length = self.length(Shape::Sequence, if is_wide { 2 } else { 1 });
         let text = if is_wide {
             let bytes = self.take(length * 2, 1);
-            let units = bytes.chunks_exact(2).map(|unit| Self::number::<u16>(unit));
+            let units = bytes.chunks_exact(2).map(Packed::<BIG>::read::<u16>);
             char::decode_utf16(units).collect::<Result<_, _>>().map_err(|_| Fault::NotUnicode)
         } else {
             self.narrow_string(length)
@@ -432,7 +429,7 @@ impl<const BIG: bool> Sink for Writer<'_, BIG> {
     fn scalar<P: Primitive>(&mut self, value: P) {
         let bytes = self.take(P::SIZE, P::SIZE);
         if !bytes.is_empty() {
-            if BIG { value.write_be(bytes) } else { value.write_le(bytes) }
+            Packed::<BIG>::write(value, bytes);
         }
     }
 
@@ -443,7 +440,7 @@ impl<const BIG: bool> Sink for Writer<'_, BIG> {
         }
         let bytes = self.take(values.len() * P::SIZE, P::SIZE);
         for (value, bytes) in values.iter().zip(bytes.chunks_exact_mut(P::SIZE)) {
-            if BIG { value.write_be(bytes) } else { value.write_le(bytes) }
+            Packed::<BIG>::write(*value, bytes);
         }
     }
 

@@ -6,10 +6,10 @@
 
 use core::marker::PhantomData;
 
+use crate::Path;
 use crate::descriptor::{MessageDescriptor, Shape};
 use crate::error::{DecodeError, Fault};
 use crate::record::{FieldSink, FieldSource, Primitive, Record, Sink, Source, Value};
-use crate::Path;
 
 /// A form that bytes have.
 pub(crate) trait Form {
@@ -81,7 +81,10 @@ impl<F: Form, const STRICT: bool> FieldSource for Reader<'_, F, STRICT> {
         }
         let had_failed = self.has_failed();
         let value = T::read(self, field);
-        if STRICT && !had_failed && let Some(error) = self.failure {
+        if STRICT
+            && !had_failed
+            && let Some(error) = self.failure
+        {
             error.path.enclose(message, index);
         }
         value
@@ -132,7 +135,10 @@ impl<F: Form, const STRICT: bool> Source for Reader<'_, F, STRICT> {
         let had_failed = self.has_failed();
         let mut nested = Reader::<F, STRICT> { bytes, at: 0, failure: self.failure, form: PhantomData };
         let message = M::read_fields(&mut nested);
-        if STRICT && !had_failed && let Some(error) = self.failure {
+        if STRICT
+            && !had_failed
+            && let Some(error) = self.failure
+        {
             error.offset += start;
         }
         message

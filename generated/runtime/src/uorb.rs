@@ -8,9 +8,9 @@ use core::marker::PhantomData;
 
 use crate::descriptor::MessageDescriptor;
 use crate::error::{DecodeError, Fault};
+use crate::fixed::{self, Form};
 use crate::layout::Size;
 use crate::record::{Primitive, Record, Value};
-use crate::fixed::{self, Form};
 use crate::{Path, Text, UorbMessage};
 
 /// The bytes that hold all fields of a message: the payload without the padding at its end.
