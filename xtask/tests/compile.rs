@@ -89,6 +89,23 @@ fn shared(path: &str) -> Option<PathBuf> {
     None
 }
 
+#[test]
+fn messages_of_fixed_size_need_no_allocator() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bare-metal");
+    let package = Crate { folder };
+    let generated = repository().join("generated");
+    let manifest = format!(
+        "[package]\nname = \"bare-metal\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[lib]\npath = \"lib.rs\"\n\
+         crate-type = [\"staticlib\"]\n\n[dependencies]\nuavspec = {{ path = {generated:?}, default-features = false }}\n\
+         uavspec-runtime = {{ path = {:?}, default-features = false }}\n\n[profile.dev]\npanic = \"abort\"\n\n[workspace]\n",
+        generated.join("runtime")
+    );
+    package.write("Cargo.toml", &manifest);
+    package.write("lib.rs", include_str!("compile/bare_metal.rs"));
+    fs::copy(repository().join("Cargo.lock"), package.folder.join("Cargo.lock")).expect("a lock file");
+    package.cargo(&["build"]);
+}
+
 const PX4: &str = "\n[[package]]\nname = \"px4\"\ndialect = \"px4\"\n";
 
 #[test]
