@@ -66,15 +66,17 @@ pub trait Source<'de> {
 /// Keeps the first error and then takes no more.
 struct Writer<S: SerializeStruct> {
     out: S,
-    result: Result<(), S::Error>,
+    error: Option<S::Error>,
 }
 
 impl<S: SerializeStruct> FieldSink for Writer<S> {
     #[inline]
     fn field<T: Value>(&mut self, message: &'static MessageDescriptor, index: usize, value: &T) {
-        if self.result.is_ok() {
-            let name = message.fields[index].name;
-            self.result = self.out.serialize_field(name, &Named { name, value });
+        let name = message.fields[index].name;
+        if self.error.is_none()
+            && let Err(error) = self.out.serialize_field(name, &Named { name, value })
+        {
+            self.error = Some(error);
         }
     }
 }
@@ -82,10 +84,12 @@ impl<S: SerializeStruct> FieldSink for Writer<S> {
 /// Writes a message.
 pub fn serialize<T: Fields, S: Serializer>(record: &T, serializer: S) -> Result<S::Ok, S::Error> {
     let out = serializer.serialize_struct(T::DESCRIPTOR.name, T::NAMES.len())?;
-    let mut writer = Writer { out, result: Ok(()) };
+    let mut writer = Writer { out, error: None };
     record.write_fields(&mut writer);
-    writer.result?;
-    writer.out.end()
+    match writer.error {
+        None => writer.out.end(),
+        Some(error) => Err(error),
+    }
 }
 
 /// Reads a message.
