@@ -113,8 +113,7 @@ impl Context<'_> {
     }
 }
 
-static UNPLACED: Place =
-    Place { modules: Vec::new(), type_name: String::new(), view_name: String::new() };
+static UNPLACED: Place = Place { modules: Vec::new(), type_name: String::new(), view_name: String::new() };
 
 /// Emits the whole schema as a tree of modules below `options.root`.
 pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<OutputFile> {

@@ -164,7 +164,9 @@ impl<const BIG: bool, const STRICT: bool> Source for Reader<'_, BIG, STRICT> {
         }
         if STRICT {
             for (index, byte) in bytes.chunks_exact(P::SIZE).enumerate() {
-                if !self.has_failed() && let Some(byte) = P::odd_bool(byte) {
+                if !self.has_failed()
+                    && let Some(byte) = P::odd_bool(byte)
+                {
                     self.fail(Fault::Bool(byte), start + index);
                     self.blame(index);
                 }
@@ -198,7 +200,7 @@ impl<const BIG: bool, const STRICT: bool> Source for Reader<'_, BIG, STRICT> {
         let length = self.length(Shape::Sequence, if is_wide { 2 } else { 1 });
         let text = if is_wide {
             let bytes = self.take(length * 2, 1);
-            let units = bytes.chunks_exact(2).map(|unit| Self::number::<u16>(unit));
+            let units = bytes.chunks_exact(2).map(Self::number::<u16>);
             char::decode_utf16(units).collect::<Result<_, _>>().map_err(|_| Fault::NotUnicode)
         } else {
             self.narrow_string(length)
@@ -263,7 +265,8 @@ pub(crate) fn encode<T: Message>(
     buffer: &mut [u8],
 ) -> Result<usize, EncodeError> {
     let room = buffer.len();
-    let too_small = |needed| EncodeError { fault: Fault::Buffer { needed, room }, path: Path::to(T::DESCRIPTOR) };
+    let too_small =
+        |needed| EncodeError { fault: Fault::Buffer { needed, room }, path: Path::to(T::DESCRIPTOR) };
     let Some(header) = buffer.first_chunk_mut() else { return Err(too_small(HEADER)) };
     *header = order.header();
     let body = match T::CDR_SIZE {
@@ -398,9 +401,7 @@ impl<const BIG: bool> Sink for Writer<'_, BIG> {
             self.scalar(0_u8);
         }
         message.write_fields(self);
-        if !had_failed
-            && let (Some(error), Some(element)) = (&mut self.failure, element)
-        {
+        if !had_failed && let (Some(error), Some(element)) = (&mut self.failure, element) {
             error.path.within(element);
         }
     }

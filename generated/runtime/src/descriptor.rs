@@ -71,9 +71,7 @@ impl PartialEq for Element {
                 Self::String { is_wide, bound },
                 Self::String { is_wide: other_is_wide, bound: other_bound },
             ) => is_wide == other_is_wide && bound == other_bound,
-            (Self::Message(left), Self::Message(right)) => {
-                left.name == right.name
-            }
+            (Self::Message(left), Self::Message(right)) => left.name == right.name,
             _ => false,
         }
     }
@@ -231,13 +229,13 @@ pub mod field {
         /// The documented values of an enum.
         #[must_use]
         pub const fn values<T: Open>(self) -> Self {
-            Self { known: Some(T::KNOWN), ..self }
+            Self { known: Some(T::KNOWN), names: T::NAMES, ..self }
         }
 
         /// Any of the documented flags.
         #[must_use]
         pub const fn flags<T: Open>(self) -> Self {
-            Self { known: Some(T::KNOWN), is_flags: true, ..self }
+            Self { known: Some(T::KNOWN), names: T::NAMES, is_flags: true, ..self }
         }
 
         /// NaN has a meaning.

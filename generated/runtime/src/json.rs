@@ -17,9 +17,9 @@ use serde::de::{DeserializeSeed, Error as _, IgnoredAny, MapAccess, SeqAccess, V
 use serde::ser::{Error as _, SerializeStruct, SerializeTuple as _};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::Text;
 use crate::descriptor::MessageDescriptor;
 use crate::record::{FieldSink, Record, Value};
-use crate::Text;
 
 /// A message whose fields can be read one by one, in any order.
 pub trait Fields: Record + Default {

@@ -87,8 +87,7 @@ impl<const STRICT: bool> Reader<'_, STRICT> {
             && self.failure.is_none()
             && let Some(byte) = self.bytes.get(offset..).and_then(P::odd_bool)
         {
-            self.failure =
-                Some(DecodeError { fault: Fault::Bool(byte), offset, path: Path::default() });
+            self.failure = Some(DecodeError { fault: Fault::Bool(byte), offset, path: Path::default() });
             return true;
         }
         false

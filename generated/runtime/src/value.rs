@@ -1,10 +1,10 @@
 //! Values of fields: numbers, enums, text, arrays, sequences, messages.
 
+use crate::Text;
 #[cfg(feature = "alloc")]
 use crate::descriptor::Element;
 use crate::descriptor::FieldDescriptor;
 use crate::record::{Primitive, Record, Sink, Source, Value};
-use crate::Text;
 
 macro_rules! numbers {
     ($($type:ty),*) => {$(
