@@ -9,6 +9,7 @@
 //! | `std` (default) | `std::error::Error` for the errors; `alloc` |
 //! | `alloc` | strings and sequences, and what returns a `Vec` |
 //! | `proptest` | strategies for property tests: module `strategy` |
+//! | `schemars` | JSON Schemas of the crate schemars: module `schema` |
 //! | `serde` | JSON, and any other format of serde: module `json` |
 
 #![no_std]
@@ -34,6 +35,8 @@ mod open;
 mod path;
 pub mod record;
 mod scalar;
+#[cfg(feature = "schemars")]
+pub mod schema;
 mod severity;
 #[cfg(feature = "proptest")]
 pub mod strategy;
@@ -46,6 +49,9 @@ mod without;
 /// The crate that the feature `proptest` builds on, for generated code.
 #[cfg(feature = "proptest")]
 pub use proptest;
+/// The crate that the feature `schemars` builds on, for generated code.
+#[cfg(feature = "schemars")]
+pub use schemars;
 /// The crate that the feature `serde` builds on, for generated code.
 #[cfg(feature = "serde")]
 pub use serde;
@@ -68,3 +74,11 @@ pub use json::Field as JsonField;
 /// A value as JSON; nothing is asked of it without the feature `serde`.
 #[cfg(not(feature = "serde"))]
 pub use without::JsonField;
+
+/// A message with a JSON Schema; nothing is asked of it without the feature `schemars`.
+#[cfg(feature = "schemars")]
+pub use schema::SchemaRecord;
+
+/// A message with a JSON Schema; nothing is asked of it without the feature `schemars`.
+#[cfg(not(feature = "schemars"))]
+pub use without::SchemaRecord;

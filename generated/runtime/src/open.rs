@@ -215,5 +215,6 @@ macro_rules! __documented {
 
         $crate::__json_number!($type);
         $crate::__arbitrary_number!($type);
+        $crate::__schema_number!($type);
     };
 }

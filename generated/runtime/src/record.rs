@@ -9,7 +9,7 @@ use crate::descriptor::{FieldDescriptor, MessageDescriptor, Shape};
 use crate::{Number, Scalar};
 
 /// A message as a list of fields.
-pub trait Record: Sized + crate::JsonField {
+pub trait Record: Sized + crate::JsonField + crate::SchemaRecord {
     /// What is known of its fields.
     const DESCRIPTOR: &'static MessageDescriptor;
 
@@ -342,5 +342,6 @@ macro_rules! __record {
 
         $crate::__json_record!($type; $($index $field)*);
         $crate::__arbitrary_record!($type);
+        $crate::__schema_record!($type);
     };
 }

@@ -7,6 +7,13 @@ pub trait JsonField {}
 #[cfg(not(feature = "serde"))]
 impl<T> JsonField for T {}
 
+/// A message with a JSON Schema; nothing is asked of it without the feature `schemars`.
+#[cfg(not(feature = "schemars"))]
+pub trait SchemaRecord {}
+
+#[cfg(not(feature = "schemars"))]
+impl<T> SchemaRecord for T {}
+
 #[cfg(not(feature = "serde"))]
 #[doc(hidden)]
 #[macro_export]
@@ -39,5 +46,19 @@ macro_rules! __arbitrary_record {
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __arbitrary_number {
+    ($($tokens:tt)*) => {};
+}
+
+#[cfg(not(feature = "schemars"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __schema_record {
+    ($($tokens:tt)*) => {};
+}
+
+#[cfg(not(feature = "schemars"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __schema_number {
     ($($tokens:tt)*) => {};
 }
