@@ -27,9 +27,9 @@ impl Crate {
         let lints: String = lints.map(|table| format!("[lints{table}")).collect();
         let runtime = repository.join("generated/runtime");
         let manifest = format!(
-            "[package]\nname = \"{name}\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[features]\nserde = \
-             [\"uavspec-runtime/serde\"]\n\n[dependencies]\nuavspec-runtime = {{ path = \"{}\" }}\nserde_json = {{ version = \"1\", features = [\"float_roundtrip\"] }}\n\n\
-             [workspace]\n\n{lints}",
+            "[package]\nname = \"{name}\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[dependencies]\nuavspec-runtime = \
+             {{ path = \"{}\" }}\n\n[dev-dependencies]\nproptest = {{ version = \"1\", default-features = false }}\n\
+             serde_json = {{ version = \"1\", features = [\"float_roundtrip\"] }}\n\n[workspace]\n\n{lints}",
             runtime.display()
         );
         let result = Self { folder };
@@ -45,7 +45,9 @@ impl Crate {
     }
 
     fn generate(&self, packages: &str) {
-        let config = format!("[output]\nrust = {{ path = \"src\", root = \"lib.rs\" }}\n{packages}");
+        let config = format!(
+            "[output]\nrust = {{ path = \"src\", root = \"lib.rs\" }}\njson_schema = \"schemas\"\n{packages}"
+        );
         self.write("uavspec.toml", &config);
         uavspec_codegen::cli::generate(self.folder.join("uavspec.toml"))
             .unwrap_or_else(|failure| panic!("{failure}"));
@@ -65,12 +67,15 @@ impl Crate {
         String::from_utf8_lossy(&output.stdout).into_owned()
     }
 
+    /// Without features and with all; the features are those of the runtime.
     fn compiles(&self) {
         self.cargo(&["clippy"]);
-        self.cargo(&["clippy", "--features", "serde"]);
-        self.cargo(&["doc", "--no-deps", "--features", "serde"]);
+        self.cargo(&["clippy", "--features", FEATURES]);
+        self.cargo(&["doc", "--no-deps", "--features", FEATURES]);
     }
 }
+
+const FEATURES: &str = "uavspec-runtime/proptest,uavspec-runtime/schemars,uavspec-runtime/serde";
 
 fn repository() -> PathBuf {
     fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).expect("the repository")
@@ -172,48 +177,126 @@ fn all_of_the_corpus() {
     }
     package.generate(&packages);
     package.compiles();
-    instances_are_those_of_other_tools(&package);
+    let Some(cases) = oracle_cases() else { return };
+    let mut types: Vec<&str> = cases.iter().map(|case| text(case, "type")).collect();
+    types.sort_unstable();
+    types.dedup();
+    let program = Program::build(&package, &types);
+    instances_are_those_of_other_tools(&program, &cases);
+    schemas_are_the_published_ones(&program, &types);
+    program.run("strategies", "");
+}
+
+/// The instances that the oracle of CDR gives as JSON.
+fn oracle_cases() -> Option<Vec<Json>> {
+    let mut cases = Vec::new();
+    for file in ["px4-main", "ros2"] {
+        let text = fs::read_to_string(shared(&format!("oracle/cdr/{file}.json"))?).expect("an oracle");
+        cases.extend(serde_json::from_str::<Vec<Json>>(&text).expect("cases"));
+    }
+    Some(cases)
+}
+
+fn text<'j>(value: &'j Json, member: &str) -> &'j str {
+    value[member].as_str().expect("a text")
+}
+
+/// `compile/corpus.rs` with all types.
+struct Program<'c> {
+    package: &'c Crate,
+    path: PathBuf,
+}
+
+impl<'c> Program<'c> {
+    fn build(package: &'c Crate, types: &[&str]) -> Self {
+        let rows: String = types.iter().fold(String::new(), |mut rows, name| {
+            let path = name.replace("px4_msgs/", "px4/").replace("/msg/", "::");
+            let row = if name.starts_with("px4_msgs") { "fixed_row" } else { "row" };
+            let _ = writeln!(rows, "        {row}::<whole_corpus::{path}>({name:?}),");
+            rows
+        });
+        let program = include_str!("compile/corpus.rs");
+        let program = format!("{program}\nfn rows() -> Vec<Row> {{\n    vec![\n{rows}    ]\n}}\n");
+        package.write("examples/corpus.rs", &program);
+        package.cargo(&["build", "--features", FEATURES, "--example", "corpus"]);
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("../debug/examples/corpus");
+        Self { package, path }
+    }
+
+    fn run(&self, task: &str, input: &str) -> String {
+        self.package.write("input.txt", input);
+        let output = Command::new(&self.path)
+            .arg(task)
+            .stdin(fs::File::open(self.package.folder.join("input.txt")).expect("the input"))
+            .output()
+            .expect("the program runs");
+        assert!(output.status.success(), "{task}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).expect("UTF-8")
+    }
 }
 
 /// Reads and writes each instance that the oracle of CDR gives, as JSON and as CDR in both byte orders;
 /// PX4's also in their memory form, which has no such oracle, and through views.
-fn instances_are_those_of_other_tools(package: &Crate) {
-    let mut cases = Vec::new();
-    for file in ["px4-main", "ros2"] {
-        let Some(path) = shared(&format!("oracle/cdr/{file}.json")) else { return };
-        let text = fs::read_to_string(path).expect("an oracle");
-        cases.extend(serde_json::from_str::<Vec<Json>>(&text).expect("cases"));
-    }
-    let mut types: Vec<&str> = cases.iter().map(|case| case["type"].as_str().expect("a type")).collect();
-    types.sort_unstable();
-    types.dedup();
-    let arms = types.into_iter().fold(String::new(), |mut arms, name| {
-        let path = name.replace("px4_msgs/", "px4/").replace("/msg/", "::");
-        let function = if name.starts_with("px4_msgs") { "fixed" } else { "any" };
-        let _ = writeln!(arms, "        {name:?} => {function}::<whole_corpus::{path}>(text, bytes),");
-        arms
-    });
-    let program = include_str!("compile/instances.rs").replace("        // an arm for each type\n", &arms);
-    package.write("examples/instances.rs", &program);
+fn instances_are_those_of_other_tools(program: &Program<'_>, cases: &[Json]) {
     let input: String = cases.iter().fold(String::new(), |mut input, case| {
-        let text = |key: &str| case[key].as_str().expect("a text").to_owned();
-        let (le, be) = (text("cdr_le_hex"), text("cdr_be_hex"));
-        let _ = writeln!(input, "{} {le} {be} {}", text("type"), case["json"]);
+        let [name, little, big] = ["type", "cdr_le_hex", "cdr_be_hex"].map(|member| text(case, member));
+        let _ = writeln!(input, "{name} {little} {big} {}", case["json"]);
         input
     });
-    package.write("input.txt", &input);
-    package.cargo(&["build", "--features", "serde", "--example", "instances"]);
-    let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join("../debug/examples/instances");
-    let output = Command::new(program)
-        .stdin(fs::File::open(package.folder.join("input.txt")).expect("the input"))
-        .output()
-        .expect("the program runs");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let written = String::from_utf8(output.stdout).expect("UTF-8");
+    let written = program.run("convert", &input);
     assert_eq!(written.lines().count(), cases.len());
     for (case, line) in cases.iter().zip(written.lines()) {
         let found: Json = serde_json::from_str(line).expect("JSON");
         assert!(same(&found, &case["json"]), "{} {}\n{found}\n{}", case["type"], case["case"], case["json"]);
+    }
+}
+
+/// The schemas of the crate schemars assert the same, keyword by keyword.
+fn schemas_are_the_published_ones(program: &Program<'_>, types: &[&str]) {
+    let written = program.run("schemas", "");
+    assert_eq!(written.lines().count(), types.len());
+    for line in written.lines() {
+        let (name, schema) = line.split_once(' ').expect("two words");
+        let found: Json = serde_json::from_str(schema).expect("JSON");
+        let path = name.replace("px4_msgs/", "px4/").replace("/msg/", "/");
+        let path = program.package.folder.join(format!("schemas/{path}.schema.json"));
+        let published = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let published: Json = serde_json::from_str(&published).expect("JSON");
+        assert_eq!(assertions(&found), assertions(&published), "{name}");
+    }
+}
+
+/// A schema without what describes; references by the name of the message alone, numbers as floats
+/// where they have a fraction or are that large.
+fn assertions(schema: &Json) -> Json {
+    match schema {
+        Json::Object(members) => members
+            .iter()
+            .filter(|(keyword, value)| {
+                let describes = matches!(
+                    keyword.as_str(),
+                    "$schema" | "$id" | "$comment" | "$defs" | "title" | "description" | "default"
+                );
+                // A field may be called like a keyword, but its value is a schema.
+                !describes || keyword.as_str() != "$defs" && value.is_object()
+            })
+            .map(|(keyword, value)| match value {
+                Json::String(address) if keyword == "$ref" => {
+                    let name = address.rsplit('/').next().unwrap_or_default();
+                    (keyword.clone(), name.trim_end_matches(".schema.json").into())
+                }
+                value => (keyword.clone(), assertions(value)),
+            })
+            .collect(),
+        Json::Array(parts) => parts.iter().map(assertions).collect(),
+        Json::Number(number) => match number.as_f64() {
+            #[allow(clippy::cast_possible_truncation)] // it is whole and less than 2^53
+            Some(value) if number.is_f64() && value % 1.0 == 0.0 && value.abs() < 9e15 => {
+                (value as i64).into()
+            }
+            _ => schema.clone(),
+        },
+        other => other.clone(),
     }
 }
 

@@ -33,6 +33,7 @@ impl Restriction {
             special: &self.special,
             count: self.count,
             known: self.known.as_deref(),
+            names: &[],
             is_flags: self.is_flags,
             allows_nan: self.allows_nan,
         }

@@ -19,7 +19,7 @@ impl Number {
     }
 
     #[allow(clippy::cast_precision_loss)] // only where a float takes part in a comparison
-    const fn as_f64(self) -> f64 {
+    pub(crate) const fn as_f64(self) -> f64 {
         match self {
             Self::Int(value) => value as f64,
             Self::Float(value) => value,
@@ -65,6 +65,8 @@ pub struct Constraint<'k> {
     pub count: Option<u32>,
     /// The documented values (`@enum`), or masks where `is_flags`.
     pub known: Option<&'k [i128]>,
+    /// The names of the documented values, in the same order, where they are at hand.
+    pub names: &'k [&'k str],
     /// Whether values are made of the `known` ones bit by bit (`@flags`).
     pub is_flags: bool,
     /// Whether NaN has a meaning.
@@ -79,6 +81,7 @@ impl Constraint<'_> {
         special: &[],
         count: None,
         known: None,
+        names: &[],
         is_flags: false,
         allows_nan: false,
     };

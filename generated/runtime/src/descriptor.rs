@@ -237,13 +237,13 @@ pub mod field {
         /// The documented values of an enum.
         #[must_use]
         pub const fn values<T: Open>(self) -> Self {
-            Self { known: Some(T::KNOWN), ..self }
+            Self { known: Some(T::KNOWN), names: T::NAMES, ..self }
         }
 
         /// Any of the documented flags.
         #[must_use]
         pub const fn flags<T: Open>(self) -> Self {
-            Self { known: Some(T::KNOWN), is_flags: true, ..self }
+            Self { known: Some(T::KNOWN), names: T::NAMES, is_flags: true, ..self }
         }
 
         /// NaN has a meaning.

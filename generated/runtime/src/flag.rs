@@ -14,12 +14,13 @@ pub struct Flag {
 /// Gives a message `set_flags()` from its flags: the field, whether it is set, its group and its label.
 #[macro_export]
 macro_rules! flags {
-    ($type:ident; $($field:ident $name:literal $group:literal $label:literal $($zero:literal)?;)*) => {
+    ($type:ident; $($field:ident $name:literal $group:literal $label:literal;)*) => {
         impl $type {
             /// The flags that are set, in declared order.
             pub fn set_flags(&self) -> impl ::core::iter::Iterator<Item = $crate::Flag> {
                 [$((
-                    self.$field $(!= $zero.into())?,
+                    // Of a `bool`, a number and an enum alike.
+                    u8::from(self.$field) != 0,
                     $crate::Flag { field: $name, group: $group, label: $label },
                 )),*]
                 .into_iter()

@@ -8,6 +8,8 @@
 //! |---|---|
 //! | `std` (default) | `std::error::Error` for the errors; `alloc` |
 //! | `alloc` | strings and sequences, and what returns a `Vec` |
+//! | `proptest` | strategies for property tests: module `strategy` |
+//! | `schemars` | JSON Schemas of the crate schemars: module `schema` |
 //! | `serde` | JSON, and any other format of serde: module `json` |
 
 #![no_std]
@@ -34,12 +36,23 @@ mod open;
 mod path;
 pub mod record;
 mod scalar;
+#[cfg(feature = "schemars")]
+pub mod schema;
 mod severity;
+#[cfg(feature = "proptest")]
+pub mod strategy;
 mod text;
 pub mod uorb;
 mod validate;
 mod value;
+mod without;
 
+/// The crate that the feature `proptest` builds on, for generated code.
+#[cfg(feature = "proptest")]
+pub use proptest;
+/// The crate that the feature `schemars` builds on, for generated code.
+#[cfg(feature = "schemars")]
+pub use schemars;
 /// The crate that the feature `serde` builds on, for generated code.
 #[cfg(feature = "serde")]
 pub use serde;
@@ -48,7 +61,7 @@ pub use constraint::{Constraint, Number, Rule};
 pub use error::{DecodeError, EncodeError, Fault};
 pub use flag::Flag;
 pub use message::{Message, UorbMessage};
-pub use open::{Open, fmt_enum, fmt_flags};
+pub use open::{Open, flag_names, fmt_enum, fmt_flags};
 pub use path::Path;
 pub use scalar::Scalar;
 pub use severity::{ErrorClass, ErrorList, Severity};
@@ -59,32 +72,14 @@ pub use validate::Violation;
 #[cfg(feature = "serde")]
 pub use json::Field as JsonField;
 
-/// What generated code calls for features that are off: nothing.
+/// A value as JSON; nothing is asked of it without the feature `serde`.
 #[cfg(not(feature = "serde"))]
-mod without_serde {
-    /// A value as JSON; nothing is asked of it without the feature `serde`.
-    pub trait JsonField {}
+pub use without::JsonField;
 
-    impl<T> JsonField for T {}
+/// A message with a JSON Schema; nothing is asked of it without the feature `schemars`.
+#[cfg(feature = "schemars")]
+pub use schema::SchemaRecord;
 
-    #[doc(hidden)]
-    #[macro_export]
-    macro_rules! __json_record {
-        ($($tokens:tt)*) => {};
-    }
-
-    #[doc(hidden)]
-    #[macro_export]
-    macro_rules! __json_field {
-        ($($tokens:tt)*) => {};
-    }
-
-    #[doc(hidden)]
-    #[macro_export]
-    macro_rules! __json_number {
-        ($($tokens:tt)*) => {};
-    }
-}
-
-#[cfg(not(feature = "serde"))]
-pub use without_serde::JsonField;
+/// A message with a JSON Schema; nothing is asked of it without the feature `schemars`.
+#[cfg(not(feature = "schemars"))]
+pub use without::SchemaRecord;

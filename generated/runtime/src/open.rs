@@ -2,10 +2,24 @@
 
 use core::fmt;
 
-/// An enum or flags. Open: a value that the definition doesn't name is kept as it is.
-pub trait Open {
+use crate::Scalar;
+use crate::record::Primitive;
+
+/// An enum, flags or an error code. Open: a value that the definition doesn't name is kept as it is.
+pub trait Open: Sized {
+    /// Name of the type.
+    const NAME: &'static str;
+    /// Type of its number.
+    const SCALAR: Scalar;
     /// The numbers of the documented values, or the masks of the flags.
     const KNOWN: &'static [i128];
+    /// Their names, without prefix; an error code without an abbreviation has an empty one.
+    const NAMES: &'static [&'static str];
+    /// Whether values are made of the documented ones bit by bit.
+    const IS_FLAGS: bool;
+
+    /// The value with these bits, of which the lowest count.
+    fn from_bits(bits: u64) -> Self;
 }
 
 /// Writes an open enum: the name of its value, or its type and number where that is unknown.
@@ -22,31 +36,116 @@ pub fn fmt_enum(
 }
 
 /// Writes flags: the names of those that are set between `|`, and what is left as a number.
-pub fn fmt_flags(
+pub fn fmt_flags<T: Open, P: Primitive>(
     formatter: &mut fmt::Formatter<'_>,
-    type_name: &str,
-    names: impl Iterator<Item = &'static str>,
-    unknown: u64,
+    value: P,
+    unknown: P,
 ) -> fmt::Result {
-    write!(formatter, "{type_name}(")?;
+    write!(formatter, "{}(", T::NAME)?;
     let mut separator = "";
-    for name in names {
+    for name in flag_names::<T>(value) {
         write!(formatter, "{separator}{name}")?;
         separator = " | ";
     }
+    let unknown = unknown.bits();
     if unknown != 0 || separator.is_empty() {
         write!(formatter, "{separator}{unknown:#x}")?;
     }
     formatter.write_str(")")
 }
 
-/// Implements [`Open`](crate::Open) and conversions for a newtype over a number.
+/// The names of the flags that are set in `value`, each by its first name.
+pub fn flag_names<T: Open>(value: impl Primitive) -> impl Iterator<Item = &'static str> {
+    let bits = value.bits();
+    let flags = T::KNOWN.iter().zip(T::NAMES).enumerate();
+    flags.filter_map(move |(index, (mask, name))| {
+        // The masks fit the number; of a negative one the bits above are cut off as they are of the value.
+        let own = mask & i128::from(u64::MAX >> (64 - 8 * T::SCALAR.size()));
+        let is_set = own != 0 && i128::from(bits) & own == own;
+        (is_set && !T::KNOWN[..index].contains(mask)).then_some(*name)
+    })
+}
+
+/// Gives a newtype over a number what an enum or flags can do, from the documented values and names.
 #[macro_export]
 macro_rules! open {
-    ($type:ident: $number:ident; $($known:literal),*;) => {
-        impl $crate::Open for $type {
-            const KNOWN: &'static [i128] = &[$($known),*];
+    ($type:ident: $number:ident; $($known:literal $name:literal;)*) => {
+        impl $type {
+            /// The name that the definition gives to the value, without its prefix.
+            pub const fn name(self) -> ::core::option::Option<&'static str> {
+                #[allow(unreachable_patterns)] // of several names of a value, the first
+                match self.0 {
+                    $($known => ::core::option::Option::Some($name),)*
+                    _ => ::core::option::Option::None,
+                }
+            }
+
+            /// Whether the definition names the value.
+            pub const fn is_known(self) -> bool {
+                self.name().is_some()
+            }
         }
+
+        impl ::core::fmt::Debug for $type {
+            fn fmt(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
+                $crate::fmt_enum(formatter, stringify!($type), self.name(), self.0)
+            }
+        }
+
+        $crate::__open!($type: $number; false; $($known $name;)*);
+    };
+    ($type:ident: $number:ident flags; $($known:literal $name:literal;)*) => {
+        impl $type {
+            /// Whether all flags of `other` are set.
+            pub const fn contains(self, other: Self) -> bool {
+                self.0 & other.0 == other.0
+            }
+
+            /// Whether no flag is set.
+            pub const fn is_empty(self) -> bool {
+                self.0 == 0
+            }
+
+            /// The names of the flags that are set.
+            pub fn names(self) -> impl ::core::iter::Iterator<Item = &'static str> {
+                $crate::flag_names::<Self>(self.0)
+            }
+
+            /// Whether the definition names all flags that are set.
+            pub const fn is_known(self) -> bool {
+                self.unknown() == 0
+            }
+
+            #[allow(clippy::identity_op)] // where 0 is among the documented values
+            const fn unknown(self) -> $number {
+                self.0 & !(0 $(| $known)*)
+            }
+        }
+
+        impl ::core::ops::BitOr for $type {
+            type Output = Self;
+
+            fn bitor(self, other: Self) -> Self {
+                Self(self.0 | other.0)
+            }
+        }
+
+        impl ::core::fmt::Debug for $type {
+            fn fmt(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
+                $crate::fmt_flags::<Self, $number>(formatter, self.0, self.unknown())
+            }
+        }
+
+        $crate::__open!($type: $number; true; $($known $name;)*);
+    };
+}
+
+/// The part of [`open!`](crate::open!) that enums and flags share.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __open {
+    ($type:ident: $number:ident; $is_flags:literal; $($known:literal $name:literal;)*) => {
+        $crate::__documented!($type: $number; $is_flags; $($known $name;)*);
 
         impl $crate::record::Value for $type {
             const LEAST_SIZE: usize = <$number as $crate::record::Value>::LEAST_SIZE;
@@ -89,7 +188,6 @@ macro_rules! open {
             }
         }
 
-        $crate::__json_number!($type);
         $crate::__json_field!($type);
     };
 }
@@ -97,7 +195,31 @@ macro_rules! open {
 /// Gives the newtype over an error code what the features ask for.
 #[macro_export]
 macro_rules! error_code {
-    ($type:ident;) => {
+    ($type:ident; $($known:literal $name:literal;)*) => {
+        $crate::__documented!($type: u32; false; $($known $name;)*);
+    };
+}
+
+/// What enums, flags and error codes share.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __documented {
+    ($type:ident: $number:ident; $is_flags:literal; $($known:literal $name:literal;)*) => {
+        impl $crate::Open for $type {
+            const NAME: &'static str = stringify!($type);
+            const SCALAR: $crate::Scalar = <$number as $crate::record::Primitive>::SCALAR;
+            const KNOWN: &'static [i128] = &[$($known),*];
+            const NAMES: &'static [&'static str] = &[$($name),*];
+            const IS_FLAGS: bool = $is_flags;
+
+            #[inline]
+            fn from_bits(bits: u64) -> Self {
+                Self(<$number as $crate::record::Primitive>::read_le(&bits.to_le_bytes()))
+            }
+        }
+
         $crate::__json_number!($type);
+        $crate::__arbitrary_number!($type);
+        $crate::__schema_number!($type);
     };
 }

@@ -5,11 +5,11 @@
 //! other. They keep the first fault and go on with zeros, so that generated code needs no `?` for
 //! each field: that costs the compiler more than all else, and the processor a branch.
 
-use crate::Number;
 use crate::descriptor::{FieldDescriptor, MessageDescriptor, Shape};
+use crate::{Number, Scalar};
 
 /// A message as a list of fields.
-pub trait Record: Default + crate::JsonField {
+pub trait Record: Default + crate::JsonField + crate::SchemaRecord {
     /// What is known of its fields.
     const DESCRIPTOR: &'static MessageDescriptor;
 
@@ -153,6 +153,9 @@ fn element<T: Value, S: Source>(source: &mut S, index: usize, field: &'static Fi
 
 /// A number of fixed size.
 pub trait Primitive: Copy + Default + 'static {
+    /// Its type; `byte` and `char` are `uint8`.
+    const SCALAR: Scalar;
+
     /// Size in bytes, which is its alignment too.
     const SIZE: usize;
 
@@ -171,6 +174,14 @@ pub trait Primitive: Copy + Default + 'static {
     /// The number, for checks.
     fn number(self) -> Number;
 
+    /// Its bits, without any of its sign above them.
+    #[inline]
+    fn bits(self) -> u64 {
+        let mut bytes = [0; 8];
+        self.write_le(&mut bytes);
+        u64::from_le_bytes(bytes)
+    }
+
     /// The byte of a `bool` if it is neither 0 nor 1, given the bytes that it comes from.
     #[inline]
     fn odd_bool(_: &[u8]) -> Option<u8> {
@@ -179,8 +190,9 @@ pub trait Primitive: Copy + Default + 'static {
 }
 
 macro_rules! primitives {
-    ($($type:ident $number:ident,)*) => {$(
+    ($($type:ident $number:ident $scalar:ident,)*) => {$(
         impl Primitive for $type {
+            const SCALAR: Scalar = Scalar::$scalar;
             const SIZE: usize = size_of::<$type>();
 
             #[inline]
@@ -215,10 +227,14 @@ macro_rules! primitives {
     )*};
 }
 
-primitives!(u8 Int, i8 Int, u16 Int, i16 Int, u32 Int, i32 Int, u64 Int, i64 Int, f32 Float, f64 Float,);
+primitives!(
+    u8 Int UInt8, i8 Int Int8, u16 Int UInt16, i16 Int Int16, u32 Int UInt32, i32 Int Int32, u64 Int UInt64,
+    i64 Int Int64, f32 Float Float32, f64 Float Float64,
+);
 
 /// Any byte but 0 is true: real logs hold 153, 94 and 194.
 impl Primitive for bool {
+    const SCALAR: Scalar = Scalar::Bool;
     const SIZE: usize = 1;
 
     #[inline]
@@ -334,5 +350,7 @@ macro_rules! __record {
         }
 
         $crate::__json_record!($type; $($index $field)*);
+        $crate::__arbitrary_record!($type);
+        $crate::__schema_record!($type);
     };
 }

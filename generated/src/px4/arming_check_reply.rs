@@ -163,33 +163,7 @@ impl HealthComponentIndex {
     pub const NONE: Self = Self(0);
 }
 
-impl HealthComponentIndex {
-    /// The name that the definition gives to the value, without its prefix.
-    pub const fn name(self) -> ::core::option::Option<&'static str> {
-        match self {
-            Self::NONE => ::core::option::Option::Some("NONE"),
-            _ => ::core::option::Option::None,
-        }
-    }
-
-    /// Whether the definition names the value.
-    pub const fn is_known(self) -> bool {
-        self.name().is_some()
-    }
-}
-
-impl ::core::fmt::Debug for HealthComponentIndex {
-    fn fmt(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
-        ::uavspec_runtime::fmt_enum(
-            formatter,
-            "HealthComponentIndex",
-            self.name(),
-            self.0,
-        )
-    }
-}
-
 ::uavspec_runtime::open! {
     HealthComponentIndex: u8;
-    0;
+    0 "NONE";
 }

@@ -263,32 +263,11 @@ impl BatterySource {
     pub const ESCS: Self = Self(2);
 }
 
-impl BatterySource {
-    /// The name that the definition gives to the value, without its prefix.
-    pub const fn name(self) -> ::core::option::Option<&'static str> {
-        match self {
-            Self::POWER_MODULE => ::core::option::Option::Some("POWER_MODULE"),
-            Self::EXTERNAL => ::core::option::Option::Some("EXTERNAL"),
-            Self::ESCS => ::core::option::Option::Some("ESCS"),
-            _ => ::core::option::Option::None,
-        }
-    }
-
-    /// Whether the definition names the value.
-    pub const fn is_known(self) -> bool {
-        self.name().is_some()
-    }
-}
-
-impl ::core::fmt::Debug for BatterySource {
-    fn fmt(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
-        ::uavspec_runtime::fmt_enum(formatter, "BatterySource", self.name(), self.0)
-    }
-}
-
 ::uavspec_runtime::open! {
     BatterySource: u8;
-    0, 1, 2;
+    0 "POWER_MODULE";
+    1 "EXTERNAL";
+    2 "ESCS";
 }
 
 /// Flags of `faults` of `BatteryStatus`.
@@ -321,64 +300,18 @@ impl BatteryFault {
     pub const HARDWARE_FAILURE: Self = Self(0x200);
 }
 
-impl BatteryFault {
-    const NAMES: [(Self, &'static str); 10] = [
-        (Self::DEEP_DISCHARGE, "DEEP_DISCHARGE"),
-        (Self::SPIKES, "SPIKES"),
-        (Self::CELL_FAIL, "CELL_FAIL"),
-        (Self::OVER_CURRENT, "OVER_CURRENT"),
-        (Self::OVER_TEMPERATURE, "OVER_TEMPERATURE"),
-        (Self::UNDER_TEMPERATURE, "UNDER_TEMPERATURE"),
-        (Self::INCOMPATIBLE_VOLTAGE, "INCOMPATIBLE_VOLTAGE"),
-        (Self::INCOMPATIBLE_FIRMWARE, "INCOMPATIBLE_FIRMWARE"),
-        (Self::INCOMPATIBLE_MODEL, "INCOMPATIBLE_MODEL"),
-        (Self::HARDWARE_FAILURE, "HARDWARE_FAILURE"),
-    ];
-    /// Whether all flags of `other` are set.
-    pub const fn contains(self, other: Self) -> bool {
-        self.0 & other.0 == other.0
-    }
-
-    /// Whether no flag is set.
-    pub const fn is_empty(self) -> bool {
-        self.0 == 0
-    }
-
-    /// The names of the flags that are set.
-    pub fn names(self) -> impl ::core::iter::Iterator<Item = &'static str> {
-        Self::NAMES
-            .into_iter()
-            .filter(move |(flag, _)| self.contains(*flag))
-            .map(|(_, name)| name)
-    }
-
-    /// Whether the definition names all flags that are set.
-    pub const fn is_known(self) -> bool {
-        self.0 & !0x3ff == 0
-    }
-}
-
-impl ::core::ops::BitOr for BatteryFault {
-    type Output = Self;
-    fn bitor(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-}
-
-impl ::core::fmt::Debug for BatteryFault {
-    fn fmt(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
-        ::uavspec_runtime::fmt_flags(
-            formatter,
-            "BatteryFault",
-            self.names(),
-            (self.0 & !0x3ff).into(),
-        )
-    }
-}
-
 ::uavspec_runtime::open! {
-    BatteryFault: u16;
-    0x1, 0x2, 0x4, 0x8, 0x10, 0x20, 0x40, 0x80, 0x100, 0x200;
+    BatteryFault: u16 flags;
+    0x1 "DEEP_DISCHARGE";
+    0x2 "SPIKES";
+    0x4 "CELL_FAIL";
+    0x8 "OVER_CURRENT";
+    0x10 "OVER_TEMPERATURE";
+    0x20 "UNDER_TEMPERATURE";
+    0x40 "INCOMPATIBLE_VOLTAGE";
+    0x80 "INCOMPATIBLE_FIRMWARE";
+    0x100 "INCOMPATIBLE_MODEL";
+    0x200 "HARDWARE_FAILURE";
 }
 
 /// Values of `warning` of `BatteryStatus`.
@@ -407,37 +340,16 @@ impl BatteryWarning {
     pub const OVER_TEMPERATURE: Self = Self(10);
 }
 
-impl BatteryWarning {
-    /// The name that the definition gives to the value, without its prefix.
-    pub const fn name(self) -> ::core::option::Option<&'static str> {
-        match self {
-            Self::NONE => ::core::option::Option::Some("NONE"),
-            Self::LOW => ::core::option::Option::Some("LOW"),
-            Self::CRITICAL => ::core::option::Option::Some("CRITICAL"),
-            Self::EMERGENCY => ::core::option::Option::Some("EMERGENCY"),
-            Self::FAILED => ::core::option::Option::Some("FAILED"),
-            Self::UNHEALTHY => ::core::option::Option::Some("UNHEALTHY"),
-            Self::CHARGING => ::core::option::Option::Some("CHARGING"),
-            Self::OVER_TEMPERATURE => ::core::option::Option::Some("OVER_TEMPERATURE"),
-            _ => ::core::option::Option::None,
-        }
-    }
-
-    /// Whether the definition names the value.
-    pub const fn is_known(self) -> bool {
-        self.name().is_some()
-    }
-}
-
-impl ::core::fmt::Debug for BatteryWarning {
-    fn fmt(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
-        ::uavspec_runtime::fmt_enum(formatter, "BatteryWarning", self.name(), self.0)
-    }
-}
-
 ::uavspec_runtime::open! {
     BatteryWarning: u8;
-    0, 1, 2, 3, 4, 6, 7, 10;
+    0 "NONE";
+    1 "LOW";
+    2 "CRITICAL";
+    3 "EMERGENCY";
+    4 "FAILED";
+    6 "UNHEALTHY";
+    7 "CHARGING";
+    10 "OVER_TEMPERATURE";
 }
 
 /// Values of `mode` of `BatteryStatus`.
@@ -456,30 +368,9 @@ impl BatteryMode {
     pub const HOT_SWAP: Self = Self(2);
 }
 
-impl BatteryMode {
-    /// The name that the definition gives to the value, without its prefix.
-    pub const fn name(self) -> ::core::option::Option<&'static str> {
-        match self {
-            Self::UNKNOWN => ::core::option::Option::Some("UNKNOWN"),
-            Self::AUTO_DISCHARGING => ::core::option::Option::Some("AUTO_DISCHARGING"),
-            Self::HOT_SWAP => ::core::option::Option::Some("HOT_SWAP"),
-            _ => ::core::option::Option::None,
-        }
-    }
-
-    /// Whether the definition names the value.
-    pub const fn is_known(self) -> bool {
-        self.name().is_some()
-    }
-}
-
-impl ::core::fmt::Debug for BatteryMode {
-    fn fmt(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
-        ::uavspec_runtime::fmt_enum(formatter, "BatteryMode", self.name(), self.0)
-    }
-}
-
 ::uavspec_runtime::open! {
     BatteryMode: u8;
-    0, 1, 2;
+    0 "UNKNOWN";
+    1 "AUTO_DISCHARGING";
+    2 "HOT_SWAP";
 }

@@ -245,7 +245,7 @@ impl ::uavspec_runtime::Message for FailsafeFlags {
     home_position_invalid "home_position_invalid" "Mode requirements" "Home position not set";
     manual_control_signal_lost "manual_control_signal_lost" "Control links" "Pilot's input lost (RC or joystick)";
     gcs_connection_lost "gcs_connection_lost" "Control links" "Ground station link lost";
-    battery_warning "battery_warning" "Battery" "Most severe battery warning" 0;
+    battery_warning "battery_warning" "Battery" "Most severe battery warning";
     battery_low_remaining_time "battery_low_remaining_time" "Battery" "Flight time left on battery too short";
     battery_unhealthy "battery_unhealthy" "Battery" "Battery missing, silent or faulty";
     geofence_breached "geofence_breached" "Other" "At least one geofence crossed";

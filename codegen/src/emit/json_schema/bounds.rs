@@ -60,6 +60,18 @@ impl Bounds {
     }
 }
 
+/// The value that a field of type `scalar` has where its definition says `value`.
+pub(super) fn held(value: &Value, scalar: Scalar) -> Value {
+    #[allow(clippy::cast_possible_truncation)] // rounding is what this is about
+    let rounded = value.as_f64().map(|exact| f64::from(exact as f32));
+    match rounded {
+        Some(rounded) if scalar == Scalar::Float32 && value.as_f64() != Some(rounded) => {
+            Value::Float(rounded)
+        }
+        _ => value.clone(),
+    }
+}
+
 /// What a schema asserts to let through exactly `value` of type `scalar`.
 pub(super) fn exactly<'s>(value: &Value, scalar: Scalar) -> Vec<Member<'s>> {
     let (low, high) = spread(value, scalar);

@@ -106,8 +106,11 @@ impl<'s> FieldSchema<'s> {
         let specials = [(&self.field.invalid, "No data"), (&self.field.uncontrolled, "Not controlled")];
         let nodes = specials.into_iter().filter_map(|(special, title)| {
             let special = special.as_ref()?;
-            let value = special.value.as_ref().filter(|value| whole.hold(value) && !used.hold(value))?;
-            let mut members = bounds::exactly(value, scalar);
+            let value = bounds::held(special.value.as_ref()?, scalar);
+            if !whole.hold(&value) || used.hold(&value) {
+                return None;
+            }
+            let mut members = bounds::exactly(&value, scalar);
             members.push(member("title", title));
             members.extend(annotation("description", filled(&special.text)));
             Some(Node::Object(members))

@@ -4,7 +4,6 @@ use std::fmt::Write as _;
 
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
-use uavspec_runtime::Scalar;
 
 use super::identifier::{Scope, ident, upper_case};
 use super::{documentation, message, types};
@@ -42,8 +41,11 @@ pub(super) fn tokens(owner: &Message, found: &Enum, name: &Ident) -> TokenStream
         let value = number(found, member.value);
         quote!(#doc pub const #name: Self = Self(#value);)
     });
-    let known = found.members.iter().map(|member| number(found, member.value));
-    let behaviour = if found.is_flags { flags(found, name, &names) } else { open_enum(found, name, &names) };
+    let flags = found.is_flags.then(|| quote!(flags));
+    let known = found.members.iter().map(|member| {
+        let (value, name) = (number(found, member.value), &member.name);
+        quote!(#value #name;)
+    });
     quote! {
         #doc
         #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -54,104 +56,13 @@ pub(super) fn tokens(owner: &Message, found: &Enum, name: &Ident) -> TokenStream
             #(#constants)*
         }
 
-        #behaviour
-
-        ::uavspec_runtime::open! { #name: #primitive; #(#known),*; }
+        ::uavspec_runtime::open! { #name: #primitive #flags; #(#known)* }
     }
 }
 
 fn member_names(found: &Enum) -> Vec<Ident> {
     let mut scope = Scope::default();
     found.members.iter().map(|member| ident(&scope.unique(&upper_case(&member.name)))).collect()
-}
-
-fn open_enum(found: &Enum, name: &Ident, names: &[Ident]) -> TokenStream {
-    let arms = found.members.iter().zip(names).filter(|(member, _)| found.alias_of(member).is_none()).map(
-        |(member, name)| {
-            let text = &member.name;
-            quote!(Self::#name => ::core::option::Option::Some(#text),)
-        },
-    );
-    let type_name = name.to_string();
-    quote! {
-        impl #name {
-            /// The name that the definition gives to the value, without its prefix.
-            pub const fn name(self) -> ::core::option::Option<&'static str> {
-                match self {
-                    #(#arms)*
-                    _ => ::core::option::Option::None,
-                }
-            }
-
-            /// Whether the definition names the value.
-            pub const fn is_known(self) -> bool {
-                self.name().is_some()
-            }
-        }
-
-        impl ::core::fmt::Debug for #name {
-            fn fmt(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
-                ::uavspec_runtime::fmt_enum(formatter, #type_name, self.name(), self.0)
-            }
-        }
-    }
-}
-
-fn flags(found: &Enum, name: &Ident, names: &[Ident]) -> TokenStream {
-    let single: Vec<_> = found
-        .members
-        .iter()
-        .zip(names)
-        .filter(|(member, _)| member.value != 0 && found.alias_of(member).is_none())
-        .collect();
-    let count = types::integer(single.len() as i128);
-    let entries = single.iter().map(|(member, name)| {
-        let text = &member.name;
-        quote!((Self::#name, #text))
-    });
-    let all = found.members.iter().fold(0, |all, member| all | member.value);
-    let all = number(found, all);
-    let unknown = unsigned(found.scalar, &quote!(self.0 & !#all));
-    let type_name = name.to_string();
-    quote! {
-        impl #name {
-            const NAMES: [(Self, &'static str); #count] = [#(#entries),*];
-
-            /// Whether all flags of `other` are set.
-            pub const fn contains(self, other: Self) -> bool {
-                self.0 & other.0 == other.0
-            }
-
-            /// Whether no flag is set.
-            pub const fn is_empty(self) -> bool {
-                self.0 == 0
-            }
-
-            /// The names of the flags that are set.
-            pub fn names(self) -> impl ::core::iter::Iterator<Item = &'static str> {
-                Self::NAMES.into_iter().filter(move |(flag, _)| self.contains(*flag)).map(|(_, name)| name)
-            }
-
-            /// Whether the definition names all flags that are set.
-            pub const fn is_known(self) -> bool {
-                self.0 & !#all == 0
-            }
-        }
-
-        impl ::core::ops::BitOr for #name {
-            type Output = Self;
-
-            fn bitor(self, other: Self) -> Self {
-                Self(self.0 | other.0)
-            }
-        }
-
-        impl ::core::fmt::Debug for #name {
-            fn fmt(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
-                ::uavspec_runtime::fmt_flags(formatter, #type_name, self.names(), #unknown)
-            }
-        }
-    }
 }
 
 /// A value of an enum, or a mask in hexadecimal.
@@ -161,14 +72,4 @@ fn number(found: &Enum, value: i128) -> TokenStream {
     }
     let literal: Result<proc_macro2::Literal, _> = format!("0x{value:x}").parse();
     literal.map_or_else(|_| types::integer(value), |literal| quote!(#literal))
-}
-
-/// A `u64` of the bits of a number, without sign extension.
-fn unsigned(scalar: Scalar, number: &TokenStream) -> TokenStream {
-    match scalar {
-        Scalar::UInt64 => quote!(#number),
-        Scalar::Int64 => quote!((#number).cast_unsigned()),
-        Scalar::Int8 | Scalar::Int16 | Scalar::Int32 => quote!((#number).cast_unsigned().into()),
-        _ => quote!((#number).into()),
-    }
 }

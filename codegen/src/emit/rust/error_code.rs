@@ -81,6 +81,11 @@ fn tokens(package: &Package, codes: &[&ErrorCode]) -> TokenStream {
             alternatives: &[#(#alternatives),*],
         })
     });
+    let known = codes.iter().map(|code| {
+        let value = types::integer(code.code.into());
+        let abbreviation = code.abbreviation.as_deref().unwrap_or_default();
+        quote!(#value #abbreviation;)
+    });
     let count = types::integer(codes.len() as i128);
     let type_doc = documentation(
         "An error code. Open: a code that no table knows is kept as it is.\n\n\
@@ -187,7 +192,7 @@ fn tokens(package: &Package, codes: &[&ErrorCode]) -> TokenStream {
         /// By code.
         static ENTRIES: [Entry; #count] = [#(#entries),*];
 
-        ::uavspec_runtime::error_code! { ErrorCode; }
+        ::uavspec_runtime::error_code! { ErrorCode; #(#known)* }
     }
 }
 

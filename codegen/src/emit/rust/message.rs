@@ -233,16 +233,16 @@ impl Parts<'_> {
         let reports_failures = self.reports_failures();
         let mut entries = Vec::new();
         for (field, ident) in message.fields.iter().zip(fields) {
-            let zero = match (field.ty.element, field.ty.shape) {
-                (Element::Scalar(Scalar::Bool), Shape::Single) => None,
-                (Element::Scalar(Scalar::UInt8), Shape::Single) if reports_failures => Some(quote!(0)),
+            match (field.ty.element, field.ty.shape) {
+                (Element::Scalar(Scalar::Bool), Shape::Single) => {}
+                (Element::Scalar(Scalar::UInt8), Shape::Single) if reports_failures => {}
                 _ => continue,
-            };
+            }
             let group = field.group.and_then(|group| message.groups.get(group));
             let group = group.map_or("", |group| group.summary.as_str());
             let field_name = &field.name;
             let label = field.description.lines().next().unwrap_or_default();
-            entries.push(quote!(#ident #field_name #group #label #zero;));
+            entries.push(quote!(#ident #field_name #group #label;));
         }
         let failures = reports_failures.then(|| quote!(::uavspec_runtime::failure_flags! { #name; }));
         (!entries.is_empty()).then(|| quote!(::uavspec_runtime::flags! { #name; #(#entries)* } #failures))

@@ -1,0 +1,301 @@
+//! JSON Schemas of messages, for the crate [`schemars`].
+//!
+//! Each says of an instance what the published schema of the message says, no more and no less: objects
+//! are closed and have all fields, integers have the bounds of their types, floats may be null, ranges
+//! hold but for the special values, counts keep to the length of what they count. Nested messages are
+//! references. Descriptions and units are left to the published ones.
+//!
+//! They are made from the description of a message when they are asked for, so that a message costs no
+//! code of its own here.
+
+use alloc::string::ToString as _;
+use alloc::vec::Vec;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+
+use crate::descriptor::{Element, FieldDescriptor, MessageDescriptor, Shape};
+use crate::record::{FieldSource, Primitive, Record, Source, Value};
+use crate::{Constraint, Number, Open, Scalar};
+
+/// A message that has a schema.
+pub trait SchemaRecord: JsonSchema {}
+
+impl<T: JsonSchema> SchemaRecord for T {}
+
+/// The schema of a message.
+pub fn message<T: Record>(generator: &mut SchemaGenerator) -> Schema {
+    let message = T::DESCRIPTOR;
+    let mut properties = Schema::default();
+    let mut references = References::new(message, generator);
+    T::read_fields(&mut references);
+    for (field, reference) in message.fields.iter().zip(references.found) {
+        let mut schema = property(field, reference);
+        schema.insert("title".to_string(), field.name.into());
+        properties.insert(field.name.to_string(), schema.into());
+    }
+    let required: Vec<&str> = message.fields.iter().map(|field| field.name).collect();
+    json_schema!({
+        "title": message.name,
+        "type": "object",
+        "properties": properties,
+        "required": required,
+        "additionalProperties": false,
+    })
+}
+
+/// The schema of an enum, flags or error codes: any number of its type, of which some have names.
+pub fn open<T: Open>() -> Schema {
+    let known =
+        Constraint { known: Some(T::KNOWN), names: T::NAMES, is_flags: T::IS_FLAGS, ..Constraint::NONE };
+    let mut schema = number(T::SCALAR, &known);
+    schema.insert("title".to_string(), T::NAME.into());
+    schema
+}
+
+fn property(field: &FieldDescriptor, reference: Option<Schema>) -> Schema {
+    let element = match field.element {
+        Element::Scalar(scalar) => number(scalar, field.constraint.unwrap_or(&Constraint::NONE)),
+        Element::Text => {
+            let bytes = field.shape.bound();
+            return json_schema!({ "type": "string", "maxLength": bytes });
+        }
+        Element::String { bound: Some(bound), .. } => json_schema!({ "type": "string", "maxLength": bound }),
+        Element::String { bound: None, .. } => json_schema!({ "type": "string" }),
+        Element::Message(_) => reference.unwrap_or_default(),
+    };
+    match field.shape {
+        Shape::Single => element,
+        Shape::Sequence => json_schema!({ "type": "array", "items": element }),
+        Shape::Bounded(bound) => json_schema!({ "type": "array", "items": element, "maxItems": bound }),
+        Shape::Array(length) => {
+            json_schema!({ "type": "array", "items": element, "minItems": length, "maxItems": length })
+        }
+    }
+}
+
+fn number(scalar: Scalar, constraint: &Constraint<'_>) -> Schema {
+    let Some(whole) = Bounds::of(scalar) else { return json_schema!({ "type": "boolean" }) };
+    let mut schema = if scalar.is_float() {
+        json_schema!({ "type": ["number", "null"] })
+    } else {
+        json_schema!({ "type": "integer" })
+    };
+    let used = whole.within(constraint);
+    let is_outside = |value: &&Number| whole.hold(**value) && !used.hold(**value);
+    let outside: Vec<Schema> =
+        constraint.special.iter().filter(is_outside).map(|value| exactly(*value, scalar)).collect();
+    let has_names = constraint.known.is_some() && !constraint.is_flags;
+    if outside.is_empty() {
+        used.insert_into(&mut schema);
+    } else {
+        let mut within = Schema::default();
+        used.insert_into(&mut within);
+        let alternatives: Vec<Schema> = core::iter::once(within).chain(outside).collect();
+        if has_names {
+            // A schema has one `anyOf`, which the names take: the alternatives stand one level below.
+            let below = json_schema!({ "anyOf": alternatives });
+            schema.insert("allOf".to_string(), Vec::from([below]).into());
+        } else {
+            schema.insert("anyOf".to_string(), alternatives.into());
+        }
+    }
+    if has_names {
+        schema.insert("anyOf".to_string(), documented(constraint).into());
+    }
+    schema
+}
+
+/// The documented values, and any other.
+fn documented(constraint: &Constraint<'_>) -> Vec<Schema> {
+    let known = constraint.known.unwrap_or_default().iter().enumerate();
+    let values = known.map(|(index, value)| {
+        let mut schema = Schema::default();
+        insert(&mut schema, "const", Number::Int(*value));
+        if let Some(name) = constraint.names.get(index).filter(|name| !name.is_empty()) {
+            schema.insert("title".to_string(), (*name).into());
+        }
+        schema
+    });
+    values.chain([Schema::from(true)]).collect()
+}
+
+/// Inclusive bounds of a number.
+#[derive(Clone, Copy)]
+struct Bounds {
+    low: Number,
+    high: Number,
+}
+
+impl Bounds {
+    /// All values of a type; none for `bool`.
+    fn of(scalar: Scalar) -> Option<Self> {
+        /// In the shortest form that reads back as it, which most programs write and which is slightly
+        /// above the exact value.
+        const MAX_FLOAT32: f64 = 3.402_823_5e38;
+        let bounds = |low, high| Some(Self { low, high });
+        match (scalar, scalar.integer_bounds()) {
+            (_, Some((low, high))) => bounds(Number::Int(low), Number::Int(high)),
+            (Scalar::Float32, None) => bounds(Number::Float(-MAX_FLOAT32), Number::Float(MAX_FLOAT32)),
+            (Scalar::Float64, None) => bounds(Number::Float(f64::MIN), Number::Float(f64::MAX)),
+            _ => None,
+        }
+    }
+
+    /// What of them a field uses where it holds data.
+    fn within(self, constraint: &Constraint<'_>) -> Self {
+        let low = constraint.low.filter(|low| *low > self.low).unwrap_or(self.low);
+        let count = constraint.count.map(|length| Number::Int(length.into()));
+        let least = |high: Number, other: Option<Number>| other.filter(|other| *other < high).unwrap_or(high);
+        Self { low, high: least(least(self.high, constraint.high), count) }
+    }
+
+    fn hold(self, value: Number) -> bool {
+        value >= self.low && value <= self.high
+    }
+
+    fn insert_into(self, schema: &mut Schema) {
+        insert(schema, "minimum", self.low);
+        insert(schema, "maximum", self.high);
+    }
+}
+
+/// Lets through a value in each form in which JSON may hold it: a `float32` is written widened to 64 bits
+/// or in its shortest form.
+#[allow(clippy::cast_possible_truncation)] // rounding is what this is about
+fn exactly(value: Number, scalar: Scalar) -> Schema {
+    let mut schema = Schema::default();
+    let exact = value.as_f64();
+    let widened = f64::from(exact as f32);
+    let shortest = (exact as f32).to_string().parse().unwrap_or(widened);
+    #[allow(clippy::float_cmp)] // whether they are one number
+    if scalar == Scalar::Float32 && (exact != widened || widened != shortest) {
+        let low = Number::Float(exact.min(widened).min(shortest));
+        let high = Number::Float(exact.max(widened).max(shortest));
+        Bounds { low, high }.insert_into(&mut schema);
+    } else {
+        insert(&mut schema, "const", value);
+    }
+    schema
+}
+
+/// Whole numbers are written without a fraction: not every validator takes `1` for the constant `1.0`.
+fn insert(schema: &mut Schema, keyword: &str, value: Number) {
+    let value = match value {
+        #[allow(clippy::cast_possible_truncation)] // it is less than 2^53
+        Number::Float(value) if value.abs() < 9e15 && value % 1.0 == 0.0 => (value as i64).into(),
+        Number::Float(value) => value.into(),
+        Number::Int(value) => match u64::try_from(value) {
+            Ok(value) => value.into(),
+            // The bounds of all types fit one of both.
+            Err(_) => i64::try_from(value).unwrap_or(i64::MIN).into(),
+        },
+    };
+    schema.insert(keyword.to_string(), value);
+}
+
+/// Finds the types of nested messages, which the description doesn't hold, by reading a message from
+/// nothing: what is asked for in place of a field has the type of the field.
+struct References<'g> {
+    generator: &'g mut SchemaGenerator,
+    /// For each field of the message.
+    found: Vec<Option<Schema>>,
+    /// The field that is being read.
+    field: usize,
+    /// How many messages lie around what is being read.
+    depth: usize,
+}
+
+impl<'g> References<'g> {
+    fn new(message: &MessageDescriptor, generator: &'g mut SchemaGenerator) -> Self {
+        let found = message.fields.iter().map(|_| None).collect();
+        Self { generator, found, field: 0, depth: 0 }
+    }
+}
+
+impl FieldSource for References<'_> {
+    fn field<T: Value>(&mut self, message: &'static MessageDescriptor, index: usize) -> T {
+        if self.depth == 0 {
+            self.field = index;
+        }
+        T::read(self, &message.fields[index])
+    }
+}
+
+impl Source for References<'_> {
+    fn scalar<P: Primitive>(&mut self) -> P {
+        P::default()
+    }
+
+    fn scalars<P: Primitive>(&mut self, _: &mut [P]) {}
+
+    fn length(&mut self, _: Shape, _: usize) -> usize {
+        // One element, to see its type.
+        usize::from(self.depth == 0)
+    }
+
+    fn string(&mut self, _: bool, _: Option<u32>) -> alloc::string::String {
+        alloc::string::String::new()
+    }
+
+    fn message<M: Record>(&mut self) -> M {
+        if self.depth == 0
+            && let Some(found @ None) = self.found.get_mut(self.field)
+        {
+            *found = Some(self.generator.subschema_for::<M>());
+        }
+        self.depth += 1;
+        let message = M::read_fields(self);
+        self.depth -= 1;
+        message
+    }
+
+    fn has_failed(&self) -> bool {
+        false
+    }
+
+    fn blame(&mut self, _: usize) {}
+}
+
+/// Gives a message its schema.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __schema_record {
+    ($type:ident) => {
+        $crate::__schema!(
+            $type,
+            <Self as $crate::record::Record>::DESCRIPTOR.name,
+            $crate::schema::message::<Self>
+        );
+    };
+}
+
+/// Gives an enum, flags or an error code its schema.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __schema_number {
+    ($type:ident) => {
+        $crate::__schema!($type, <Self as $crate::Open>::NAME, |_| $crate::schema::open::<Self>());
+    };
+}
+
+/// Implements `JsonSchema` by a function.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __schema {
+    ($type:ident, $name:expr, $make:expr) => {
+        impl $crate::schemars::JsonSchema for $type {
+            fn schema_name() -> $crate::alloc::borrow::Cow<'static, str> {
+                $crate::alloc::borrow::Cow::Borrowed($name)
+            }
+
+            fn schema_id() -> $crate::alloc::borrow::Cow<'static, str> {
+                $crate::alloc::borrow::Cow::Borrowed(concat!(module_path!(), "::", stringify!($type)))
+            }
+
+            fn json_schema(generator: &mut $crate::schemars::SchemaGenerator) -> $crate::schemars::Schema {
+                let make = $make;
+                make(generator)
+            }
+        }
+    };
+}

@@ -1,0 +1,176 @@
+//! Draws the values of a message from its description.
+
+use std::format;
+use std::vec::Vec;
+
+use proptest::test_runner::Reason;
+
+use super::fault;
+use super::number::Leaf;
+use super::random::Random;
+use super::tree::{Form, Node};
+use crate::Rule;
+use crate::descriptor::{Element, FieldDescriptor, MessageDescriptor, Shape};
+
+/// How many elements and characters a case may have beyond those that its types demand.
+const ROOM: usize = 1024;
+
+/// Characters that are likely to be treated wrongly: of two, three and four bytes, controls and the like.
+const STRANGE: [char; 14] = [
+    'é',
+    'µ',
+    'ß',
+    '漢',
+    '\u{1f681}',
+    '\u{10ffff}',
+    '\u{ffff}',
+    '\u{feff}',
+    '\u{202e}',
+    '\u{7f}',
+    '\u{1}',
+    '\n',
+    '"',
+    '\\',
+];
+
+/// Bytes that end no text in UTF-8.
+const BAD_BYTES: [u8; 4] = [0xff, 0x80, 0xc3, 0xf0];
+
+pub(super) struct Draw {
+    random: Random,
+    room: usize,
+}
+
+impl Draw {
+    pub(super) fn new(random: Random) -> Self {
+        Self { random, room: ROOM }
+    }
+
+    /// A message, with the fault of this number among those that [`fault::count`] counts.
+    pub(super) fn message(
+        &mut self,
+        message: &'static MessageDescriptor,
+        mut fault: Option<usize>,
+    ) -> Result<Node, Reason> {
+        let mut parts = Vec::with_capacity(message.fields.len());
+        for field in message.fields {
+            let (own, later) = split(fault, || fault::in_field(field));
+            fault = later;
+            parts.push(self.field(field, own)?);
+        }
+        Ok(Node::group(parts))
+    }
+
+    fn field(&mut self, field: &'static FieldDescriptor, fault: Option<usize>) -> Result<Node, Reason> {
+        let (too_long, fault) = split(fault, || fault::in_length(field.shape));
+        match field.shape {
+            Shape::Array(length) if field.element == Element::Text => {
+                Ok(self.text(length as usize, fault.is_some()))
+            }
+            Shape::Single => self.element(field, fault),
+            Shape::Array(length) => Ok(Node::group(self.elements(field, length as usize, fault)?)),
+            Shape::Bounded(_) | Shape::Sequence => {
+                let bound = field.shape.bound();
+                let least = usize::from(fault.is_some());
+                let (length, least) = self.length(bound, least, too_long.is_some());
+                let list = Node::list(self.elements(field, length, fault)?, Form::Sequence, least);
+                Ok(if too_long.is_some() { list.breaking(Rule::Bound) } else { list })
+            }
+        }
+    }
+
+    fn elements(
+        &mut self,
+        field: &'static FieldDescriptor,
+        length: usize,
+        fault: Option<usize>,
+    ) -> Result<Vec<Node>, Reason> {
+        let broken = fault.map(|_| self.random.below(length));
+        let element = |index| self.element(field, fault.filter(|_| Some(index) == broken));
+        (0..length).map(element).collect()
+    }
+
+    fn element(&mut self, field: &'static FieldDescriptor, fault: Option<usize>) -> Result<Node, Reason> {
+        match field.element {
+            Element::Scalar(scalar) => {
+                let constraint = fault::restriction(field);
+                let rule = fault.and_then(|fault| fault::rules(scalar, constraint).nth(fault));
+                let leaf = match rule {
+                    Some(rule) => Leaf::broken(scalar, constraint, rule, &mut self.random),
+                    None => Leaf::valid(scalar, constraint, &mut self.random),
+                };
+                let leaf = leaf.ok_or_else(|| {
+                    Reason::from(format!("no value of {} keeps to its definition", field.name))
+                })?;
+                Ok(Node { fault: rule, ..Node::from(leaf) })
+            }
+            Element::Text => Ok(self.text(1, fault.is_some())),
+            Element::String { bound, .. } => {
+                let (length, least) = self.length(bound, 0, fault.is_some());
+                let characters = (0..length).map(|_| Leaf::character(self.character()).into()).collect();
+                let string = Node::list(characters, Form::String, least);
+                Ok(if fault.is_some() { string.breaking(Rule::Bound) } else { string })
+            }
+            Element::Message(nested) => self.message(nested, fault),
+        }
+    }
+
+    /// The length of a sequence or string, and the least that it may be simplified to.
+    fn length(&mut self, bound: Option<u32>, least: usize, is_too_long: bool) -> (usize, usize) {
+        let bound = bound.map_or(usize::MAX, |bound| bound as usize);
+        if is_too_long {
+            return (bound + 1 + self.random.below(3), bound + 1);
+        }
+        let most = bound.min(self.room);
+        let length = match self.random.below(8) {
+            0 => 0,
+            1 if bound <= self.room => bound,
+            2 => self.random.below(most.min(40) + 1),
+            _ => self.random.below(most.min(4) + 1),
+        };
+        let length = length.max(least);
+        self.room = self.room.saturating_sub(length);
+        (length, least)
+    }
+
+    /// Text of at most `room` bytes; a bad one ends with a byte that makes it so.
+    fn text(&mut self, room: usize, is_bad: bool) -> Node {
+        let bad_byte = is_bad.then(|| self.random.pick(&BAD_BYTES).copied().unwrap_or(0xff));
+        let most = room.saturating_sub(usize::from(is_bad));
+        let mut left = match self.random.below(4) {
+            0 => 0,
+            1 => most,
+            _ => self.random.below(most + 1),
+        };
+        let mut characters = Vec::new();
+        while left > 0 {
+            let character = self.character();
+            let character = if character.len_utf8() > left { 'z' } else { character };
+            left -= character.len_utf8();
+            characters.push(Leaf::character(character).into());
+        }
+        let text = Node::list(characters, Form::Text { room, bad_byte }, 0);
+        if is_bad { text.breaking(Rule::Text) } else { text }
+    }
+
+    /// Any character but NUL, which would end a text.
+    fn character(&mut self) -> char {
+        match self.random.below(16) {
+            0 | 1 => self.random.pick(&STRANGE).copied().unwrap_or('é'),
+            // Numbers between 0xd800 and 0xdfff are no characters.
+            #[allow(clippy::cast_possible_truncation)] // 20 bits
+            2 => char::from_u32((self.random.bits() >> 44) as u32 | 1).unwrap_or('~'),
+            #[allow(clippy::cast_possible_truncation)] // under 95
+            _ => char::from(b' ' + self.random.below(95) as u8),
+        }
+    }
+}
+
+/// Whether the fault is among the next `count`, and what number it has among those after them.
+fn split(fault: Option<usize>, count: impl FnOnce() -> usize) -> (Option<usize>, Option<usize>) {
+    let Some(fault) = fault else { return (None, None) };
+    match fault.checked_sub(count()) {
+        None => (Some(fault), None),
+        Some(later) => (None, Some(later)),
+    }
+}

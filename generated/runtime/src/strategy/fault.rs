@@ -1,0 +1,135 @@
+//! The ways in which a message can break a rule.
+//!
+//! They are counted over the description of a message: each rule that a field, or an element of it, can
+//! break is one, whatever the number of elements. [`Draw`](super::draw::Draw) finds the chosen one by
+//! counting in the same order.
+
+use std::vec::Vec;
+
+use super::number::Allowed;
+use super::tree::Node;
+use crate::descriptor::{Element, FieldDescriptor, MessageDescriptor, Shape};
+use crate::{Constraint, Number, Path, Rule, Scalar};
+
+/// The greatest bound that is exceeded: more elements than that would take too long to make.
+const GREATEST_BOUND: u32 = 4096;
+
+/// In how many ways a message can be broken.
+pub(super) fn count(message: &MessageDescriptor) -> usize {
+    message.fields.iter().map(in_field).sum()
+}
+
+/// In how many ways a field can be broken: first by its length, then by its elements.
+pub(super) fn in_field(field: &FieldDescriptor) -> usize {
+    let is_empty = matches!(field.shape, Shape::Array(0) | Shape::Bounded(0));
+    in_length(field.shape) + if is_empty { 0 } else { in_element(field) }
+}
+
+/// In how many ways the length of a field can be broken.
+pub(super) fn in_length(shape: Shape) -> usize {
+    match shape {
+        Shape::Bounded(bound) => usize::from(bound <= GREATEST_BOUND),
+        Shape::Single | Shape::Array(_) | Shape::Sequence => 0,
+    }
+}
+
+fn in_element(field: &FieldDescriptor) -> usize {
+    match field.element {
+        Element::Scalar(scalar) => rules(scalar, restriction(field)).count(),
+        Element::Text => 1,
+        Element::String { bound, .. } => usize::from(bound.is_some_and(|bound| bound <= GREATEST_BOUND)),
+        Element::Message(nested) => count(nested),
+    }
+}
+
+/// What the numbers of a field may be.
+pub(super) fn restriction(field: &FieldDescriptor) -> &'static Constraint<'static> {
+    field.constraint.unwrap_or(&Constraint::NONE)
+}
+
+/// The rules that a number can break.
+pub(super) fn rules(scalar: Scalar, constraint: &'static Constraint<'static>) -> impl Iterator<Item = Rule> {
+    Rule::ALL.into_iter().filter(move |rule| !values(scalar, constraint, *rule).is_empty())
+}
+
+/// Numbers of a type that break `rule`, those first that do so by the least.
+pub(super) fn values(scalar: Scalar, constraint: &Constraint<'_>, rule: Rule) -> Vec<Number> {
+    let allowed = Allowed { scalar, constraint };
+    let candidates: Vec<Number> = if scalar.is_float() {
+        floats(allowed).into_iter().map(Number::Float).collect()
+    } else {
+        integers(allowed).into_iter().filter(|value| fits(scalar, *value)).map(Number::Int).collect()
+    };
+    candidates.into_iter().filter(|value| constraint.broken_by(*value) == Some(rule)).collect()
+}
+
+/// Whether a field of a type can hold an integer.
+pub(super) fn fits(scalar: Scalar, value: i128) -> bool {
+    scalar.integer_bounds().is_some_and(|(least, most)| (least..=most).contains(&value))
+}
+
+/// Integers next to what is allowed, and the extremes of the type.
+fn integers(allowed: Allowed<'_>) -> Vec<i128> {
+    /// More documented values than these have their neighbours among them.
+    const NEIGHBOURS: usize = 32;
+    let Some((least, most)) = allowed.scalar.integer_bounds() else { return Vec::new() };
+    let (low, high) = allowed.integers().unwrap_or((least, most));
+    let mut values = Vec::from([high + 1, low - 1]);
+    if let Some(known) = allowed.constraint.known {
+        if allowed.constraint.is_flags {
+            // The top bit of a signed number makes it negative.
+            values.extend(
+                (0..8 * allowed.scalar.size()).map(|bit| 1 << bit).map(
+                    |bit: i128| {
+                        if bit > most { -bit } else { bit }
+                    },
+                ),
+            );
+        } else {
+            values.extend(known.iter().take(NEIGHBOURS).flat_map(|value| [value + 1, value - 1]));
+            values.extend(known.iter().max().map(|value| value + 1));
+            values.extend(known.iter().min().map(|value| value - 1));
+            values.extend([0, low, high]);
+        }
+    }
+    values.extend([most, least]);
+    values
+}
+
+/// Floats next to what is allowed, and the extremes of the type, none of them infinite; and NaN.
+#[allow(clippy::cast_possible_truncation)] // floats of 32 bits stay what they are
+fn floats(allowed: Allowed<'_>) -> Vec<f64> {
+    let is_single = allowed.scalar == Scalar::Float32;
+    let Some((low, high)) = allowed.floats() else { return Vec::from([f64::NAN]) };
+    let neighbours = if is_single {
+        [f64::from((high as f32).next_up()), (low as f32).next_down().into()]
+    } else {
+        [high.next_up(), low.next_down()]
+    };
+    let most = if is_single { f32::MAX.into() } else { f64::MAX };
+    let further = [high.abs() * 2.0 + 1.0, -(low.abs() * 2.0 + 1.0), most, -most];
+    let round = |value: f64| if is_single { f64::from(value as f32) } else { value };
+    let finite = neighbours.into_iter().chain(further.map(round)).filter(|value| value.is_finite());
+    finite.chain([f64::NAN]).collect()
+}
+
+/// Goes to the place where the message that `root` makes is broken, and returns the rule.
+pub(super) fn locate(message: &'static MessageDescriptor, root: &Node, path: &mut Path) -> Rule {
+    let parts = root.parts().iter().enumerate();
+    let broken = parts.zip(message.fields).find(|((_, part), _)| part.fault.is_some());
+    // A tree is drawn with one fault, and none is dropped while it is simplified.
+    let Some(((index, mut part), field)) = broken else { return root.fault.unwrap_or(Rule::Range) };
+    path.enter(index);
+    let is_list = field.shape != Shape::Single && field.element != Element::Text;
+    if is_list {
+        let element = part.parts().iter().enumerate().find(|(_, element)| element.fault.is_some());
+        let Some((index, element)) = element else { return part.fault.unwrap_or(Rule::Bound) };
+        path.select(Some(index));
+        part = element;
+    }
+    match (field.element, part.fault) {
+        (Element::Message(nested), _) => locate(nested, part, path),
+        (_, Some(rule)) => rule,
+        (_, None) => Rule::Range,
+    }
+}

@@ -1,0 +1,352 @@
+//! Numbers and characters: which are drawn, and which are simpler.
+
+use std::boxed::Box;
+use std::vec;
+use std::vec::Vec;
+
+use super::fault;
+use super::random::Random;
+use super::search::{Domain, Floats, Search};
+use crate::{Constraint, Number, Rule, Scalar};
+
+/// A number, or a character as its number.
+pub(super) struct Leaf {
+    kind: Kind,
+    value: Number,
+    /// The search for a simpler one, once it has begun.
+    progress: Option<Box<Progress>>,
+}
+
+#[derive(Clone, Copy)]
+enum Kind {
+    Number(Scalar, &'static Constraint<'static>),
+    Character,
+}
+
+enum Progress {
+    Search(Search),
+    /// Flags are dropped one by one.
+    Flags {
+        /// Index of the next mask to try.
+        next: usize,
+        /// The value before the last one was dropped.
+        before: Option<i128>,
+    },
+}
+
+impl Leaf {
+    /// A number that breaks no rule; none where there is no such number.
+    pub(super) fn valid(
+        scalar: Scalar,
+        constraint: &'static Constraint<'static>,
+        random: &mut Random,
+    ) -> Option<Self> {
+        let value = Allowed { scalar, constraint }.draw(random)?;
+        Some(Self { kind: Kind::Number(scalar, constraint), value, progress: None })
+    }
+
+    /// A number that breaks `rule`; none where there is no such number.
+    pub(super) fn broken(
+        scalar: Scalar,
+        constraint: &'static Constraint<'static>,
+        rule: Rule,
+        random: &mut Random,
+    ) -> Option<Self> {
+        let mut values = fault::values(scalar, constraint, rule);
+        if random.once_in(2) {
+            // Far from the neighbours too, where chance finds such a number.
+            let whole = Allowed { scalar, constraint: &Constraint::NAN };
+            let far = whole.draw(random).filter(|value| constraint.broken_by(*value) == Some(rule));
+            values.extend(far);
+        } else {
+            values.truncate(random.below(values.len()) + 1);
+        }
+        let value = *values.last()?;
+        let progress = Some(Box::new(Progress::Search(Search::new(Domain::Listed(values)))));
+        Some(Self { kind: Kind::Number(scalar, constraint), value, progress })
+    }
+
+    /// A character.
+    pub(super) fn character(character: char) -> Self {
+        Self { kind: Kind::Character, value: Number::Int(u32::from(character).into()), progress: None }
+    }
+
+    /// Its bits, as a field of its type holds them.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // the type of the field has no more
+    pub(super) fn bits(&self) -> u64 {
+        match (self.value, self.kind) {
+            (Number::Int(value), _) => value as u64,
+            (Number::Float(value), Kind::Number(Scalar::Float32, _)) => (value as f32).to_bits().into(),
+            (Number::Float(value), _) => value.to_bits(),
+        }
+    }
+
+    /// The character that it stands for.
+    pub(super) fn as_char(&self) -> char {
+        u32::try_from(self.bits()).ok().and_then(char::from_u32).unwrap_or_default()
+    }
+
+    pub(super) fn simplify(&mut self) -> bool {
+        let (kind, value) = (self.kind, self.value);
+        let progress = self.progress.get_or_insert_with(|| Box::new(start(kind, value)));
+        let next = match (progress.as_mut(), kind, value) {
+            (Progress::Search(search), ..) => search.simplify(),
+            (Progress::Flags { next, before }, Kind::Number(_, constraint), Number::Int(value)) => {
+                let dropped = drop_flag(constraint, value, next);
+                *before = dropped.map(|_| value);
+                dropped.map(Number::Int)
+            }
+            (Progress::Flags { .. }, ..) => None,
+        };
+        self.set(next)
+    }
+
+    pub(super) fn complicate(&mut self) -> bool {
+        let next = match self.progress.as_deref_mut() {
+            Some(Progress::Search(search)) => search.complicate(),
+            Some(Progress::Flags { before, .. }) => before.take().map(Number::Int),
+            None => None,
+        };
+        self.set(next)
+    }
+
+    fn set(&mut self, value: Option<Number>) -> bool {
+        self.value = value.unwrap_or(self.value);
+        value.is_some()
+    }
+}
+
+/// The value without the next of its flags.
+fn drop_flag(constraint: &Constraint<'_>, value: i128, next: &mut usize) -> Option<i128> {
+    let known = constraint.known.unwrap_or_default();
+    while let Some(mask) = known.get(*next) {
+        *next += 1;
+        let without = value & !mask;
+        if without != value && constraint.broken_by(Number::Int(without)).is_none() {
+            return Some(without);
+        }
+    }
+    None
+}
+
+fn start(kind: Kind, drawn: Number) -> Progress {
+    let Kind::Number(scalar, constraint) = kind else {
+        let simplest = Number::Int(u32::from('a').into());
+        let values = if drawn == simplest { vec![drawn] } else { vec![simplest, drawn] };
+        return Progress::Search(Search::new(Domain::Listed(values)));
+    };
+    let allowed = Allowed { scalar, constraint };
+    let is_flags = constraint.is_flags && constraint.known.is_some();
+    match drawn {
+        Number::Int(_) if is_flags => Progress::Flags { next: 0, before: None },
+        Number::Int(drawn) => Progress::Search(Search::new(allowed.integers_to(drawn))),
+        Number::Float(drawn) => Progress::Search(Search::new(allowed.floats_to(drawn))),
+    }
+}
+
+/// The numbers of a type that break no rule.
+#[derive(Clone, Copy)]
+pub(super) struct Allowed<'k> {
+    pub(super) scalar: Scalar,
+    pub(super) constraint: &'k Constraint<'k>,
+}
+
+impl Allowed<'_> {
+    fn draw(self, random: &mut Random) -> Option<Number> {
+        if random.once_in(8)
+            && let Some(special) = self.special(random)
+        {
+            return Some(special);
+        }
+        let drawn = if self.scalar.is_float() {
+            self.float(random).map(Number::Float)
+        } else {
+            self.integer(random).map(Number::Int)
+        };
+        drawn.or_else(|| self.special(random))
+    }
+
+    /// A value that means that there is no data, if JSON can carry it.
+    fn special(self, random: &mut Random) -> Option<Number> {
+        let nan = (self.constraint.allows_nan && self.scalar.is_float()).then_some(Number::Float(f64::NAN));
+        let values: Vec<Number> =
+            self.constraint.special.iter().filter_map(|value| self.held(*value)).chain(nan).collect();
+        random.pick(&values).copied()
+    }
+
+    /// A value as a field of the type holds it, if that can.
+    fn held(self, value: Number) -> Option<Number> {
+        if !self.scalar.is_float() {
+            return matches!(value, Number::Int(value) if fault::fits(self.scalar, value)).then_some(value);
+        }
+        let value = value.as_f64();
+        let most = if self.scalar == Scalar::Float32 { f32::MAX.into() } else { f64::MAX };
+        (value.is_nan() || value.abs() <= most).then_some(Number::Float(value))
+    }
+
+    /// Least and greatest, without special and undocumented values; none where nothing lies between.
+    pub(super) fn integers(self) -> Option<(i128, i128)> {
+        let (least, most) =
+            if self.scalar == Scalar::Bool { (0, 1) } else { self.scalar.integer_bounds()? };
+        #[allow(clippy::cast_possible_truncation)] // saturates, and the type has no more
+        let low = self.constraint.low.map_or(least, |low| match low {
+            Number::Int(low) => low,
+            Number::Float(low) => low.ceil() as i128,
+        });
+        #[allow(clippy::cast_possible_truncation)]
+        let high = self.constraint.high.map_or(most, |high| match high {
+            Number::Int(high) => high,
+            Number::Float(high) => high.floor() as i128,
+        });
+        let count = self.constraint.count.map_or(most, i128::from);
+        let (low, high) = (low.max(least), high.min(most).min(count));
+        (low <= high).then_some((low, high))
+    }
+
+    fn integer(self, random: &mut Random) -> Option<i128> {
+        let (low, high) = self.integers()?;
+        let Some(known) = self.constraint.known else { return Some(plain_integer(low, high, random)) };
+        if self.constraint.is_flags {
+            return self.flags(known, (low, high), random);
+        }
+        let allowed = || known.iter().filter(|value| (low..=high).contains(*value));
+        allowed().nth(random.below(allowed().count())).copied()
+    }
+
+    /// None of the flags, one, all, or any set of them.
+    fn flags(self, known: &[i128], (low, high): (i128, i128), random: &mut Random) -> Option<i128> {
+        let all = known.iter().fold(0, |all, mask| all | mask);
+        let (least, most) = self.scalar.integer_bounds()?;
+        let drawn = (0..16).map(|_| match random.below(8) {
+            0 => 0,
+            1 => all,
+            2 | 3 => random.pick(known).copied().unwrap_or_default(),
+            _ => random.between(least, most) & all,
+        });
+        let mut all_alone = drawn.chain([0, all]).chain(known.iter().copied());
+        all_alone.find(|value| (low..=high).contains(value))
+    }
+
+    /// Least and greatest, without special values; none where nothing lies between.
+    #[allow(clippy::cast_possible_truncation)] // rounding is what this is about
+    pub(super) fn floats(self) -> Option<(f64, f64)> {
+        let number = |number: Option<Number>| number.map(Number::as_f64);
+        let count = self.constraint.count.map(f64::from);
+        let low = number(self.constraint.low).unwrap_or(f64::MIN);
+        let high = number(self.constraint.high).unwrap_or(f64::MAX).min(count.unwrap_or(f64::MAX));
+        let (low, high) = if self.scalar == Scalar::Float32 {
+            let (up, down) = (low as f32, high as f32);
+            let up = if f64::from(up) < low { up.next_up() } else { up };
+            let down = if f64::from(down) > high { down.next_down() } else { down };
+            (up.max(f32::MIN).into(), down.min(f32::MAX).into())
+        } else {
+            (low.max(f64::MIN), high.min(f64::MAX))
+        };
+        (low <= high).then_some((low, high))
+    }
+
+    fn float(self, random: &mut Random) -> Option<f64> {
+        let (low, high) = self.floats()?;
+        let drawn = match random.below(8) {
+            0 | 1 => self.remarkable_float(low, high, random),
+            // Any exponent is as likely as any other.
+            2 | 3 => self.round(f64::from_bits(random.bits()), random),
+            // Numbers as people write them.
+            #[allow(clippy::cast_precision_loss)] // small numbers
+            4 => self.round((random.below(20_001) as f64 - 10_000.0) / 10.0, random),
+            _ => self.uniform(low, high, random),
+        };
+        // A range that lies far off is hit by nothing but numbers made for it.
+        let is_allowed = |value: &f64| *value >= low && *value <= high;
+        Some(drawn).filter(is_allowed).or_else(|| Some(self.uniform(low, high, random).clamp(low, high)))
+    }
+
+    fn remarkable_float(self, low: f64, high: f64, random: &mut Random) -> f64 {
+        let is_single = self.scalar == Scalar::Float32;
+        let least = if is_single { f64::from(f32::from_bits(1)) } else { f64::from_bits(1) };
+        let least_normal = if is_single { f32::MIN_POSITIVE.into() } else { f64::MIN_POSITIVE };
+        let below_normal =
+            if is_single { f32::MIN_POSITIVE.next_down().into() } else { f64::MIN_POSITIVE.next_down() };
+        let values = [
+            low,
+            high,
+            0.0,
+            -0.0,
+            1.0,
+            -1.0,
+            least,
+            -least,
+            least_normal,
+            -least_normal,
+            below_normal,
+            -below_normal,
+        ];
+        random.pick(&values).copied().unwrap_or(low)
+    }
+
+    fn uniform(self, low: f64, high: f64, random: &mut Random) -> f64 {
+        #[allow(clippy::cast_precision_loss)] // 53 bits are exact
+        let share = (random.bits() >> 11) as f64 / (1_u64 << 53) as f64;
+        // Between the extremes of its type the width of the range is infinite, its halves are not.
+        self.round(low * (1.0 - share) + high * share, random)
+    }
+
+    /// As a field of its type holds it; of bits that are no number of the type, others.
+    #[allow(clippy::cast_possible_truncation)] // rounding is what this is about
+    fn round(self, value: f64, random: &mut Random) -> f64 {
+        if self.scalar != Scalar::Float32 {
+            return value;
+        }
+        let single = value as f32;
+        let is_beyond = !single.is_finite() || single == 0.0 && value != 0.0;
+        if is_beyond { f32::from_bits((random.bits() >> 32) as u32).into() } else { single.into() }
+    }
+
+    /// The way from the simplest integer to `drawn`.
+    fn integers_to(self, drawn: i128) -> Domain {
+        let range = self.integers();
+        let Some(known) = self.constraint.known else {
+            return match range {
+                Some((low, high)) if (low..=high).contains(&drawn) => {
+                    Domain::Integers { simplest: 0.clamp(low, high), drawn }
+                }
+                Some((low, high)) => Domain::Listed([0.clamp(low, high), drawn].map(Number::Int).to_vec()),
+                None => Domain::Listed(vec![Number::Int(drawn)]),
+            };
+        };
+        let in_range = |value: &i128| range.is_some_and(|(low, high)| (low..=high).contains(value));
+        let mut values: Vec<i128> = known.iter().copied().filter(in_range).collect();
+        values.sort_by_key(|value| (value.unsigned_abs(), *value));
+        values.dedup();
+        values.truncate(values.iter().position(|value| *value == drawn).unwrap_or(values.len()));
+        Domain::Listed(values.into_iter().chain([drawn]).map(Number::Int).collect())
+    }
+
+    /// The way from the simplest float to `drawn`.
+    fn floats_to(self, drawn: f64) -> Domain {
+        let Some((low, high)) = self.floats() else { return Domain::Listed(vec![Number::Float(drawn)]) };
+        let simplest = 0_f64.clamp(low, high);
+        if drawn == 0.0 && drawn.is_sign_positive() {
+            return Domain::Listed(vec![Number::Float(drawn)]);
+        }
+        if drawn == 0.0 || !(low..=high).contains(&drawn) {
+            return Domain::Listed([simplest, drawn].map(Number::Float).to_vec());
+        }
+        Domain::Floats(Floats::new(simplest, drawn, self.scalar == Scalar::Float32))
+    }
+}
+
+fn plain_integer(low: i128, high: i128, random: &mut Random) -> i128 {
+    let drawn = match random.below(8) {
+        0 => low,
+        1 => high,
+        2 => random.pick(&[0, 1, -1, low + 1, high - 1]).copied().unwrap_or(low),
+        // Any number of digits is as likely as any other.
+        3 | 4 => {
+            let magnitude = i128::from(random.bits() >> random.below(64));
+            if random.once_in(2) { magnitude } else { -magnitude }
+        }
+        _ => return random.between(low, high),
+    };
+    if (low..=high).contains(&drawn) { drawn } else { random.between(low, high) }
+}

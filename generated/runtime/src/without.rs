@@ -1,0 +1,64 @@
+//! What generated code calls for features that are off: nothing.
+
+/// A value as JSON; nothing is asked of it without the feature `serde`.
+#[cfg(not(feature = "serde"))]
+pub trait JsonField {}
+
+#[cfg(not(feature = "serde"))]
+impl<T> JsonField for T {}
+
+/// A message with a JSON Schema; nothing is asked of it without the feature `schemars`.
+#[cfg(not(feature = "schemars"))]
+pub trait SchemaRecord {}
+
+#[cfg(not(feature = "schemars"))]
+impl<T> SchemaRecord for T {}
+
+#[cfg(not(feature = "serde"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __json_record {
+    ($($tokens:tt)*) => {};
+}
+
+#[cfg(not(feature = "serde"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __json_field {
+    ($($tokens:tt)*) => {};
+}
+
+#[cfg(not(feature = "serde"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __json_number {
+    ($($tokens:tt)*) => {};
+}
+
+#[cfg(not(feature = "proptest"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __arbitrary_record {
+    ($($tokens:tt)*) => {};
+}
+
+#[cfg(not(feature = "proptest"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __arbitrary_number {
+    ($($tokens:tt)*) => {};
+}
+
+#[cfg(not(feature = "schemars"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __schema_record {
+    ($($tokens:tt)*) => {};
+}
+
+#[cfg(not(feature = "schemars"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __schema_number {
+    ($($tokens:tt)*) => {};
+}

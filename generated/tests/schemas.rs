@@ -1,0 +1,294 @@
+//! The schemas of the crate schemars against the published ones: both say the same of every instance.
+
+#![cfg(all(feature = "proptest", feature = "schemars", feature = "serde"))]
+
+mod support;
+
+use std::cell::Cell;
+use std::fmt::Debug;
+
+use jsonschema::Validator;
+use proptest::arbitrary::{Arbitrary, any};
+use proptest::prop_assert_eq;
+use proptest::test_runner::TestCaseError;
+use schemars::JsonSchema;
+use serde_json::{Value as Json, json};
+use support::every::Every;
+use support::{check, for_each_message, published, publisher};
+use uavspec::flockwave::ErrorCode;
+use uavspec::px4::battery_status::BatteryWarning;
+use uavspec::px4::{ArmingCheckReply, BatteryStatus};
+use uavspec_runtime::Message;
+use uavspec_runtime::serde::Serialize;
+use uavspec_runtime::strategy::{broken, undocumented};
+
+const CASES: u32 = 2000;
+
+/// Both validators of a type, and what the schema says of numbers and lengths.
+struct Pair {
+    published: Validator,
+    derived: Validator,
+    numbers: Vec<Json>,
+    accepted: Cell<usize>,
+    refused: Cell<usize>,
+}
+
+impl Pair {
+    fn of<T: JsonSchema>(name: &str) -> Self {
+        let derived = Json::from(schemars::schema_for!(T));
+        let mut numbers = Vec::new();
+        numbers_of(&derived, &mut numbers);
+        Self {
+            published: publisher(&published(), name),
+            derived: validator(&derived),
+            numbers,
+            accepted: Cell::new(0),
+            refused: Cell::new(0),
+        }
+    }
+
+    fn agree(&self, instance: &Json) -> Result<(), TestCaseError> {
+        let verdict = self.published.is_valid(instance);
+        let count = if verdict { &self.accepted } else { &self.refused };
+        count.set(count.get() + 1);
+        let refusal = self
+            .derived
+            .iter_errors(instance)
+            .next()
+            .map(|error| format!("{error} at {}", error.instance_path()));
+        prop_assert_eq!(refusal.is_none(), verdict, "{:?}: {}", refusal, instance);
+        Ok(())
+    }
+}
+
+fn validator(schema: &Json) -> Validator {
+    jsonschema::meta::validate(schema).expect("a schema");
+    jsonschema::validator_for(schema).expect("a schema that compiles")
+}
+
+/// All numbers that stand in a schema.
+fn numbers_of(schema: &Json, numbers: &mut Vec<Json>) {
+    match schema {
+        Json::Number(_) => numbers.push(schema.clone()),
+        Json::Array(parts) => parts.iter().for_each(|part| numbers_of(part, numbers)),
+        Json::Object(members) => members.values().for_each(|part| numbers_of(part, numbers)),
+        _ => {}
+    }
+}
+
+/// Pointers to all values in an instance.
+fn places(instance: &Json, place: &str, all: &mut Vec<String>) {
+    all.push(place.to_owned());
+    match instance {
+        Json::Array(parts) => {
+            let parts = parts.iter().enumerate();
+            parts.for_each(|(index, part)| places(part, &format!("{place}/{index}"), all));
+        }
+        Json::Object(members) => {
+            members.iter().for_each(|(name, part)| places(part, &format!("{place}/{name}"), all));
+        }
+        _ => {}
+    }
+}
+
+/// Chance, from bits that the runner draws.
+struct Dice(u64);
+
+impl Dice {
+    fn below(&mut self, end: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        usize::try_from(self.0 >> 33).expect("31 bits") % end.max(1)
+    }
+}
+
+/// Changes one value of an instance, mostly for the worse.
+fn mutate(instance: &mut Json, dice: &mut Dice, numbers: &[Json]) {
+    let mut all = Vec::new();
+    places(instance, "", &mut all);
+    let value = instance.pointer_mut(&all[dice.below(all.len())]).expect("a place that is there");
+    match (dice.below(4), value) {
+        (0, Json::Object(members)) => {
+            // An earlier change may have left none.
+            let name = members.keys().nth(dice.below(members.len())).cloned().unwrap_or_default();
+            members.remove(&name);
+        }
+        (1, Json::Object(members)) => {
+            members.insert("no_such_field".to_owned(), json!(0));
+        }
+        (0, Json::Array(parts)) => drop(parts.pop()),
+        (1, Json::Array(parts)) => parts.extend(parts.first().cloned()),
+        (0..=2, Json::String(text)) => *text = "é".repeat(dice.below(60)),
+        (0, Json::Number(number)) => *number = neighbour(number, dice),
+        (1, value @ Json::Number(_)) => *value = json!(value.as_f64()),
+        (2, Json::Number(number)) => {
+            let Some(Json::Number(bound)) = numbers.get(dice.below(numbers.len())) else { return };
+            *number = neighbour(bound, dice);
+        }
+        (_, value) => *value = odd_value(dice),
+    }
+}
+
+/// The number, one less or more, or what is next to it among floats.
+fn neighbour(number: &serde_json::Number, dice: &mut Dice) -> serde_json::Number {
+    let step = i128::try_from(dice.below(3)).expect("small") - 1;
+    if let Some(value) = number.as_i128() {
+        let value = value + step;
+        return u64::try_from(value)
+            .map(Into::into)
+            .or_else(|_| i64::try_from(value).map(Into::into))
+            .unwrap_or_else(|_| "1e20".parse().expect("a number"));
+    }
+    let value = number.as_f64().expect("a float");
+    let value = [value.next_down(), value, value.next_up()][dice.below(3)];
+    serde_json::Number::from_f64(value).unwrap_or_else(|| number.clone())
+}
+
+fn odd_value(dice: &mut Dice) -> Json {
+    let texts = [
+        "null",
+        "true",
+        "false",
+        "\"\"",
+        "\"1\"",
+        "[]",
+        "{}",
+        "[0]",
+        "[null]",
+        "0",
+        "-1",
+        "1",
+        "1.0",
+        "1.5",
+        "-0.0",
+        "1e39",
+        "-1e39",
+        "1e308",
+        "3.4028235e38",
+        "3.4028236e38",
+        "127",
+        "128",
+        "-129",
+        "255",
+        "256",
+        "255.0",
+        "65535",
+        "65536",
+        "2147483648",
+        "4294967295",
+        "4294967296",
+        "18446744073709551615",
+        "18446744073709551616",
+        "-9223372036854775808",
+        "-9223372036854775809",
+        "1e-400",
+    ];
+    texts[dice.below(texts.len())].parse().expect("JSON")
+}
+
+#[test]
+fn both_say_the_same_of_what_strategies_make_and_of_what_is_made_of_it() {
+    fn compare<T: Message + Arbitrary + JsonSchema + Serialize + Debug>() {
+        let pair = Pair::of::<T>(&format!("px4/{}", T::NAME));
+        check(CASES, &(any::<T>(), any::<[u64; 4]>()), |(value, bits)| {
+            let whole = serde_json::to_value(&value).expect("JSON");
+            pair.agree(&whole)?;
+            for bits in bits {
+                let (mut instance, mut dice) = (whole.clone(), Dice(bits));
+                mutate(&mut instance, &mut dice, &pair.numbers);
+                pair.agree(&instance)?;
+                mutate(&mut instance, &mut dice, &pair.numbers);
+                pair.agree(&instance)?;
+            }
+            Ok(())
+        });
+        let least = CASES as usize / 2;
+        assert!(pair.accepted.get() > least && pair.refused.get() > least, "{} has both", T::NAME);
+    }
+    for_each_message!(compare);
+}
+
+#[test]
+fn both_say_the_same_of_what_is_broken() {
+    fn compare<T: Message + JsonSchema + Serialize + Debug>() {
+        let pair = Pair::of::<T>(&format!("px4/{}", T::NAME));
+        check(CASES, &broken::<T>().expect("there is something to break"), |broken| {
+            // Text that is no UTF-8 has no JSON.
+            serde_json::to_value(&broken.value).map_or(Ok(()), |instance| pair.agree(&instance))
+        });
+        assert!(pair.refused.get() > 0);
+    }
+    compare::<ArmingCheckReply>();
+    compare::<BatteryStatus>();
+}
+
+#[test]
+fn both_say_the_same_of_error_codes() {
+    let pair = Pair::of::<ErrorCode>("flockwave/ErrorCode");
+    let unknown = undocumented::<ErrorCode>().expect("few are named");
+    check(CASES, &(any::<ErrorCode>(), unknown, any::<u64>()), |(known, unknown, bits)| {
+        for code in [known, unknown] {
+            let mut instance = json!(code);
+            pair.agree(&instance)?;
+            mutate(&mut instance, &mut Dice(bits), &pair.numbers);
+            pair.agree(&instance)?;
+        }
+        Ok(())
+    });
+    assert!(pair.accepted.get() > 0 && pair.refused.get() > 0);
+}
+
+#[test]
+fn nested_messages_are_references() {
+    let schema = Json::from(schemars::schema_for!(ArmingCheckReply));
+    assert_eq!(schema["properties"]["events"]["items"], json!({ "$ref": "#/$defs/Event" }));
+    assert_eq!(schema["$defs"]["Event"]["properties"]["id"]["maximum"], u32::MAX);
+    let names: Vec<&String> = schema["$defs"].as_object().expect("definitions").keys().collect();
+    assert_eq!(names, ["Event"]);
+}
+
+#[test]
+fn documented_values_have_their_names() {
+    let schema = Json::from(schemars::schema_for!(BatteryWarning));
+    assert_eq!(schema["title"], "BatteryWarning");
+    assert_eq!(schema["anyOf"][1], json!({ "const": 1, "title": "LOW" }));
+    let field = &Json::from(schemars::schema_for!(BatteryStatus))["properties"]["warning"];
+    assert_eq!(field["anyOf"], schema["anyOf"]);
+    let codes = Json::from(schemars::schema_for!(ErrorCode));
+    assert_eq!(codes["anyOf"][0], json!({ "const": 1, "title": "GROUND" }));
+    assert_eq!(codes["anyOf"].as_array().expect("a list").len(), ErrorCode::all().len() + 1);
+}
+
+/// What the published schemas of our own messages have no case of: the corpus has, see `xtask`.
+#[test]
+fn fields_of_every_kind_have_a_schema() {
+    let schema = Json::from(schemars::schema_for!(Every));
+    let validator = validator(&schema);
+    check(CASES, &any::<Every>(), |value| {
+        let instance = serde_json::to_value(&value).expect("JSON");
+        let refused = validator.validate(&instance);
+        prop_assert_eq!(refused.map_err(|error| error.to_string()), Ok(()));
+        Ok(())
+    });
+    let properties = &schema["properties"];
+    let items = |bound: u32, items: Json| json!({ "title": "inners", "type": "array", "maxItems": bound, "items": items });
+    assert_eq!(properties["inners"], items(3, json!({ "$ref": "#/$defs/Inner" })));
+    assert_eq!(properties["wide"], json!({ "title": "wide", "type": "string", "maxLength": 5 }));
+    let modes = &properties["modes"]["items"];
+    let within = json!([{ "anyOf": [{ "minimum": -128, "maximum": 4 }, { "const": 9 }] }]);
+    assert_eq!(modes["allOf"], within);
+    assert_eq!(modes["anyOf"].as_array().expect("a list").len(), 5);
+    assert_eq!(schema["$defs"]["Inner"]["properties"]["names"]["items"]["maxLength"], 4);
+}
+
+#[test]
+fn broken_values_of_every_kind_are_refused_where_a_schema_can_say_so() {
+    use uavspec_runtime::Rule;
+
+    let validator = validator(&Json::from(schemars::schema_for!(Every)));
+    check(CASES, &broken::<Every>().expect("rules"), |broken| {
+        let Ok(instance) = serde_json::to_value(&broken.value) else { return Ok(()) };
+        let is_sayable = matches!(broken.rule, Rule::Count | Rule::Range | Rule::Bound);
+        prop_assert_eq!(validator.is_valid(&instance), !is_sayable, "{} at {}", broken.rule, broken.path);
+        Ok(())
+    });
+}

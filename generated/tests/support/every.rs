@@ -1,0 +1,109 @@
+//! Messages of variable size, with a field of every kind and every constraint.
+
+use uavspec_runtime::record;
+
+#[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) struct Mode(pub(crate) i8);
+
+uavspec_runtime::open! {
+    Mode: i8;
+    3 "ON";
+    -1 "OFF";
+    5 "RUN";
+    3 "ALSO_ON";
+}
+
+#[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) struct Bits(pub(crate) i16);
+
+uavspec_runtime::open! {
+    Bits: i16 flags;
+    0 "NONE";
+    0x2 "LOW";
+    0x40 "HIGH";
+    -32768 "TOP";
+}
+
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Inner {
+    pub(crate) number: i64,
+    pub(crate) names: Vec<String>,
+}
+
+record! {
+    Inner;
+    0 number: i64 = int64("number", 0).within(&number().from(int(-5)).or(&[int(i64::MAX as i128)]));
+    1 names: Vec<String> = string("names", 0).at_most(4).bounded(2);
+}
+
+#[derive(Clone, Debug, PartialEq, Default)]
+pub(crate) struct Every {
+    pub(crate) yes: bool,
+    pub(crate) bytes: Vec<u8>,
+    pub(crate) any: Vec<u16>,
+    pub(crate) single: f32,
+    pub(crate) double: f64,
+    pub(crate) share: [f32; 3],
+    pub(crate) far: f64,
+    pub(crate) mode: Mode,
+    pub(crate) modes: [Mode; 2],
+    pub(crate) bits: Bits,
+    pub(crate) text: uavspec_runtime::Text<6>,
+    pub(crate) wide: String,
+    pub(crate) inner: Inner,
+    pub(crate) inners: Vec<Inner>,
+    pub(crate) count: u8,
+    pub(crate) long: u64,
+    pub(crate) letter: u8,
+}
+
+record! {
+    Every;
+    0 yes: bool = bool("yes", 0);
+    1 bytes: Vec<u8> = byte("bytes", 0).bounded(3);
+    2 any: Vec<u16> = uint16("any", 0).sequence();
+    3 single: f32 = float32("single", 0);
+    4 double: f64 = float64("double", 0).within(&Constraint::NAN);
+    5 share: [f32; 3] = float32("share", 0).array(3).within(&number().from(int(0)).to(float(0.1)).or(&[int(-1)]));
+    6 far: f64 = float64("far", 0).within(&number().from(float(1e10)).to(float(1e10 + 1.0)).nan());
+    7 mode: Mode = int8("mode", 0).within(&number().values::<Mode>());
+    8 modes: [Mode; 2] = int8("modes", 0).array(2).within(&number().to(int(4)).or(&[int(9)]).values::<Mode>());
+    9 bits: Bits = int16("bits", 0).within(&number().flags::<Bits>());
+    10 text: uavspec_runtime::Text<6> = text("text", 0).array(6);
+    11 wide: String = wstring("wide", 0).at_most(5);
+    12 inner: Inner = message::<Inner>("inner", 0);
+    13 inners: Vec<Inner> = message::<Inner>("inners", 0).bounded(3);
+    14 count: u8 = uint8("count", 0).within(&number().counting(3));
+    15 long: u64 = uint64("long", 0);
+    16 letter: u8 = char("letter", 0);
+}
+
+/// Nothing in it can be broken.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub(crate) struct Free {
+    pub(crate) a: i32,
+    pub(crate) b: bool,
+}
+
+record! {
+    Free;
+    0 a: i32 = int32("a", 0);
+    1 b: bool = bool("b", 4);
+}
+
+macro_rules! message {
+    ($($type:ident)*) => {$(
+        impl uavspec_runtime::Message for $type {
+            const PACKAGE: &'static str = "test";
+            const NAME: &'static str = stringify!($type);
+            const TOPICS: &'static [&'static str] = &[];
+            const VERSION: Option<u32> = None;
+            const QUEUE_LENGTH: u32 = 1;
+            const HASH: u32 = 0;
+            const TYPE_HASH: &'static str = "";
+            const CDR_SIZE: Option<usize> = None;
+        }
+    )*};
+}
+
+message!(Inner Every Free);
