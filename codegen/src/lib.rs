@@ -42,6 +42,7 @@
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod diagnostic;
+pub mod dynamic;
 pub mod emit;
 pub mod msg;
 pub mod schema;
