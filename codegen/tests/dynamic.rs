@@ -5,3 +5,5 @@ mod support;
 
 #[path = "dynamic/oracle.rs"]
 mod oracle;
+#[path = "dynamic/ulog.rs"]
+mod ulog;
