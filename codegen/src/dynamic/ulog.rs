@@ -66,7 +66,11 @@ impl fmt::Display for FormatError {
                 write!(formatter, "has `{}` where a type and a name are expected", text.escape_debug())
             }
             FormatProblem::ArrayLength(text) => {
-                write!(formatter, "has an array of `{}` where 1 to {MAX_SIZE} are expected", text.escape_debug())
+                write!(
+                    formatter,
+                    "has an array of `{}` where 1 to {MAX_SIZE} are expected",
+                    text.escape_debug()
+                )
             }
             FormatProblem::RepeatedField(field) => {
                 write!(formatter, "has two fields `{}`", field.escape_debug())
@@ -174,16 +178,18 @@ fn read_field(part: &str, plans: &BTreeMap<&str, usize>) -> Result<Field, Format
             (ty, Some(length.strip_suffix(']').ok_or_else(not_a_field).and_then(array_length)?))
         }
     };
-    let is_word = |word: &str| !word.is_empty() && !word.contains(|c: char| c.is_whitespace() || "[].;:".contains(c));
+    let is_word =
+        |word: &str| !word.is_empty() && !word.contains(|c: char| c.is_whitespace() || "[].;:".contains(c));
     if !is_word(ty) || !is_word(name) {
         return Err(not_a_field());
     }
     let element = match basic(ty) {
         Some(scalar) => Element::Scalar(scalar),
-        None => Element::Message(*plans.get(ty).ok_or_else(|| FormatProblem::UnknownType {
-            field: name.to_owned(),
-            ty: ty.to_owned(),
-        })?),
+        None => Element::Message(
+            *plans
+                .get(ty)
+                .ok_or_else(|| FormatProblem::UnknownType { field: name.to_owned(), ty: ty.to_owned() })?,
+        ),
     };
     let (element, shape) = match (element, length) {
         (Element::Scalar(Scalar::Char), Some(length)) => (Element::Text(length), Shape::Single),

@@ -20,7 +20,9 @@ fn cdr_of_px4_is_that_of_other_tools() {
 
 #[test]
 fn cdr_of_ros2_is_that_of_other_tools() {
-    let (Some(folder), Some(oracle)) = (shared("corpus/ros2"), shared("oracle/cdr/ros2.json")) else { return };
+    let (Some(folder), Some(oracle)) = (shared("corpus/ros2"), shared("oracle/cdr/ros2.json")) else {
+        return;
+    };
     let (_, schema, _) = support::ros2(&folder);
     assert_eq!(check(&schema, &fs::read_to_string(oracle).expect("an oracle")), 282);
 }

@@ -4,9 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 
 use serde_json::Value as Json;
-use uavspec_codegen::dynamic::{
-    Defect, DynamicView, FormatProblem, MessageType, Types, ULOG_PACKAGE, Value,
-};
+use uavspec_codegen::dynamic::{Defect, DynamicView, FormatProblem, MessageType, Types, ULOG_PACKAGE, Value};
 
 use crate::support::{files_below, shared};
 
@@ -185,10 +183,7 @@ fn formats_that_are_unusable_are_told_and_leave_the_others() {
     assert_eq!((size.padded, size.no_padding), (32, 29));
     let payload: Vec<u8> = (0..29).map(|byte| if byte == 27 { 0 } else { byte + 65 }).collect();
     let view = good.view_uorb(&payload).expect("a message");
-    assert_eq!(
-        format!("{:?}", view.get("inner[1].y")),
-        format!("{:?}", Some(Value::UInt(65 + 20))),
-    );
+    assert_eq!(format!("{:?}", view.get("inner[1].y")), format!("{:?}", Some(Value::UInt(65 + 20))),);
     assert!(matches!(view.get("text"), Some(Value::Text(b"YZ["))), "{view:?}");
     assert!(view.get("_padding0").is_none());
     assert!(types.find(ULOG_PACKAGE, "long").expect("a type").size().is_some());
@@ -213,7 +208,8 @@ impl<'l> Log<'l> {
         let mut subscriptions = BTreeMap::new();
         let mut rest = &bytes[16..];
         while let Some((head, tail)) = rest.split_first_chunk::<3>() {
-            let Some((payload, tail)) = tail.split_at_checked(u16::from_le_bytes([head[0], head[1]]).into()) else {
+            let Some((payload, tail)) = tail.split_at_checked(u16::from_le_bytes([head[0], head[1]]).into())
+            else {
                 break;
             };
             rest = tail;
