@@ -3,7 +3,15 @@
 
 mod support;
 
+#[path = "dynamic/hostile.rs"]
+mod hostile;
 #[path = "dynamic/oracle.rs"]
 mod oracle;
+#[path = "dynamic/properties.rs"]
+mod properties;
+#[path = "dynamic/typed.rs"]
+mod typed;
 #[path = "dynamic/ulog.rs"]
 mod ulog;
+#[path = "dynamic/values.rs"]
+mod values;

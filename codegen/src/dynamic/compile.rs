@@ -14,6 +14,9 @@ use crate::value::Value;
 /// of JSON may have a limit of its own (`serde_json` allows 127 brackets). Real messages nest seven deep.
 pub(super) const MAX_DEPTH: usize = 32;
 
+/// Most bytes that a byte of CDR takes in memory: a message of one `uint8` is padded to so many.
+const GROWTH: u64 = 8;
+
 /// A nested message of at most so many steps is not called but copied into the one that holds it.
 const MAX_COPIED_STEPS: usize = 16;
 
@@ -54,7 +57,7 @@ fn draft(schema: &Schema, message: &Message) -> Draft {
         name: message.name.as_str().into(),
         fields: message.fields.iter().map(|field| field_of(schema, message, field)).collect(),
         placement: Placement::Uorb,
-        limit: MAX_MESSAGE_SIZE,
+        limit: MAX_MESSAGE_SIZE * GROWTH,
         defect: is_too_large.then_some(Defect::TooLarge(MAX_MESSAGE_SIZE)),
     }
 }

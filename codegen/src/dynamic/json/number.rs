@@ -96,6 +96,10 @@ impl<'de> Visitor<'de> for NumberSeed {
     }
 
     fn visit_some<D: Deserializer<'de>>(self, deserializer: D) -> Result<[u8; 8], D::Error> {
-        deserializer.deserialize_f64(self)
+        match self.0 {
+            // Rounded once, not by way of 64 bits, where the format can do that.
+            Scalar::Float32 => deserializer.deserialize_f32(self),
+            _ => deserializer.deserialize_f64(self),
+        }
     }
 }
