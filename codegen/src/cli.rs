@@ -323,7 +323,8 @@ fn emit_rust(
     sources: &SourceMap,
     options: &config::RustOptions,
 ) -> Result<Vec<OutputFile>, Failure> {
-    Ok(emit::rust::emit(schema, sources, &emit::rust::Options { root: options.root.clone() }))
+    let options = emit::rust::Options { root: options.root.clone(), readme: options.readme.clone() };
+    Ok(emit::rust::emit(schema, sources, &options))
 }
 
 #[cfg(not(feature = "rust"))]

@@ -5,6 +5,7 @@
 //! Every message implements [`Message`](::uavspec_runtime::Message), and those of fixed size also
 //! [`UorbMessage`](::uavspec_runtime::UorbMessage). The features of the runtime decide what more they
 //! have: `serde` gives all of them JSON in the form that the published JSON Schemas describe.
+#![doc = include_str!("../README.md")]
 #![no_std]
 #![allow(clippy::approx_constant)]
 #![allow(clippy::default_trait_access)]

@@ -14,6 +14,8 @@ pub(crate) enum What {
     Codegen,
     /// Compiling what it generates.
     Compile,
+    /// Reading and writing messages.
+    Codec,
 }
 
 /// How often each compilation is timed; the median is printed.
@@ -25,6 +27,7 @@ pub(crate) fn run(what: What) -> ExitCode {
             cargo(Path::new("."), &["bench", "--package", "uavspec-codegen", "--bench", "codegen"])
         }
         What::Compile => compile(),
+        What::Codec => cargo(Path::new("."), &["bench", "--package", "uavspec", "--bench", "codec"]),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -21,7 +21,8 @@ enum Command {
     /// Measure and print; needs the corpus.
     #[command(after_help = "Examples:
   cargo xtask bench codegen      time to read, to emit and to write PX4's 261 messages, at 1, 4 and 16 times
-  cargo xtask bench compile      time to compile the crate that is generated from them")]
+  cargo xtask bench compile      time to compile the crate that is generated from them
+  cargo xtask bench codec        time to read and write messages, beside a plain copy and other crates")]
     Bench {
         /// What to measure.
         what: bench::What,

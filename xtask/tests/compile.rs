@@ -1,5 +1,5 @@
-//! What is generated compiles without a warning, under the lints of this workspace, and its JSON is
-//! that of other tools: names that fight the language, and everything in the corpus.
+//! What is generated compiles without a warning, under the lints of this workspace, and its JSON and CDR
+//! are those of other tools: names that fight the language, and everything in the corpus.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -28,7 +28,7 @@ impl Crate {
         let runtime = repository.join("generated/runtime");
         let manifest = format!(
             "[package]\nname = \"{name}\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[features]\nserde = \
-             [\"uavspec-runtime/serde\"]\n\n[dependencies]\nuavspec-runtime = {{ path = \"{}\" }}\nserde_json = \"1\"\n\n\
+             [\"uavspec-runtime/serde\"]\n\n[dependencies]\nuavspec-runtime = {{ path = \"{}\" }}\nserde_json = {{ version = \"1\", features = [\"float_roundtrip\"] }}\n\n\
              [workspace]\n\n{lints}",
             runtime.display()
         );
@@ -87,6 +87,23 @@ fn shared(path: &str) -> Option<PathBuf> {
     assert!(!is_required, "{} is required but absent", found.display());
     eprintln!("left out: {path} is absent; set UAVSPEC_CORPUS to the corpus to run this test");
     None
+}
+
+#[test]
+fn messages_of_fixed_size_need_no_allocator() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bare-metal");
+    let package = Crate { folder };
+    let generated = repository().join("generated");
+    let manifest = format!(
+        "[package]\nname = \"bare-metal\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[lib]\npath = \"lib.rs\"\n\
+         crate-type = [\"staticlib\"]\n\n[dependencies]\nuavspec = {{ path = {generated:?}, default-features = false }}\n\
+         uavspec-runtime = {{ path = {:?}, default-features = false }}\n\n[profile.dev]\npanic = \"abort\"\n\n[workspace]\n",
+        generated.join("runtime")
+    );
+    package.write("Cargo.toml", &manifest);
+    package.write("lib.rs", include_str!("compile/bare_metal.rs"));
+    fs::copy(repository().join("Cargo.lock"), package.folder.join("Cargo.lock")).expect("a lock file");
+    package.cargo(&["build"]);
 }
 
 const PX4: &str = "\n[[package]]\nname = \"px4\"\ndialect = \"px4\"\n";
@@ -155,12 +172,12 @@ fn all_of_the_corpus() {
     }
     package.generate(&packages);
     package.compiles();
-    json_is_that_of_other_tools(&package);
+    instances_are_those_of_other_tools(&package);
 }
 
-/// Reads and writes each instance that the oracle of CDR gives as JSON.
-fn json_is_that_of_other_tools(package: &Crate) {
-    let mut arms = String::new();
+/// Reads and writes each instance that the oracle of CDR gives, as JSON and as CDR in both byte orders;
+/// PX4's also in their memory form, which has no such oracle, and through views.
+fn instances_are_those_of_other_tools(package: &Crate) {
     let mut cases = Vec::new();
     for file in ["px4-main", "ros2"] {
         let Some(path) = shared(&format!("oracle/cdr/{file}.json")) else { return };
@@ -170,27 +187,23 @@ fn json_is_that_of_other_tools(package: &Crate) {
     let mut types: Vec<&str> = cases.iter().map(|case| case["type"].as_str().expect("a type")).collect();
     types.sort_unstable();
     types.dedup();
-    for name in types {
+    let arms = types.into_iter().fold(String::new(), |mut arms, name| {
         let path = name.replace("px4_msgs/", "px4/").replace("/msg/", "::");
-        let _ = writeln!(arms, "        {name:?} => again::<whole_corpus::{path}>(text),");
-    }
-    let program = format!(
-        "//! Reads each line, a type and JSON, and writes the JSON again.\n\nfn main() {{\n    for line in \
-         std::io::stdin().lines() {{\n        let line = line.expect(\"a line\");\n        let (name, text) = \
-         line.split_once(' ').expect(\"two words\");\n        println!(\"{{}}\", json(name, text));\n    }}\n}}\n\n\
-         fn json(name: &str, text: &str) -> String {{\n    match name {{\n{arms}        _ => panic!(\"no type {{name}}\"),\n    }}\n}}\n\n\
-         fn again<T: uavspec_runtime::serde::Serialize + uavspec_runtime::serde::de::DeserializeOwned>(text: &str) -> String {{\n    \
-         let value: T = serde_json::from_str(text).unwrap_or_else(|error| panic!(\"{{error}}: {{text}}\"));\n    \
-         serde_json::to_string(&value).expect(\"JSON\")\n}}\n"
-    );
-    package.write("examples/again.rs", &program);
+        let function = if name.starts_with("px4_msgs") { "fixed" } else { "any" };
+        let _ = writeln!(arms, "        {name:?} => {function}::<whole_corpus::{path}>(text, bytes),");
+        arms
+    });
+    let program = include_str!("compile/instances.rs").replace("        // an arm for each type\n", &arms);
+    package.write("examples/instances.rs", &program);
     let input: String = cases.iter().fold(String::new(), |mut input, case| {
-        let _ = writeln!(input, "{} {}", case["type"].as_str().expect("a type"), case["json"]);
+        let text = |key: &str| case[key].as_str().expect("a text").to_owned();
+        let (le, be) = (text("cdr_le_hex"), text("cdr_be_hex"));
+        let _ = writeln!(input, "{} {le} {be} {}", text("type"), case["json"]);
         input
     });
     package.write("input.txt", &input);
-    package.cargo(&["build", "--features", "serde", "--example", "again"]);
-    let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join("../debug/examples/again");
+    package.cargo(&["build", "--features", "serde", "--example", "instances"]);
+    let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join("../debug/examples/instances");
     let output = Command::new(program)
         .stdin(fs::File::open(package.folder.join("input.txt")).expect("the input"))
         .output()

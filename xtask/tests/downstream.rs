@@ -59,7 +59,7 @@ fn the_workspace_of_the_readme_works() {
     cargo(&folder, &["xtask", "codegen"]);
     cargo(&folder, &["xtask", "codegen", "--check"]);
     cargo(&folder, &["check", "--package", "messages"]);
-    cargo(&folder, &["check", "--package", "messages", "--features", "serde"]);
+    cargo(&folder, &["check", "--package", "messages", "--features", "uavspec-runtime/serde"]);
     for path in [
         "messages/src/generated/my_msgs/wind.rs",
         "schemas/my_msgs/Wind.schema.json",

@@ -59,7 +59,7 @@ struct Outputs {
 #[derive(Debug, Deserialize)]
 #[serde(
     untagged,
-    expecting = "expected a path, or a table of `path` and `root` (rust), `base` (json_schema) or `title` (docs)"
+    expecting = "expected a path, or a table of `path` and `root`, `readme` (rust), `base` (json_schema) or `title` (docs)"
 )]
 enum Output<T> {
     Path(PathBuf),
@@ -71,6 +71,7 @@ enum Output<T> {
 struct RustTable {
     path: PathBuf,
     root: Option<String>,
+    readme: Option<String>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -164,6 +165,9 @@ pub(super) struct RustOptions {
     /// Name of the file at the root of the module tree.
     #[cfg_attr(not(feature = "rust"), allow(dead_code))]
     pub(super) root: String,
+    /// A page to be the documentation of the root.
+    #[cfg_attr(not(feature = "rust"), allow(dead_code))]
+    pub(super) readme: Option<String>,
 }
 
 impl<T> Output<T> {
@@ -176,8 +180,8 @@ impl<T> Output<T> {
 }
 
 impl RustOptions {
-    fn new(root: Option<String>) -> Self {
-        Self { root: root.unwrap_or_else(|| "mod.rs".to_owned()) }
+    fn new(root: Option<String>, readme: Option<String>) -> Self {
+        Self { root: root.unwrap_or_else(|| "mod.rs".to_owned()), readme }
     }
 }
 
@@ -222,8 +226,9 @@ impl Config {
             planned.push(PlannedOutput { path: normalise(&folder.join(path)), emitter });
         };
         if let Some(output) = outputs.rust {
-            let RustTable { path, root } = output.table(|path| RustTable { path, root: None });
-            plan(&path, EmitterOptions::Rust(RustOptions::new(root)));
+            let RustTable { path, root, readme } =
+                output.table(|path| RustTable { path, root: None, readme: None });
+            plan(&path, EmitterOptions::Rust(RustOptions::new(root, readme)));
         }
         if let Some(output) = outputs.json_schema {
             let JsonSchemaTable { path, base } = output.table(|path| JsonSchemaTable { path, base: None });
@@ -292,7 +297,7 @@ impl Plan {
         let outputs = emit
             .iter()
             .map(|emitter| match emitter {
-                Emitter::Rust => ("rust", EmitterOptions::Rust(RustOptions::new(None))),
+                Emitter::Rust => ("rust", EmitterOptions::Rust(RustOptions::new(None, None))),
                 Emitter::JsonSchema => ("json_schema", EmitterOptions::JsonSchema(json_schema_options(None))),
                 Emitter::Docs => ("docs", EmitterOptions::Docs(docs_options(None))),
             })

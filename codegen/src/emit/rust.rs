@@ -28,11 +28,13 @@ use crate::source::SourceMap;
 pub struct Options {
     /// Name of the file at the root of the module tree: `mod.rs`, or `lib.rs` for a whole crate.
     pub root: String,
+    /// A Markdown page, relative to that file, that stands in its documentation; code in it is tested.
+    pub readme: Option<String>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { root: "mod.rs".to_owned() }
+        Self { root: "mod.rs".to_owned(), readme: None }
     }
 }
 
@@ -113,8 +115,7 @@ impl Context<'_> {
     }
 }
 
-static UNPLACED: Place =
-    Place { modules: Vec::new(), type_name: String::new(), view_name: String::new() };
+static UNPLACED: Place = Place { modules: Vec::new(), type_name: String::new(), view_name: String::new() };
 
 /// Emits the whole schema as a tree of modules below `options.root`.
 pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<OutputFile> {
@@ -240,8 +241,10 @@ fn root(packages: &[(&Package, String, Modules)], options: &Options) -> String {
          [`UorbMessage`](::uavspec_runtime::UorbMessage). The features of the runtime decide what more they\n\
          have: `serde` gives all of them JSON in the form that the published JSON Schemas describe.",
     );
+    let readme = options.readme.as_ref().map(|path| quote!(#![doc = include_str!(#path)]));
     let tokens = quote! {
         #doc
+        #readme
         #no_std
         // Names and texts are those of the definitions.
         #![allow(clippy::approx_constant)]

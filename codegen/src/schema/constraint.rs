@@ -63,7 +63,7 @@ impl Schema {
             }),
             known: enumeration.map(|found| found.members.iter().map(|member| member.value).collect()),
             is_flags: enumeration.is_some_and(|found| found.is_flags),
-            allows_nan: scalar.is_float() && self.allows_nan(message, field, dialect),
+            allows_nan: scalar.is_float() && allows_nan(message, field, dialect),
         };
         let special = [&field.invalid, &field.uncontrolled].into_iter().filter_map(|special| {
             let value = held(special.as_ref()?.value.as_ref()?, scalar)?;
@@ -73,22 +73,22 @@ impl Schema {
         let says_nothing = restriction.constraint() == Constraint::NONE;
         (!says_nothing).then_some(restriction)
     }
+}
 
-    /// Whether NaN has a meaning in a field of floats: by an annotation, or by what is said of the field,
-    /// of its group or of the whole message. ROS 2 leaves NaN to whoever uses a message.
-    fn allows_nan(&self, message: &Message, field: &Field, dialect: Dialect) -> bool {
-        let is_nan = |special: &Option<Special>| {
-            special.as_ref().is_some_and(|special| {
-                matches!(special.value, Some(Value::Float(value)) if value.is_nan()) || says_nan(&special.text)
-            })
-        };
-        let group = field.group.and_then(|group| message.groups.get(group));
-        dialect == Dialect::Ros2
-            || is_nan(&field.invalid)
-            || is_nan(&field.uncontrolled)
-            || says_nan(&field.description)
-            || group.into_iter().chain([&message.docs]).any(|docs| says_nan(&docs.text()))
-    }
+/// Whether NaN has a meaning in a field of floats: by an annotation, or by what is said of the field, of
+/// its group or of the whole message. ROS 2 leaves NaN to whoever uses a message.
+fn allows_nan(message: &Message, field: &Field, dialect: Dialect) -> bool {
+    let is_nan = |special: &Option<Special>| {
+        special.as_ref().is_some_and(|special| {
+            matches!(special.value, Some(Value::Float(value)) if value.is_nan()) || says_nan(&special.text)
+        })
+    };
+    let group = field.group.and_then(|group| message.groups.get(group));
+    dialect == Dialect::Ros2
+        || is_nan(&field.invalid)
+        || is_nan(&field.uncontrolled)
+        || says_nan(&field.description)
+        || group.into_iter().chain([&message.docs]).any(|docs| says_nan(&docs.text()))
 }
 
 /// Whether a text speaks of NaN.

@@ -5,8 +5,9 @@
 //! sequences and strings after a `uint32` length, which for a string counts its NUL. A message
 //! without fields takes one byte. Wide strings are UTF-16 without a NUL, their length in code units.
 
-use crate::descriptor::{MessageDescriptor, Shape};
+use crate::descriptor::{Element, MessageDescriptor, Shape};
 use crate::error::{DecodeError, EncodeError, Fault};
+use crate::fixed::{self, Form};
 use crate::record::{FieldSink, FieldSource, Primitive, Record, Sink, Source, Value};
 use crate::{Message, Path};
 
@@ -51,28 +52,102 @@ pub const fn is_filling(end: usize, left: usize) -> bool {
 /// Reads a message; in strict mode each `bool` must be 0 or 1.
 #[inline]
 pub(crate) fn decode<T: Message, const STRICT: bool>(payload: &[u8]) -> Result<T, DecodeError> {
-    let order = ByteOrder::of(payload);
-    let order = order.map_err(|fault| DecodeError { fault, offset: 0, path: Path::to(T::DESCRIPTOR) })?;
-    match order {
-        ByteOrder::LittleEndian => decode_body::<T, false, STRICT>(payload),
-        ByteOrder::BigEndian => decode_body::<T, true, STRICT>(payload),
+    match ByteOrder::of(payload) {
+        Ok(ByteOrder::LittleEndian) => decode_body::<T, false, STRICT>(payload),
+        Ok(ByteOrder::BigEndian) => decode_body::<T, true, STRICT>(payload),
+        Err(fault) => Err(DecodeError { fault, offset: 0, path: Path::to(T::DESCRIPTOR) }),
     }
 }
 
 fn decode_body<T: Message, const BIG: bool, const STRICT: bool>(payload: &[u8]) -> Result<T, DecodeError> {
-    // Of a message of fixed size, the compiler then knows each offset, and that there are enough bytes.
-    if let Some(size) = T::CDR_SIZE
-        && let Some(body) = payload.get(HEADER..size)
-    {
-        let mut reader = Reader::<BIG, STRICT> { body, at: 0, failure: None };
-        let message = T::read_fields(&mut reader);
-        return finish(T::DESCRIPTOR, message, size, payload.len() - size, reader.failure);
+    let mut failure = None;
+    if let Some(size) = T::CDR_SIZE {
+        let Some(body) = payload.get(HEADER..size) else {
+            return Err(truncated(T::DESCRIPTOR, payload.len()));
+        };
+        let message = fixed::read::<T, Packed<BIG>, STRICT>(body, &mut failure);
+        if let Some(error) = &mut failure {
+            error.offset += HEADER;
+        }
+        return finish(T::DESCRIPTOR, message, size, payload.len() - size, failure);
     }
     let body = payload.get(HEADER..).unwrap_or_default();
-    let mut reader = Reader::<BIG, STRICT> { body, at: 0, failure: None };
+    let mut reader = Reader::<BIG, STRICT> { body, at: 0, failure: &mut failure };
     let message = reader.message();
-    let left = body.len().saturating_sub(reader.at);
-    finish(T::DESCRIPTOR, message, reader.at + HEADER, left, reader.failure)
+    let end = reader.at;
+    finish(T::DESCRIPTOR, message, end + HEADER, body.len().saturating_sub(end), failure)
+}
+
+/// The form of messages of fixed size.
+struct Packed<const BIG: bool>;
+
+impl<const BIG: bool> Form for Packed<BIG> {
+    const HAS_OFFSETS: bool = false;
+
+    #[inline]
+    fn start(at: usize, size: usize) -> usize {
+        at.next_multiple_of(size)
+    }
+
+    #[inline]
+    fn read<P: Primitive>(bytes: &[u8]) -> P {
+        if BIG { P::read_be(bytes) } else { P::read_le(bytes) }
+    }
+
+    #[inline]
+    fn write<P: Primitive>(number: P, bytes: &mut [u8]) {
+        if BIG { number.write_be(bytes) } else { number.write_le(bytes) }
+    }
+}
+
+/// Says where the payload of a message of fixed size ends too soon.
+#[cold]
+fn truncated(message: &'static MessageDescriptor, size: usize) -> DecodeError {
+    let mut path = Path::default();
+    let (fault, offset) = find_end(message, &mut 0, size - HEADER, &mut path)
+        .unwrap_or((Fault::Truncated { needed: 1, left: 0 }, size - HEADER));
+    if path == Path::default() {
+        path = Path::to(message);
+    }
+    DecodeError { fault, offset: offset + HEADER, path }
+}
+
+/// The value that the bytes end in or before, and where it starts; goes on from `at`.
+fn find_end(
+    message: &'static MessageDescriptor,
+    at: &mut usize,
+    end: usize,
+    path: &mut Path,
+) -> Option<(Fault, usize)> {
+    for (index, field) in message.fields.iter().enumerate() {
+        let count = if let Shape::Array(length) = field.shape { length as usize } else { 1 };
+        let found = match field.element {
+            Element::Message(nested) => (0..count).find_map(|element| {
+                let found = find_end(nested, at, end, path)?;
+                if field.shape != Shape::Single {
+                    path.within(element);
+                }
+                Some(found)
+            }),
+            Element::Scalar(_) | Element::Text | Element::String { .. } => {
+                let size = if let Element::Scalar(scalar) = field.element { scalar.size() } else { 1 };
+                let start = at.next_multiple_of(size);
+                *at = start + size * count;
+                (*at > end).then(|| {
+                    let left = end.saturating_sub(start);
+                    if field.shape != Shape::Single {
+                        path.within(left / size);
+                    }
+                    (Fault::Truncated { needed: size * count, left }, start.min(end))
+                })
+            }
+        };
+        if found.is_some() {
+            path.enclose(message, index);
+            return found;
+        }
+    }
+    None
 }
 
 #[inline]
@@ -94,7 +169,15 @@ struct Reader<'b, const BIG: bool, const STRICT: bool> {
     /// What follows the header.
     body: &'b [u8],
     at: usize,
-    failure: Option<DecodeError>,
+    /// Apart, so that the compiler can keep the rest in registers.
+    failure: &'b mut Option<DecodeError>,
+}
+
+#[cold]
+fn fail(failure: &mut Option<DecodeError>, fault: Fault, offset: usize) {
+    if failure.is_none() {
+        *failure = Some(DecodeError { fault, offset: offset + HEADER, path: Path::default() });
+    }
 }
 
 impl<'b, const BIG: bool, const STRICT: bool> Reader<'b, BIG, STRICT> {
@@ -112,19 +195,11 @@ impl<'b, const BIG: bool, const STRICT: bool> Reader<'b, BIG, STRICT> {
         &[]
     }
 
-    #[cold]
+    #[inline]
     fn fail(&mut self, fault: Fault, offset: usize) {
-        if self.failure.is_none() {
-            let path = Path::default();
-            self.failure = Some(DecodeError { fault, offset: offset + HEADER, path });
-        }
+        fail(self.failure, fault, offset);
         // Nothing is read from here on.
         self.at = self.body.len();
-    }
-
-    #[inline]
-    fn number<P: Primitive>(bytes: &[u8]) -> P {
-        if BIG { P::read_be(bytes) } else { P::read_le(bytes) }
     }
 }
 
@@ -133,7 +208,7 @@ impl<const BIG: bool, const STRICT: bool> FieldSource for Reader<'_, BIG, STRICT
     fn field<T: Value>(&mut self, message: &'static MessageDescriptor, index: usize) -> T {
         let had_failed = self.has_failed();
         let value = T::read(self, &message.fields[index]);
-        if !had_failed && let Some(error) = &mut self.failure {
+        if !had_failed && let Some(error) = self.failure {
             error.path.enclose(message, index);
         }
         value
@@ -147,7 +222,7 @@ impl<const BIG: bool, const STRICT: bool> Source for Reader<'_, BIG, STRICT> {
         if STRICT && let Some(byte) = P::odd_bool(bytes) {
             self.fail(Fault::Bool(byte), self.at - 1);
         }
-        Self::number(bytes)
+        Packed::<BIG>::read(bytes)
     }
 
     #[inline]
@@ -164,14 +239,16 @@ impl<const BIG: bool, const STRICT: bool> Source for Reader<'_, BIG, STRICT> {
         }
         if STRICT {
             for (index, byte) in bytes.chunks_exact(P::SIZE).enumerate() {
-                if !self.has_failed() && let Some(byte) = P::odd_bool(byte) {
+                if !self.has_failed()
+                    && let Some(byte) = P::odd_bool(byte)
+                {
                     self.fail(Fault::Bool(byte), start + index);
                     self.blame(index);
                 }
             }
         }
         for (value, bytes) in values.iter_mut().zip(bytes.chunks_exact(P::SIZE)) {
-            *value = Self::number(bytes);
+            *value = Packed::<BIG>::read(bytes);
         }
     }
 
@@ -198,7 +275,7 @@ impl<const BIG: bool, const STRICT: bool> Source for Reader<'_, BIG, STRICT> {
         let length = self.length(Shape::Sequence, if is_wide { 2 } else { 1 });
         let text = if is_wide {
             let bytes = self.take(length * 2, 1);
-            let units = bytes.chunks_exact(2).map(|unit| Self::number::<u16>(unit));
+            let units = bytes.chunks_exact(2).map(Packed::<BIG>::read::<u16>);
             char::decode_utf16(units).collect::<Result<_, _>>().map_err(|_| Fault::NotUnicode)
         } else {
             self.narrow_string(length)
@@ -228,9 +305,9 @@ impl<const BIG: bool, const STRICT: bool> Source for Reader<'_, BIG, STRICT> {
         self.failure.is_some()
     }
 
-    #[cold]
+    #[inline]
     fn blame(&mut self, element: usize) {
-        if let Some(error) = &mut self.failure {
+        if let Some(error) = self.failure {
             error.path.within(element);
         }
     }
@@ -263,14 +340,21 @@ pub(crate) fn encode<T: Message>(
     buffer: &mut [u8],
 ) -> Result<usize, EncodeError> {
     let room = buffer.len();
-    let too_small = |needed| EncodeError { fault: Fault::Buffer { needed, room }, path: Path::to(T::DESCRIPTOR) };
+    let too_small =
+        |needed| EncodeError { fault: Fault::Buffer { needed, room }, path: Path::to(T::DESCRIPTOR) };
     let Some(header) = buffer.first_chunk_mut() else { return Err(too_small(HEADER)) };
     *header = order.header();
-    let body = match T::CDR_SIZE {
-        // As with reading: the compiler then knows each offset.
-        Some(size) => buffer.get_mut(HEADER..size).ok_or(too_small(size))?,
-        None => &mut buffer[HEADER..],
-    };
+    if let Some(size) = T::CDR_SIZE {
+        let Some(body) = buffer.get_mut(HEADER..size) else { return Err(too_small(size)) };
+        // What lies between values is zero.
+        body.fill(0);
+        match order {
+            ByteOrder::LittleEndian => fixed::write::<T, Packed<false>>(message, body),
+            ByteOrder::BigEndian => fixed::write::<T, Packed<true>>(message, body),
+        }
+        return Ok(size);
+    }
+    let body = &mut buffer[HEADER..];
     let (at, failure) = match order {
         ByteOrder::LittleEndian => write_body::<T, false>(message, body),
         ByteOrder::BigEndian => write_body::<T, true>(message, body),
@@ -283,9 +367,10 @@ pub(crate) fn encode<T: Message>(
 }
 
 fn write_body<T: Record, const BIG: bool>(message: &T, body: &mut [u8]) -> (usize, Option<EncodeError>) {
-    let mut writer = Writer::<BIG> { body, at: 0, failure: None, element: None };
+    let mut failure = None;
+    let mut writer = Writer::<BIG> { body, at: 0, failure: &mut failure, element: None };
     writer.message(message);
-    (writer.at, writer.failure)
+    (writer.at, failure)
 }
 
 /// How many bytes a message takes, header and all.
@@ -298,7 +383,8 @@ pub(crate) fn size<T: Message>(message: &T) -> usize {
 struct Writer<'b, const BIG: bool> {
     body: &'b mut [u8],
     at: usize,
-    failure: Option<EncodeError>,
+    /// Apart, so that the compiler can keep the rest in registers.
+    failure: &'b mut Option<EncodeError>,
     /// The element that is being written.
     element: Option<usize>,
 }
@@ -322,7 +408,7 @@ impl<const BIG: bool> Writer<'_, BIG> {
             if let Some(element) = self.element {
                 path.within(element);
             }
-            self.failure = Some(EncodeError { fault, path });
+            *self.failure = Some(EncodeError { fault, path });
         }
     }
 }
@@ -332,7 +418,7 @@ impl<const BIG: bool> FieldSink for Writer<'_, BIG> {
     fn field<T: Value>(&mut self, message: &'static MessageDescriptor, index: usize, value: &T) {
         let had_failed = self.failure.is_some();
         value.write(self, &message.fields[index]);
-        if !had_failed && let Some(error) = &mut self.failure {
+        if !had_failed && let Some(error) = self.failure {
             error.path.enclose(message, index);
         }
     }
@@ -343,7 +429,7 @@ impl<const BIG: bool> Sink for Writer<'_, BIG> {
     fn scalar<P: Primitive>(&mut self, value: P) {
         let bytes = self.take(P::SIZE, P::SIZE);
         if !bytes.is_empty() {
-            if BIG { value.write_be(bytes) } else { value.write_le(bytes) }
+            Packed::<BIG>::write(value, bytes);
         }
     }
 
@@ -354,7 +440,7 @@ impl<const BIG: bool> Sink for Writer<'_, BIG> {
         }
         let bytes = self.take(values.len() * P::SIZE, P::SIZE);
         for (value, bytes) in values.iter().zip(bytes.chunks_exact_mut(P::SIZE)) {
-            if BIG { value.write_be(bytes) } else { value.write_le(bytes) }
+            Packed::<BIG>::write(*value, bytes);
         }
     }
 
@@ -398,9 +484,7 @@ impl<const BIG: bool> Sink for Writer<'_, BIG> {
             self.scalar(0_u8);
         }
         message.write_fields(self);
-        if !had_failed
-            && let (Some(error), Some(element)) = (&mut self.failure, element)
-        {
+        if !had_failed && let (Some(error), Some(element)) = (self.failure.as_mut(), element) {
             error.path.within(element);
         }
     }

@@ -71,7 +71,7 @@ pub struct Constraint<'k> {
     pub allows_nan: bool,
 }
 
-impl<'k> Constraint<'k> {
+impl Constraint<'_> {
     /// Any value that the type holds; of a float, any but NaN.
     pub const NONE: Self = Self {
         low: None,

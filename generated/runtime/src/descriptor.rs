@@ -19,6 +19,14 @@ impl MessageDescriptor {
     /// No message: what stands where none is known yet.
     pub(crate) const NONE: Self = Self { name: "", fields: &[], size: None };
 
+    /// Its size in memory without the padding at its end; 0 where that varies.
+    pub const fn no_padding(&self) -> usize {
+        match self.size {
+            Some(size) => size.no_padding,
+            None => 0,
+        }
+    }
+
     /// Its size in memory with the padding at its end; 0 where that varies.
     pub const fn padded_size(&self) -> usize {
         match self.size {
@@ -71,9 +79,7 @@ impl PartialEq for Element {
                 Self::String { is_wide, bound },
                 Self::String { is_wide: other_is_wide, bound: other_bound },
             ) => is_wide == other_is_wide && bound == other_bound,
-            (Self::Message(left), Self::Message(right)) => {
-                left.name == right.name
-            }
+            (Self::Message(left), Self::Message(right)) => left.name == right.name,
             _ => false,
         }
     }

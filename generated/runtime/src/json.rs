@@ -17,9 +17,9 @@ use serde::de::{DeserializeSeed, Error as _, IgnoredAny, MapAccess, SeqAccess, V
 use serde::ser::{Error as _, SerializeStruct, SerializeTuple as _};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::Text;
 use crate::descriptor::MessageDescriptor;
 use crate::record::{FieldSink, Record, Value};
-use crate::Text;
 
 /// A message whose fields can be read one by one, in any order.
 pub trait Fields: Record + Default {
@@ -47,9 +47,6 @@ pub const fn names<const N: usize>(message: &MessageDescriptor) -> [&'static str
 
 /// A value of a field.
 pub trait Field: Sized {
-    /// What stands in a field until it is read: `Default`, which arrays of any length don't have.
-    fn initial() -> Self;
-
     /// Writes it; `field` is the name to mention in an error.
     fn serialize<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error>;
 
@@ -123,25 +120,21 @@ impl<'de, T: Fields> Visitor<'de> for RecordVisitor<T> {
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
         let mut record = T::default();
-        let mut seen = T::UNSEEN;
         let mut source = Members(map);
-        let mut guess = 0;
-        while let Some(index) = source.0.next_key_seed(KeySeed { names: T::NAMES, guess })? {
-            if let Some(word) = seen.as_mut().get_mut(index / 64) {
-                if *word >> (index % 64) & 1 == 1 {
-                    return Err(A::Error::duplicate_field(T::NAMES[index]));
-                }
-                *word |= 1 << (index % 64);
+        // As long as fields come in declared order, as they nearly always do, none can be repeated.
+        let mut read = 0;
+        let next = loop {
+            let next = source.0.next_key_seed(KeySeed::<T>(read, PhantomData))?;
+            if next != Some(read) {
+                break next;
             }
-            record.read_field(index, &mut source)?;
-            guess = index + 1;
+            record.read_field(read, &mut source)?;
+            read += 1;
+        };
+        if next.is_none() && read == T::NAMES.len() {
+            return Ok(record);
         }
-        for (index, name) in T::NAMES.iter().enumerate() {
-            if seen.as_mut().get(index / 64).is_some_and(|word| word >> (index % 64) & 1 == 0) {
-                return Err(A::Error::missing_field(name));
-            }
-        }
-        Ok(record)
+        read_in_any_order(record, read, next, source)
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<T, A::Error> {
@@ -154,11 +147,57 @@ impl<'de, T: Fields> Visitor<'de> for RecordVisitor<T> {
     }
 }
 
+/// Goes on after the first `read` fields with the field `next`.
+#[cold]
+fn read_in_any_order<'de, T: Fields, A: MapAccess<'de>>(
+    mut record: T,
+    read: usize,
+    mut next: Option<usize>,
+    mut source: Members<A>,
+) -> Result<T, A::Error> {
+    let mut seen = Seen::<T>::first(read);
+    while let Some(index) = next {
+        if !seen.insert(index) {
+            return Err(A::Error::duplicate_field(T::NAMES[index]));
+        }
+        record.read_field(index, &mut source)?;
+        next = source.0.next_key_seed(KeySeed::<T>(index + 1, PhantomData))?;
+    }
+    match (0..T::NAMES.len()).find(|index| seen.insert(*index)) {
+        None => Ok(record),
+        Some(missing) => Err(A::Error::missing_field(T::NAMES[missing])),
+    }
+}
+
+/// Which fields of a message have been read.
+struct Seen<T: Fields>(T::Seen);
+
+impl<T: Fields> Seen<T> {
+    /// The first `count` fields.
+    fn first(count: usize) -> Self {
+        let mut seen = Self(T::UNSEEN);
+        for index in 0..count {
+            seen.insert(index);
+        }
+        seen
+    }
+
+    /// Adds a field; whether it wasn't there.
+    fn insert(&mut self, index: usize) -> bool {
+        let Some(word) = self.0.as_mut().get_mut(index / 64) else { return false };
+        let bit = 1 << (index % 64);
+        let is_new = *word & bit == 0;
+        *word |= bit;
+        is_new
+    }
+}
+
 struct Members<A>(A);
 
 impl<'de, A: MapAccess<'de>> Source<'de> for Members<A> {
     type Error = A::Error;
 
+    #[inline]
     fn read<T: Field>(&mut self, field: &mut T) -> Result<(), A::Error> {
         *field = self.0.next_value_seed(FieldSeed(PhantomData))?;
         Ok(())
@@ -187,50 +226,50 @@ impl<'de, T: Field> DeserializeSeed<'de> for FieldSeed<T> {
     }
 }
 
-/// Reads a key as the index of the field that it names.
-struct KeySeed {
-    names: &'static [&'static str],
-    /// The field that is looked at first.
-    guess: usize,
-}
+/// Reads a key as the index of the field that it names, of which the given one is looked at first.
+struct KeySeed<T>(usize, PhantomData<T>);
 
-impl<'de> DeserializeSeed<'de> for KeySeed {
+impl<'de, T: Fields> DeserializeSeed<'de> for KeySeed<T> {
     type Value = usize;
 
+    #[inline]
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<usize, D::Error> {
         deserializer.deserialize_identifier(self)
     }
 }
 
-impl Visitor<'_> for KeySeed {
+impl<T: Fields> Visitor<'_> for KeySeed<T> {
     type Value = usize;
 
     fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str("the name of a field")
     }
 
+    // Apart, so that what calls it is small enough to become part of the loop over the fields.
+    #[inline(never)]
     fn visit_str<E: serde::de::Error>(self, key: &str) -> Result<usize, E> {
-        if self.names.get(self.guess) == Some(&key) {
-            return Ok(self.guess);
+        match T::NAMES.get(self.0) {
+            Some(name) if *name == key => Ok(self.0),
+            _ => find(T::NAMES, key),
         }
-        let found = self.names.iter().position(|name| *name == key);
-        found.ok_or_else(|| E::unknown_field(key, self.names))
     }
 
     fn visit_u64<E: serde::de::Error>(self, index: u64) -> Result<usize, E> {
-        let found = usize::try_from(index).ok().filter(|index| *index < self.names.len());
+        let found = usize::try_from(index).ok().filter(|index| *index < T::NAMES.len());
         found.ok_or_else(|| E::custom(format_args!("there is no field {index}")))
     }
+}
+
+#[cold]
+fn find<E: serde::de::Error>(names: &'static [&'static str], key: &str) -> Result<usize, E> {
+    let found = names.iter().position(|name| *name == key);
+    found.ok_or_else(|| E::unknown_field(key, names))
 }
 
 /// Values that serde itself writes and reads as they should be.
 macro_rules! plain_fields {
     ($($type:ty),*) => {
         $(impl Field for $type {
-            fn initial() -> Self {
-                Self::default()
-            }
-
             fn serialize<S: Serializer>(&self, _: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
                 Serialize::serialize(self, serializer)
             }
@@ -248,10 +287,6 @@ plain_fields!(bool, i8, u8, i16, u16, i32, u32, i64, u64);
 plain_fields!(alloc::string::String);
 
 impl<T: Fields> Field for T {
-    fn initial() -> Self {
-        Self::default()
-    }
-
     fn serialize<S: Serializer>(&self, _: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
         serialize(self, serializer)
     }
@@ -265,10 +300,6 @@ impl<T: Fields> Field for T {
 macro_rules! float_fields {
     ($($type:ty),*) => {
         $(impl Field for $type {
-            fn initial() -> Self {
-                Self::default()
-            }
-
             fn serialize<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
                 if !serializer.is_human_readable() || self.is_finite() {
                     Serialize::serialize(self, serializer)
@@ -296,11 +327,7 @@ macro_rules! float_fields {
 
 float_fields!(f32, f64);
 
-impl<T: Field, const N: usize> Field for [T; N] {
-    fn initial() -> Self {
-        core::array::from_fn(|_| T::initial())
-    }
-
+impl<T: Value, const N: usize> Field for [T; N] {
     fn serialize<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
         let mut out = serializer.serialize_tuple(N)?;
         for value in self {
@@ -316,7 +343,7 @@ impl<T: Field, const N: usize> Field for [T; N] {
 
 struct ArrayVisitor<T, const N: usize>(PhantomData<T>);
 
-impl<'de, T: Field, const N: usize> Visitor<'de> for ArrayVisitor<T, N> {
+impl<'de, T: Value, const N: usize> Visitor<'de> for ArrayVisitor<T, N> {
     type Value = [T; N];
 
     fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -324,7 +351,7 @@ impl<'de, T: Field, const N: usize> Visitor<'de> for ArrayVisitor<T, N> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<[T; N], A::Error> {
-        let mut array = <[T; N]>::initial();
+        let mut array = core::array::from_fn(|_| T::initial());
         for (index, element) in array.iter_mut().enumerate() {
             let value = seq.next_element_seed(FieldSeed(PhantomData))?;
             *element = value.ok_or_else(|| A::Error::invalid_length(index, &self))?;
@@ -338,10 +365,6 @@ impl<'de, T: Field, const N: usize> Visitor<'de> for ArrayVisitor<T, N> {
 
 #[cfg(feature = "alloc")]
 impl<T: Field> Field for Vec<T> {
-    fn initial() -> Self {
-        Self::new()
-    }
-
     fn serialize<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
         use serde::ser::SerializeSeq as _;
 
@@ -379,10 +402,6 @@ impl<'de, T: Field> Visitor<'de> for SequenceVisitor<T> {
 }
 
 impl<const N: usize> Field for Text<N> {
-    fn initial() -> Self {
-        Self::default()
-    }
-
     fn serialize<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
         let text = self.as_str().map_err(|error| S::Error::custom(format_args!("{field}: {error}")))?;
         serializer.serialize_str(text)
@@ -419,7 +438,8 @@ macro_rules! __json_record {
             type Seen = [u64; <[usize]>::len(&[$($index),*]).div_ceil(64)];
             const UNSEEN: Self::Seen = [0; <[usize]>::len(&[$($index),*]).div_ceil(64)];
 
-            #[allow(unused_variables, clippy::match_single_binding)]
+            #[allow(unused_variables, clippy::inline_always, clippy::match_single_binding)]
+            #[inline(always)]
             fn read_field<'de, S: $crate::json::Source<'de>>(
                 &mut self,
                 index: usize,
@@ -476,10 +496,6 @@ macro_rules! __json_number {
 macro_rules! __json_field {
     ($type:ty) => {
         impl $crate::json::Field for $type {
-            fn initial() -> Self {
-                Self(0)
-            }
-
             fn serialize<S: $crate::serde::Serializer>(
                 &self,
                 _: &'static str,

@@ -183,16 +183,18 @@ mod tests {
 
     #[test]
     fn what_is_placed_is_consistent_and_nothing_else_is() {
-        const NESTED: MessageDescriptor = MessageDescriptor {
-            size: Some(Size { padded: 40, no_padding: 40 }),
-            ..MessageDescriptor::NONE
-        };
+        const NESTED: MessageDescriptor =
+            MessageDescriptor { size: Some(Size { padded: 40, no_padding: 40 }), ..MessageDescriptor::NONE };
         fn is_consistent(offsets: [usize; 3], padded: usize, no_padding: usize) -> bool {
             let [a, b, c] = offsets;
             let nested = FieldDescriptor { element: Element::Message(&NESTED), ..field::byte("a", a) };
             let fields = alloc::vec![nested.array(5), field::uint64("b", b), field::byte("c", c).array(3)];
             let size = Some(Size { padded, no_padding });
-            super::is_consistent(&MessageDescriptor { fields: fields.leak(), size, ..MessageDescriptor::NONE })
+            super::is_consistent(&MessageDescriptor {
+                fields: fields.leak(),
+                size,
+                ..MessageDescriptor::NONE
+            })
         }
         assert!(is_consistent([16, 0, 8], 216, 216));
         assert!(!is_consistent([11, 0, 8], 216, 216), "nested messages are aligned");

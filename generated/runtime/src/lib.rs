@@ -24,6 +24,7 @@ pub mod cdr;
 mod constraint;
 pub mod descriptor;
 mod error;
+mod fixed;
 mod flag;
 #[cfg(feature = "serde")]
 pub mod json;
@@ -50,7 +51,7 @@ pub use message::{Message, UorbMessage};
 pub use open::{Open, fmt_enum, fmt_flags};
 pub use path::Path;
 pub use scalar::Scalar;
-pub use severity::{ErrorClass, Severity, is_ready_for_takeoff};
+pub use severity::{ErrorClass, ErrorList, Severity};
 pub use text::{Text, TextError};
 pub use validate::Violation;
 

@@ -52,6 +52,11 @@ macro_rules! open {
             const LEAST_SIZE: usize = <$number as $crate::record::Value>::LEAST_SIZE;
 
             #[inline]
+            fn initial() -> Self {
+                Self(0)
+            }
+
+            #[inline]
             fn write<S: $crate::record::Sink>(&self, sink: &mut S, _: &'static $crate::descriptor::FieldDescriptor) {
                 sink.scalar(self.0);
             }

@@ -5,11 +5,11 @@
 //! other. They keep the first fault and go on with zeros, so that generated code needs no `?` for
 //! each field: that costs the compiler more than all else, and the processor a branch.
 
-use crate::descriptor::{FieldDescriptor, MessageDescriptor, Shape};
 use crate::Number;
+use crate::descriptor::{FieldDescriptor, MessageDescriptor, Shape};
 
 /// A message as a list of fields.
-pub trait Record: Sized + crate::JsonField {
+pub trait Record: Default + crate::JsonField {
     /// What is known of its fields.
     const DESCRIPTOR: &'static MessageDescriptor;
 
@@ -93,6 +93,9 @@ pub trait Value: Sized + crate::JsonField {
     /// Least number of bytes that it takes in CDR, without alignment.
     const LEAST_SIZE: usize;
 
+    /// What stands in a field until it is read: `Default`, which arrays of any length don't have.
+    fn initial() -> Self;
+
     /// Gives itself to `sink`.
     fn write<S: Sink>(&self, sink: &mut S, field: &'static FieldDescriptor);
 
@@ -112,7 +115,12 @@ pub trait Value: Sized + crate::JsonField {
     /// Takes all values of an array of fixed length.
     #[inline]
     fn read_array<S: Source, const N: usize>(source: &mut S, field: &'static FieldDescriptor) -> [Self; N] {
-        core::array::from_fn(|index| element(source, index, field))
+        // The compiler makes far better code of this than of an array whose maker reads.
+        let mut values = core::array::from_fn(|_| Self::initial());
+        for (index, value) in values.iter_mut().enumerate() {
+            *value = element(source, index, field);
+        }
+        values
     }
 
     /// Takes all values of a sequence.
@@ -312,13 +320,14 @@ macro_rules! __record {
                 }
             };
 
-            #[allow(unused_variables)]
+            #[allow(unused_variables, clippy::inline_always)]
+            #[inline(always)]
             fn write_fields<S: $crate::record::FieldSink>(&self, sink: &mut S) {
                 $(sink.field(Self::DESCRIPTOR, $index, &self.$field);)*
             }
 
-            #[allow(unused_variables)]
-            #[inline]
+            #[allow(unused_variables, clippy::inline_always)]
+            #[inline(always)]
             fn read_fields<S: $crate::record::FieldSource>(source: &mut S) -> Self {
                 Self { $($field: source.field(Self::DESCRIPTOR, $index)),* }
             }

@@ -50,14 +50,26 @@ impl fmt::Display for Severity {
     }
 }
 
-/// Whether a list of error codes says that the UAV is ready for takeoff: it holds code 1 (on the
-/// ground) and no other.
-///
-/// An empty list says that nothing is wrong, but not that the UAV stands on the ground.
-pub fn is_ready_for_takeoff<C: Into<u32>>(codes: impl IntoIterator<Item = C>) -> bool {
-    const ON_THE_GROUND: u32 = 1;
-    let mut codes = codes.into_iter().map(Into::into).peekable();
-    codes.peek().is_some() && codes.all(|code| code == ON_THE_GROUND)
+/// What a list of error codes says of a UAV. For slices of codes of any type.
+pub trait ErrorList {
+    /// Whether the UAV is ready for takeoff: the list holds code 1 (on the ground) and no other.
+    ///
+    /// An empty list says that nothing is wrong, but not that the UAV stands on the ground.
+    fn is_ready_for_takeoff(&self) -> bool;
+
+    /// The severity of the gravest code; none of an empty list.
+    fn severity(&self) -> Option<Severity>;
+}
+
+impl<C: Copy + Into<u32>> ErrorList for [C] {
+    fn is_ready_for_takeoff(&self) -> bool {
+        const ON_THE_GROUND: u32 = 1;
+        !self.is_empty() && self.iter().all(|code| (*code).into() == ON_THE_GROUND)
+    }
+
+    fn severity(&self) -> Option<Severity> {
+        self.iter().map(|code| Severity::of((*code).into())).max()
+    }
 }
 
 /// A range of error codes that the specification sets apart.

@@ -6,18 +6,23 @@
 use core::fmt;
 use core::marker::PhantomData;
 
-use crate::descriptor::{MessageDescriptor, Shape};
+use crate::descriptor::MessageDescriptor;
 use crate::error::{DecodeError, Fault};
+use crate::fixed::{self, Form};
 use crate::layout::Size;
-use crate::record::{FieldSink, FieldSource, Primitive, Record, Sink, Source, Value};
+use crate::record::{Primitive, Record, Value};
 use crate::{Path, Text, UorbMessage};
 
 /// The bytes that hold all fields of a message: the payload without the padding at its end.
+#[inline]
 pub fn payload<T: UorbMessage>(bytes: &[u8]) -> Result<&[u8], DecodeError> {
-    if bytes.len() == T::SIZE || bytes.len() == T::SIZE_NO_PADDING {
-        Ok(&bytes[..T::SIZE_NO_PADDING])
-    } else {
-        Err(wrong_size(T::DESCRIPTOR, Size { padded: T::SIZE, no_padding: T::SIZE_NO_PADDING }, bytes.len()))
+    let has_size = bytes.len() == T::SIZE || bytes.len() == T::SIZE_NO_PADDING;
+    match bytes.get(..T::SIZE_NO_PADDING) {
+        Some(fields) if has_size => Ok(fields),
+        _ => {
+            let size = Size { padded: T::SIZE, no_padding: T::SIZE_NO_PADDING };
+            Err(wrong_size(T::DESCRIPTOR, size, bytes.len()))
+        }
     }
 }
 
@@ -32,9 +37,9 @@ fn wrong_size(message: &'static MessageDescriptor, size: Size, found: usize) -> 
 #[inline]
 pub(crate) fn decode<T: UorbMessage, const STRICT: bool>(bytes: &[u8]) -> Result<T, DecodeError> {
     let bytes = payload::<T>(bytes)?;
-    let mut reader = Reader::<STRICT> { bytes, base: 0, at: 0, failure: None };
-    let message = T::read_fields(&mut reader);
-    match reader.failure {
+    let mut failure = None;
+    let message = fixed::read::<T, Memory, STRICT>(bytes, &mut failure);
+    match failure {
         None => Ok(message),
         Some(error) => Err(error),
     }
@@ -43,13 +48,36 @@ pub(crate) fn decode<T: UorbMessage, const STRICT: bool>(bytes: &[u8]) -> Result
 /// Writes a message to `bytes`, which are zeros, as many as its size.
 #[inline]
 pub(crate) fn encode<T: UorbMessage>(message: &T, bytes: &mut [u8]) {
-    message.write_fields(&mut Writer { bytes, base: 0, at: 0 });
+    let bytes = bytes.get_mut(..T::SIZE_NO_PADDING).unwrap_or_default();
+    fixed::write::<T, Memory>(message, bytes);
+}
+
+/// The form in memory.
+struct Memory;
+
+impl Form for Memory {
+    const HAS_OFFSETS: bool = true;
+
+    #[inline]
+    fn start(at: usize, _: usize) -> usize {
+        at
+    }
+
+    #[inline]
+    fn read<P: Primitive>(bytes: &[u8]) -> P {
+        P::read_le(bytes)
+    }
+
+    #[inline]
+    fn write<P: Primitive>(number: P, bytes: &mut [u8]) {
+        number.write_le(bytes);
+    }
 }
 
 /// Reads a message from the bytes of its view.
 #[inline]
 pub fn read<T: Record>(bytes: &[u8]) -> T {
-    T::read_fields(&mut Reader::<false> { bytes, base: 0, at: 0, failure: None })
+    fixed::read::<T, Memory, false>(bytes, &mut None)
 }
 
 /// The bytes of a message at `offset`, for its view; zeros where there are too few, which generated code
@@ -63,166 +91,6 @@ pub fn chunk<const N: usize>(bytes: &[u8], offset: usize) -> &[u8; N] {
 #[inline]
 pub fn look<M: Record, T: Viewed>(bytes: &[u8], index: usize) -> T::View<'_> {
     <T as Viewed>::view_at(bytes, M::DESCRIPTOR.fields[index].offset)
-}
-
-struct Reader<'b, const STRICT: bool> {
-    bytes: &'b [u8],
-    /// First byte of the message that is being read.
-    base: usize,
-    at: usize,
-    failure: Option<DecodeError>,
-}
-
-impl<const STRICT: bool> Reader<'_, STRICT> {
-    #[inline]
-    fn take(&mut self, size: usize) -> &[u8] {
-        let start = self.at;
-        self.at += size;
-        self.bytes.get(start..self.at).unwrap_or_default()
-    }
-
-    #[inline]
-    fn refuse_odd_bool<P: Primitive>(&mut self, offset: usize) -> bool {
-        if STRICT
-            && self.failure.is_none()
-            && let Some(byte) = self.bytes.get(offset..).and_then(P::odd_bool)
-        {
-            self.failure =
-                Some(DecodeError { fault: Fault::Bool(byte), offset, path: Path::default() });
-            return true;
-        }
-        false
-    }
-}
-
-impl<const STRICT: bool> FieldSource for Reader<'_, STRICT> {
-    #[inline]
-    fn field<T: Value>(&mut self, message: &'static MessageDescriptor, index: usize) -> T {
-        let field = &message.fields[index];
-        self.at = self.base + field.offset;
-        if !STRICT {
-            return T::read(self, field);
-        }
-        let had_failed = self.has_failed();
-        let value = T::read(self, field);
-        if !had_failed && let Some(error) = &mut self.failure {
-            error.path.enclose(message, index);
-        }
-        value
-    }
-}
-
-impl<const STRICT: bool> Source for Reader<'_, STRICT> {
-    #[inline]
-    fn scalar<P: Primitive>(&mut self) -> P {
-        self.refuse_odd_bool::<P>(self.at);
-        P::read_le(self.take(P::SIZE))
-    }
-
-    #[inline]
-    fn scalars<P: Primitive>(&mut self, values: &mut [P]) {
-        for index in 0..values.len() {
-            if self.refuse_odd_bool::<P>(self.at + index * P::SIZE) {
-                self.blame(index);
-            }
-        }
-        let bytes = self.take(values.len() * P::SIZE);
-        for (value, bytes) in values.iter_mut().zip(bytes.chunks_exact(P::SIZE)) {
-            *value = P::read_le(bytes);
-        }
-    }
-
-    fn length(&mut self, _: Shape, _: usize) -> usize {
-        0 // messages of fixed size have no sequences
-    }
-
-    #[cfg(feature = "alloc")]
-    fn string(&mut self, _: bool, _: Option<u32>) -> alloc::string::String {
-        alloc::string::String::new() // nor strings
-    }
-
-    #[inline]
-    fn message<M: Record>(&mut self) -> M {
-        let (base, start) = (self.base, self.at);
-        self.base = start;
-        let message = M::read_fields(self);
-        self.base = base;
-        self.at = start + M::DESCRIPTOR.padded_size();
-        message
-    }
-
-    #[inline]
-    fn has_failed(&self) -> bool {
-        STRICT && self.failure.is_some()
-    }
-
-    #[cold]
-    fn blame(&mut self, element: usize) {
-        if let Some(error) = &mut self.failure {
-            error.path.within(element);
-        }
-    }
-}
-
-struct Writer<'b> {
-    bytes: &'b mut [u8],
-    /// First byte of the message that is being written.
-    base: usize,
-    at: usize,
-}
-
-impl Writer<'_> {
-    #[inline]
-    fn take(&mut self, size: usize) -> &mut [u8] {
-        let start = self.at;
-        self.at += size;
-        self.bytes.get_mut(start..self.at).unwrap_or_default()
-    }
-}
-
-impl FieldSink for Writer<'_> {
-    #[inline]
-    fn field<T: Value>(&mut self, message: &'static MessageDescriptor, index: usize, value: &T) {
-        let field = &message.fields[index];
-        self.at = self.base + field.offset;
-        value.write(self, field);
-    }
-}
-
-impl Sink for Writer<'_> {
-    #[inline]
-    fn scalar<P: Primitive>(&mut self, value: P) {
-        value.write_le(self.take(P::SIZE));
-    }
-
-    #[inline]
-    fn scalars<P: Primitive>(&mut self, values: &[P]) {
-        let bytes = self.take(values.len() * P::SIZE);
-        for (value, bytes) in values.iter().zip(bytes.chunks_exact_mut(P::SIZE)) {
-            value.write_le(bytes);
-        }
-    }
-
-    #[inline]
-    fn text(&mut self, bytes: &[u8]) {
-        self.scalars(bytes);
-    }
-
-    fn length(&mut self, _: usize, _: Shape) {}
-
-    fn string(&mut self, _: &str, _: bool, _: Option<u32>) {}
-
-    #[inline]
-    fn message<M: Record>(&mut self, message: &M) {
-        let (base, start) = (self.base, self.at);
-        self.base = start;
-        message.write_fields(self);
-        self.base = base;
-        self.at = start + M::DESCRIPTOR.padded_size();
-    }
-
-    #[inline]
-    fn select(&mut self, _: Option<usize>) {}
 }
 
 /// A type of fixed size that can be looked at in the bytes of a message, without reading all of it.

@@ -1,15 +1,20 @@
 //! Values of fields: numbers, enums, text, arrays, sequences, messages.
 
+use crate::Text;
 #[cfg(feature = "alloc")]
 use crate::descriptor::Element;
 use crate::descriptor::FieldDescriptor;
 use crate::record::{Primitive, Record, Sink, Source, Value};
-use crate::Text;
 
 macro_rules! numbers {
     ($($type:ty),*) => {$(
         impl Value for $type {
             const LEAST_SIZE: usize = <Self as Primitive>::SIZE;
+
+            #[inline]
+            fn initial() -> Self {
+                Self::default()
+            }
 
             #[inline]
             fn write<S: Sink>(&self, sink: &mut S, _: &'static FieldDescriptor) {
@@ -53,6 +58,11 @@ impl<T: Record> Value for T {
     const LEAST_SIZE: usize = 1;
 
     #[inline]
+    fn initial() -> Self {
+        Self::default()
+    }
+
+    #[inline]
     fn write<S: Sink>(&self, sink: &mut S, _: &'static FieldDescriptor) {
         sink.message(self);
     }
@@ -65,6 +75,11 @@ impl<T: Record> Value for T {
 
 impl<const N: usize> Value for Text<N> {
     const LEAST_SIZE: usize = N;
+
+    #[inline]
+    fn initial() -> Self {
+        Self::default()
+    }
 
     #[inline]
     fn write<S: Sink>(&self, sink: &mut S, _: &'static FieldDescriptor) {
@@ -83,6 +98,11 @@ impl<T: Value, const N: usize> Value for [T; N] {
     const LEAST_SIZE: usize = T::LEAST_SIZE.saturating_mul(N);
 
     #[inline]
+    fn initial() -> Self {
+        core::array::from_fn(|_| T::initial())
+    }
+
+    #[inline]
     fn write<S: Sink>(&self, sink: &mut S, field: &'static FieldDescriptor) {
         T::write_all(self, sink, field);
     }
@@ -96,6 +116,11 @@ impl<T: Value, const N: usize> Value for [T; N] {
 #[cfg(feature = "alloc")]
 impl<T: Value> Value for alloc::vec::Vec<T> {
     const LEAST_SIZE: usize = 4;
+
+    #[inline]
+    fn initial() -> Self {
+        Self::default()
+    }
 
     #[inline]
     fn write<S: Sink>(&self, sink: &mut S, field: &'static FieldDescriptor) {
@@ -113,6 +138,11 @@ impl<T: Value> Value for alloc::vec::Vec<T> {
 #[cfg(feature = "alloc")]
 impl Value for alloc::string::String {
     const LEAST_SIZE: usize = 4;
+
+    #[inline]
+    fn initial() -> Self {
+        Self::default()
+    }
 
     #[inline]
     fn write<S: Sink>(&self, sink: &mut S, field: &'static FieldDescriptor) {

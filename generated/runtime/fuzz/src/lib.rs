@@ -1,0 +1,76 @@
+//! What the targets share: which message the first byte names, and messages whose size varies.
+
+use uavspec_runtime::Message;
+
+/// Calls a generic function with the message that the first byte names, and the other bytes.
+#[macro_export]
+macro_rules! dispatch {
+    ($data:expr, $check:ident; $($type:ty),* $(,)?) => {
+        if let Some((first, data)) = $data.split_first() {
+            let checks: &[fn(&[u8])] = &[$($check::<$type>),*];
+            checks[usize::from(*first) % checks.len()](data);
+        }
+    };
+}
+
+macro_rules! sample {
+    ($type:ident { $($field:ident: $field_type:ty),* }) => {
+        /// A message whose size varies, as the generator would write it.
+        #[derive(Clone, Debug, Default, PartialEq)]
+        #[allow(missing_docs)]
+        pub struct $type {
+            $(pub $field: $field_type,)*
+        }
+
+        impl Message for $type {
+            const PACKAGE: &'static str = "samples";
+            const NAME: &'static str = stringify!($type);
+            const TOPICS: &'static [&'static str] = &[];
+            const VERSION: Option<u32> = None;
+            const QUEUE_LENGTH: u32 = 1;
+            const HASH: u32 = 0;
+            const TYPE_HASH: &'static str = "";
+            const CDR_SIZE: Option<usize> = None;
+        }
+    };
+}
+
+sample!(Sample {
+    flag: bool,
+    name: String,
+    wide: String,
+    numbers: Vec<f64>,
+    few: Vec<u16>,
+    points: Vec<Point>,
+    pair: [Point; 2],
+    empties: Vec<Empty>,
+    names: Vec<String>
+});
+
+sample!(Point { tag: u8, label: String, x: u64 });
+
+sample!(Empty {});
+
+uavspec_runtime::record! {
+    Sample;
+    0 flag: bool = bool("flag", 0);
+    1 name: String = string("name", 0).at_most(5);
+    2 wide: String = wstring("wide", 0);
+    3 numbers: Vec<f64> = float64("numbers", 0).sequence().within(&Constraint::NAN);
+    4 few: Vec<u16> = uint16("few", 0).bounded(3);
+    5 points: Vec<Point> = message::<Point>("points", 0).sequence();
+    6 pair: [Point; 2] = message::<Point>("pair", 0).array(2);
+    7 empties: Vec<Empty> = message::<Empty>("empties", 0).sequence();
+    8 names: Vec<String> = string("names", 0).at_most(4).bounded(2);
+}
+
+uavspec_runtime::record! {
+    Point;
+    0 tag: u8 = uint8("tag", 0);
+    1 label: String = string("label", 0);
+    2 x: u64 = uint64("x", 0);
+}
+
+uavspec_runtime::record! {
+    Empty;
+}

@@ -1,0 +1,249 @@
+//! Messages whose size varies, which our own definitions have none of: strings, sequences, bounds, and
+//! messages without fields, written here as the generator writes them.
+
+use proptest::collection::vec;
+use proptest::prelude::*;
+use uavspec_runtime::cdr::ByteOrder;
+use uavspec_runtime::{Fault, Message};
+
+macro_rules! sample {
+    ($type:ident { $($field:ident: $field_type:ty),* }) => {
+        #[derive(Clone, Debug, Default, PartialEq)]
+        struct $type {
+            $($field: $field_type,)*
+        }
+
+        impl Message for $type {
+            const PACKAGE: &'static str = "samples";
+            const NAME: &'static str = stringify!($type);
+            const TOPICS: &'static [&'static str] = &[];
+            const VERSION: Option<u32> = None;
+            const QUEUE_LENGTH: u32 = 1;
+            const HASH: u32 = 0;
+            const TYPE_HASH: &'static str = "";
+            const CDR_SIZE: Option<usize> = None;
+        }
+    };
+}
+
+sample!(Sample {
+    flag: bool,
+    name: String,
+    wide: String,
+    numbers: Vec<f64>,
+    few: Vec<u16>,
+    points: Vec<Point>,
+    pair: [Point; 2],
+    empty: Empty,
+    empties: Vec<Empty>,
+    names: Vec<String>
+});
+
+sample!(Point { tag: u8, label: String, x: u64 });
+
+sample!(Empty {});
+
+uavspec_runtime::record! {
+    Sample;
+    0 flag: bool = bool("flag", 0);
+    1 name: String = string("name", 0).at_most(5);
+    2 wide: String = wstring("wide", 0);
+    3 numbers: Vec<f64> = float64("numbers", 0).sequence().within(&Constraint::NAN);
+    4 few: Vec<u16> = uint16("few", 0).bounded(3);
+    5 points: Vec<Point> = message::<Point>("points", 0).sequence();
+    6 pair: [Point; 2] = message::<Point>("pair", 0).array(2);
+    7 empty: Empty = message::<Empty>("empty", 0);
+    8 empties: Vec<Empty> = message::<Empty>("empties", 0).sequence();
+    9 names: Vec<String> = string("names", 0).at_most(4).bounded(2);
+}
+
+uavspec_runtime::record! {
+    Point;
+    0 tag: u8 = uint8("tag", 0);
+    1 label: String = string("label", 0);
+    2 x: u64 = uint64("x", 0);
+}
+
+uavspec_runtime::record! {
+    Empty;
+}
+
+const ORDERS: [ByteOrder; 2] = [ByteOrder::LittleEndian, ByteOrder::BigEndian];
+
+fn text(length: usize) -> impl Strategy<Value = String> {
+    vec(any::<char>().prop_filter("a NUL ends a string", |character| *character != '\0'), 0..=length)
+        .prop_map(String::from_iter)
+}
+
+fn point() -> impl Strategy<Value = Point> {
+    (any::<u8>(), text(6), any::<u64>()).prop_map(|(tag, label, x)| Point { tag, label, x })
+}
+
+fn sample() -> impl Strategy<Value = Sample> {
+    let texts = (text(5), text(9), vec(text(4), 0..=2));
+    let numbers = (any::<bool>(), vec(any::<f64>(), 0..9), vec(any::<u16>(), 0..=3));
+    let points = (vec(point(), 0..4), [point(), point()], vec(Just(Empty {}), 0..9));
+    (texts, numbers, points).prop_map(
+        |((name, wide, names), (flag, numbers, few), (points, pair, empties))| Sample {
+            flag,
+            name,
+            wide,
+            numbers,
+            few,
+            points,
+            pair,
+            empty: Empty {},
+            empties,
+            names,
+        },
+    )
+}
+
+/// Bytes of all kinds of fields.
+fn payload(order: ByteOrder) -> Vec<u8> {
+    let point = |label: &str| Point { tag: 1, label: label.to_owned(), x: 7 };
+    let sample = Sample {
+        flag: true,
+        name: "größe".to_owned(),
+        wide: "a\u{1F681}b".to_owned(),
+        numbers: vec![1.5, -0.0],
+        few: vec![1, 2, 3],
+        points: vec![point("one"), point("")],
+        pair: [point("left"), point("right")],
+        empty: Empty {},
+        empties: vec![Empty {}; 3],
+        names: vec!["ab".to_owned()],
+    };
+    sample.to_cdr(order).expect("all within bounds")
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn what_is_written_is_read_again(sample in sample()) {
+        prop_assert!(sample.validate().is_empty());
+        for order in ORDERS {
+            let bytes = sample.to_cdr(order).expect("all within bounds");
+            let read = Sample::from_cdr_strict(&bytes).expect("what was written");
+            prop_assert_eq!(read.to_cdr(order).expect("all within bounds"), bytes);
+            prop_assert_eq!(read.names, sample.names.clone());
+        }
+    }
+
+    #[test]
+    fn any_bytes_are_a_message_or_an_error_within_them(mut bytes in vec(any::<u8>(), 0..200), big: bool) {
+        if let [first, second, ..] = bytes.as_mut_slice() {
+            (*first, *second) = (0, u8::from(!big));
+        }
+        judge(&bytes);
+    }
+
+    #[test]
+    fn a_changed_payload_is_a_message_or_an_error_within_it(at in 4..300_usize, byte: u8, big: bool) {
+        let mut bytes = payload(ORDERS[usize::from(big)]);
+        let at = at % bytes.len();
+        bytes[at] = byte;
+        judge(&bytes);
+    }
+}
+
+/// A message that was read is written and read again; an error lies within the bytes.
+fn judge(bytes: &[u8]) {
+    match Sample::from_cdr(bytes) {
+        Ok(sample) => {
+            let held = sample.numbers.capacity() * 8 + sample.empties.len() + sample.points.len();
+            assert!(held <= 4 * bytes.len(), "{held} bytes for {}", bytes.len());
+            let again = sample.to_cdr(ByteOrder::LittleEndian).expect("it was read");
+            let read = Sample::from_cdr(&again).expect("it was written");
+            assert_eq!(read.to_cdr(ByteOrder::LittleEndian), Ok(again));
+        }
+        Err(error) => assert!(error.offset <= bytes.len(), "{error}"),
+    }
+}
+
+#[test]
+fn every_cut_is_an_error_that_says_where() {
+    for order in ORDERS {
+        let bytes = payload(order);
+        for end in 0..bytes.len() {
+            let error = Sample::from_cdr(&bytes[..end]).expect_err("too short");
+            assert!(error.offset <= end, "{end}: {error}");
+        }
+    }
+    let bytes = payload(ByteOrder::LittleEndian);
+    let error = Sample::from_cdr(&bytes[..bytes.len() - 1]).expect_err("too short");
+    assert_eq!(error.to_string(), "names[0] at byte 184: expected 3 more bytes, found 2");
+}
+
+#[test]
+fn lengths_beyond_the_bytes_are_refused_before_anything_is_made() {
+    for order in ORDERS {
+        let bytes = payload(order);
+        for at in (4..bytes.len() - 3).step_by(4) {
+            for length in [u32::MAX, i32::MAX.unsigned_abs(), 1 << 24] {
+                let mut bytes = bytes.clone();
+                let length =
+                    if order == ByteOrder::BigEndian { length.to_be_bytes() } else { length.to_le_bytes() };
+                bytes[at..at + 4].copy_from_slice(&length);
+                judge(&bytes);
+            }
+        }
+    }
+}
+
+#[test]
+fn bounds_hold_both_ways() {
+    let long = |few: usize, name: &str, names: &[&str]| Sample {
+        few: vec![0; few],
+        name: name.to_owned(),
+        names: names.iter().map(|name| (*name).to_owned()).collect(),
+        ..Sample::default()
+    };
+    for (sample, path, bound, found) in [
+        (long(4, "", &[]), "few", 3, 4),
+        (long(0, "sechs!", &[]), "name", 5, 6),
+        (long(0, "", &["a", "b", "c"]), "names", 2, 3),
+        (long(0, "", &["a", "fünf!"]), "names[1]", 4, 5),
+    ] {
+        let error = sample.to_cdr(ByteOrder::LittleEndian).expect_err("over the bound");
+        assert_eq!((error.fault, error.path.to_string().as_str()), (Fault::TooLong { bound, found }, path));
+        let violations = sample.validate();
+        assert_eq!(violations.len(), 1, "{violations:?}");
+        assert_eq!((violations[0].rule.id(), violations[0].path.to_string().as_str()), ("PX-CDR-02", path));
+    }
+    let mut bytes = long(0, "five5", &[]).to_cdr(ByteOrder::LittleEndian).expect("just within");
+    assert_eq!(bytes[8..12], [6, 0, 0, 0], "the length of the name");
+    bytes[8] = 7;
+    bytes.splice(17..18, [b'!', 0]);
+    let error = Sample::from_cdr(&bytes).expect_err("over the bound");
+    assert_eq!(error.to_string(), "name at byte 8: expected at most 5, found 6");
+}
+
+#[test]
+fn strings_that_are_none_are_refused() {
+    let bytes = payload(ByteOrder::LittleEndian);
+    for (at, byte, expected) in [
+        (12, 0xff, "name at byte 8: expected a string in Unicode, found other bytes"),
+        (13, 0, "name at byte 8: expected one NUL in a string, at its end"),
+        (31, 0xdc, "wide at byte 20: expected a string in Unicode, found other bytes"),
+    ] {
+        let mut bytes = bytes.clone();
+        bytes[at] = byte;
+        assert_eq!(Sample::from_cdr(&bytes).expect_err("no string").to_string(), expected);
+    }
+    let sample = Sample { name: "a\0b".to_owned(), ..Sample::default() };
+    assert_eq!(sample.to_cdr(ByteOrder::LittleEndian).expect_err("no string").fault, Fault::Nul);
+}
+
+#[test]
+fn a_buffer_that_is_too_small_is_told_how_large_it_should_be() {
+    let bytes = payload(ByteOrder::LittleEndian);
+    let sample = Sample::from_cdr(&bytes).expect("a payload");
+    let mut buffer = vec![0xaa; bytes.len() - 1];
+    let error = sample.encode_cdr(ByteOrder::LittleEndian, &mut buffer).expect_err("too small");
+    assert_eq!(error.fault, Fault::Buffer { needed: bytes.len(), room: bytes.len() - 1 });
+    buffer = vec![0xaa; bytes.len() + 1];
+    assert_eq!(sample.encode_cdr(ByteOrder::LittleEndian, &mut buffer), Ok(bytes.len()));
+    assert_eq!(buffer[..bytes.len()], bytes, "what lies between values is zero");
+}

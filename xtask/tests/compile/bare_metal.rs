@@ -1,0 +1,34 @@
+//! What firmware without an allocator does with messages: this crate links nothing but `core`, and as a
+//! static library it would not build if anything asked for an allocator.
+
+#![no_std]
+#![forbid(unsafe_code)]
+
+use uavspec::px4::{FailsafeFlags, FailsafeFlagsView};
+use uavspec_runtime::cdr::ByteOrder;
+use uavspec_runtime::{Message, UorbMessage};
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    loop {}
+}
+
+/// Takes a payload from uORB and gives the message on in CDR: how many bytes, or 0 where the payload is
+/// none or says nothing that a ground station should know.
+pub extern "C" fn forward(payload: &[u8; FailsafeFlags::SIZE], out: &mut [u8; 89]) -> usize {
+    let Ok(view) = FailsafeFlags::view(payload) else { return 0 };
+    if !is_urgent(view) {
+        return 0;
+    }
+    let Ok(flags) = FailsafeFlags::from_uorb_strict(payload) else { return 0 };
+    let mut violations = 0;
+    flags.validate_with(&mut |_| violations += 1);
+    if violations > 0 || !flags.contains_failure() {
+        return 0;
+    }
+    flags.encode_cdr(ByteOrder::LittleEndian, out).unwrap_or(0)
+}
+
+fn is_urgent(view: FailsafeFlagsView<'_>) -> bool {
+    view.timestamp() > 0 && (view.fd_motor_failure() || view.battery_unhealthy())
+}
