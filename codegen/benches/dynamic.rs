@@ -8,7 +8,7 @@ use divan::counter::BytesCount;
 use divan::{Bencher, black_box};
 use serde::Serialize;
 use uavspec::px4::{ArmingCheckReply, BatteryStatus, FailsafeFlags};
-use uavspec_codegen::dynamic::{MessageType, Types};
+use uavspec_codegen::dynamic::{DynamicView, MessageType, Types};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::{PackageInput, SourceMap, read};
@@ -81,7 +81,7 @@ pair!(uorb_decode: uorb; T::from_uorb, MessageType::decode_uorb);
 pair!(uorb_view: uorb; T::view, MessageType::view_uorb);
 pair!(uorb_encode: uorb;
     |payload| T::from_uorb(payload).map(|message| message.to_uorb()),
-    |of: MessageType<'static>, payload| of.view_uorb(payload).and_then(|view| view.encode_uorb()));
+    |of: MessageType<'static>, payload| of.view_uorb(payload).and_then(DynamicView::encode_uorb));
 pair!(cdr_decode: cdr(LITTLE); T::from_cdr, MessageType::decode_cdr);
 pair!(cdr_decode_big_endian: cdr(BIG); T::from_cdr, MessageType::decode_cdr);
 pair!(cdr_transcode: cdr(LITTLE);
@@ -92,7 +92,7 @@ pair!(cdr_encode_from_uorb: uorb;
     |of: MessageType<'static>, payload| of.view_uorb(payload).and_then(|view| view.encode_cdr(LITTLE)));
 pair!(json_from_uorb: uorb;
     |payload| serde_json::to_string(&T::from_uorb(payload).expect("a message")),
-    |of: MessageType<'static>, payload| of.view_uorb(payload).and_then(|view| view.to_json_text()));
+    |of: MessageType<'static>, payload| of.view_uorb(payload).and_then(DynamicView::to_json_text));
 pair!(validate_uorb: uorb;
     |payload| T::from_uorb(payload).expect("a message").validate().len(),
     |of: MessageType<'static>, payload| of.view_uorb(payload).expect("a message").validate().len());

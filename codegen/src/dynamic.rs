@@ -29,8 +29,9 @@
 //!
 //! Nothing panics on any input, and no payload asks for more room than it has the right to: a message
 //! takes at most eight times as many bytes as its CDR payload, or as the text of its JSON. (Eight is what
-//! an array of messages with one `uint8` each comes to.) While a message is being read its buffers may
-//! be twice as large.
+//! an array of messages with one `uint8` each comes to.) Payloads that are refused take no more than
+//! that; JSON takes the fixed size of each message as soon as it begins. The vectors that hold all this
+//! may have twice the room. Messages nest at most 32 deep.
 
 mod cdr;
 mod compile;

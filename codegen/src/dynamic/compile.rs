@@ -15,7 +15,7 @@ use crate::value::Value;
 pub(super) const MAX_DEPTH: usize = 32;
 
 /// Most bytes that a byte of CDR takes in memory: a message of one `uint8` is padded to so many.
-const GROWTH: u64 = 8;
+pub(super) const GROWTH: usize = 8;
 
 /// A nested message of at most so many steps is not called but copied into the one that holds it.
 const MAX_COPIED_STEPS: usize = 16;
@@ -57,7 +57,7 @@ fn draft(schema: &Schema, message: &Message) -> Draft {
         name: message.name.as_str().into(),
         fields: message.fields.iter().map(|field| field_of(schema, message, field)).collect(),
         placement: Placement::Uorb,
-        limit: MAX_MESSAGE_SIZE * GROWTH,
+        limit: MAX_MESSAGE_SIZE * GROWTH as u64,
         defect: is_too_large.then_some(Defect::TooLarge(MAX_MESSAGE_SIZE)),
     }
 }
@@ -301,7 +301,9 @@ fn steps(fields: &[Field], plans: &[Plan]) -> Vec<Step> {
             Element::String(bounds) => steps.push(Step::Strings { offset, count: field.count(), bounds }),
             Element::Message(plan) => match &*plans[plan].steps {
                 nested if field.count() == 1 && nested.len() <= MAX_COPIED_STEPS => {
-                    nested.iter().for_each(|step| add(&mut steps, step.moved(offset)));
+                    for step in nested {
+                        add(&mut steps, step.moved(offset));
+                    }
                 }
                 _ => steps.push(Step::Messages { offset, count: field.count(), plan }),
             },

@@ -9,6 +9,7 @@ use crate::value::Value;
 
 /// A type of messages.
 #[derive(Debug)]
+#[allow(clippy::struct_excessive_bools)] // each is a fact of its own
 pub(super) struct Plan {
     pub(super) package: Box<str>,
     pub(super) name: Box<str>,
@@ -93,6 +94,17 @@ pub(super) struct Bounds {
     pub(super) is_wide: bool,
     /// Greatest number of characters.
     pub(super) bound: Option<u32>,
+}
+
+impl Bounds {
+    /// Whether text, which is UTF-8, has too many characters.
+    pub(super) fn exceeded_by(self, text: &[u8]) -> bool {
+        let is_start = |byte: &&u8| **byte & 0xc0 != 0x80;
+        self.bound.is_some_and(|bound| {
+            let bound = bound as usize;
+            text.len() > bound && text.iter().filter(is_start).count() > bound
+        })
+    }
 }
 
 /// A step between memory and CDR. Offsets are bytes from the start of the message in memory.

@@ -74,7 +74,7 @@ pub(super) fn encode(view: DynamicView<'_>) -> Result<Vec<u8>, Error> {
         return Err(wrong_size(view.plan, 0));
     }
     let mut payload = vec![0; view.plan.size.padded];
-    write(view.types, view.plan, part(view.bytes, view.base, view.bytes.len() - view.base), &mut payload);
+    write(view.types, view.plan, view.bytes.get(view.base..).unwrap_or_default(), &mut payload);
     Ok(payload)
 }
 

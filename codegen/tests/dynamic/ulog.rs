@@ -183,7 +183,7 @@ fn formats_that_are_unusable_are_told_and_leave_the_others() {
     assert_eq!((size.padded, size.no_padding), (32, 29));
     let payload: Vec<u8> = (0..29).map(|byte| if byte == 27 { 0 } else { byte + 65 }).collect();
     let view = good.view_uorb(&payload).expect("a message");
-    assert_eq!(format!("{:?}", view.get("inner[1].y")), format!("{:?}", Some(Value::UInt(65 + 20))),);
+    assert_eq!(format!("{:?}", view.get("inner[1].y")), format!("{:?}", Some(Value::UInt(65 + 20))));
     assert!(matches!(view.get("text"), Some(Value::Text(b"YZ["))), "{view:?}");
     assert!(view.get("_padding0").is_none());
     assert!(types.find(ULOG_PACKAGE, "long").expect("a type").size().is_some());

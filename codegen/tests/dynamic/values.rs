@@ -39,7 +39,7 @@ impl Draw {
         let count = match field.ty.shape {
             Shape::Single => return self.element(schema, field.ty.element),
             Shape::Array(length) if field.is_text(dialect) => {
-                return Json::from(self.text(length as usize, |text| text.len()));
+                return Json::from(self.text(length as usize, str::len));
             }
             Shape::Array(length) => length as usize,
             Shape::Bounded(bound) => self.below(bound.min(5) as usize + 1),

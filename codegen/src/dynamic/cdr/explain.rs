@@ -12,8 +12,15 @@ use crate::dynamic::trail::Trail;
 use crate::dynamic::{MessageType, Types};
 use crate::schema::Shape;
 
-/// The first fault in a payload, if there is one.
+/// What is wrong with a payload, if anything is. Of a message of fixed size, that it ends too soon comes
+/// before odd `bool`s; of others, what comes first.
 pub(super) fn explain(of: MessageType<'_>, payload: &[u8], is_strict: bool) -> Option<Error> {
+    let end = if of.plan.is_fixed && is_strict { first_fault(of, payload, false) } else { None };
+    end.filter(|error| matches!(error.reason, Reason::Fault(Fault::Truncated { .. })))
+        .or_else(|| first_fault(of, payload, is_strict))
+}
+
+fn first_fault(of: MessageType<'_>, payload: &[u8], is_strict: bool) -> Option<Error> {
     let order = match ByteOrder::of(payload) {
         Ok(order) => order,
         Err(fault) => return Some(error(of, fault, 0, &Trail::default())),

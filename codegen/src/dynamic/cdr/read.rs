@@ -3,6 +3,7 @@
 use uavspec_runtime::cdr::{ByteOrder, HEADER, is_filling};
 
 use super::explain;
+use crate::dynamic::compile::GROWTH;
 use crate::dynamic::error::{Error, Reason};
 use crate::dynamic::plan::{Bounds, Plan, Run, SLOT, Sequence, Step, Width};
 use crate::dynamic::{DynamicMessage, MessageType, Types};
@@ -119,8 +120,13 @@ impl<'b, const BIG: bool> Reader<'b, BIG> {
             return None;
         }
         let start = self.buffer.len();
+        let end = start + count * stride;
+        // What is nested could each time promise what is left of the payload, and then break off.
+        if end > self.body.len() * GROWTH {
+            return None;
+        }
         self.point(slot, start, count)?;
-        self.buffer.resize(start + count * stride, 0);
+        self.buffer.resize(end, 0);
         match element {
             Sequence::Numbers { .. } if count == 0 => Some(()),
             Sequence::Numbers { width, is_bool } => self.numbers(start, count * stride, width, is_bool),
@@ -139,7 +145,7 @@ impl<'b, const BIG: bool> Reader<'b, BIG> {
         }
         let text = &self.buffer[start..];
         let length = text.len();
-        if bounds.bound.is_some_and(|bound| exceeds(text, bound)) {
+        if bounds.exceeded_by(text) {
             return None;
         }
         self.point(slot, start, length)
@@ -177,12 +183,6 @@ impl<'b, const BIG: bool> Reader<'b, BIG> {
     }
 }
 
-/// Whether text in UTF-8 has more than `bound` characters.
-fn exceeds(text: &[u8], bound: u32) -> bool {
-    let bound = bound as usize;
-    text.len() > bound && text.iter().filter(|byte| **byte & 0xc0 != 0x80).count() > bound
-}
-
 /// Copies numbers to the order of bytes in memory, which is little-endian.
 #[inline]
 pub(super) fn copy<const BIG: bool>(from: &[u8], to: &mut [u8], width: Width) {
@@ -203,5 +203,34 @@ fn swap<const N: usize>(from: &[u8], to: &mut [u8]) {
     for (from, to) in from.as_chunks::<N>().0.iter().zip(to.as_chunks_mut::<N>().0) {
         *to = *from;
         to.reverse();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::msg::Dialect;
+    use crate::schema::Form;
+    use crate::{PackageInput, SourceMap};
+
+    /// Each level promises as much as the payload could hold, and nothing follows.
+    #[test]
+    fn promises_of_nested_sequences_take_no_more_room_than_one() {
+        let mut sources = SourceMap::default();
+        let mut package = PackageInput::new("demo", Form::Msg(Dialect::Ros2), Vec::new());
+        for level in 0..=20 {
+            let next = if level == 0 { "uint8".to_owned() } else { format!("L{}", level - 1) };
+            let text = format!("{next}[] nested\nuint64[100] rest\n");
+            package.sources.push(sources.add(format!("L{level}.msg"), text.into_bytes()).expect("a text"));
+        }
+        let types = Types::new(&crate::read(&sources, &[package]).0);
+        let of = types.find("demo", "L20").expect("the type");
+        let mut body = [1, 0, 0, 0].repeat(10);
+        body.resize(1000, 0);
+        let buffer = vec![0; of.plan.size.padded];
+        let mut reader = Reader::<false> { types: &types, body: &body, at: 0, buffer, is_strict: false };
+        assert!(reader.message(of.plan, 0).is_none());
+        let room = reader.buffer.len();
+        assert!((5000..=8000).contains(&room), "{room} bytes of room for {}", body.len());
     }
 }

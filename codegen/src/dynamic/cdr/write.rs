@@ -24,7 +24,7 @@ pub(in crate::dynamic) fn encode(view: DynamicView<'_>, order: ByteOrder) -> Res
 
 fn write<const BIG: bool>(view: DynamicView<'_>, order: ByteOrder) -> Option<Vec<u8>> {
     // As much as it takes in memory, and the header; CDR rarely needs more.
-    let mut out = Vec::with_capacity(view.bytes.len() - view.base + HEADER);
+    let mut out = Vec::with_capacity(view.bytes.len().saturating_sub(view.base) + HEADER);
     out.extend_from_slice(&order.header());
     let mut writer = Writer::<BIG> { types: view.types, bytes: view.bytes, out };
     writer.message(view.plan, view.base)?;
@@ -134,10 +134,7 @@ impl<const BIG: bool> Writer<'_, BIG> {
 
 /// What CDR can't say of a string.
 fn fault(text: &str, bounds: Bounds) -> Option<Fault> {
-    let exceeded = bounds.bound.filter(|bound| {
-        let bound = *bound as usize;
-        text.len() > bound && text.chars().count() > bound
-    });
+    let exceeded = bounds.bound.filter(|_| bounds.exceeded_by(text.as_bytes()));
     match exceeded {
         Some(bound) => Some(Fault::TooLong { bound, found: text.chars().count() }),
         None => (!bounds.is_wide && text.as_bytes().contains(&0)).then_some(Fault::Nul),

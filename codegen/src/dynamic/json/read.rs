@@ -225,7 +225,7 @@ impl<'de> Visitor<'de> for FieldSeed<'_, '_> {
     }
 }
 
-impl<'t> FieldSeed<'_, 't> {
+impl FieldSeed<'_, '_> {
     fn array<'de, A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
         let Self { builder, field, at } = self;
         let length = field.count();
