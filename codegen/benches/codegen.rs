@@ -93,6 +93,12 @@ fn emit_docs(bencher: Bencher<'_, '_>, times: usize) {
     });
 }
 
+/// Model to test vectors.
+#[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
+fn emit_vectors(bencher: Bencher<'_, '_>, times: usize) {
+    emitter(bencher, times, |schema, _| emit::vectors::emit(schema, &emit::vectors::Options::default()));
+}
+
 /// A workspace on disk whose definitions are those of the corpus.
 fn workspace(times: usize) -> TempDir {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("a temporary folder");

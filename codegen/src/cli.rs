@@ -33,7 +33,7 @@ use crate::schema::{Form, Schema};
 use crate::source::SourceMap;
 
 /// Makes drone interface specifications executable: reads `.msg` definitions and specification
-/// tables, and generates Rust types, JSON Schemas and documentation from them.
+/// tables, and generates Rust types, JSON Schemas, documentation and test vectors from them.
 #[derive(Debug, Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", version)]
 struct Cli {
@@ -44,7 +44,7 @@ struct Cli {
 /// The commands, to be embedded among those of another command line.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Generate Rust types, JSON Schemas and documentation from the definitions.
+    /// Generate Rust types, JSON Schemas, documentation and test vectors from the definitions.
     Codegen(CodegenArgs),
     /// Print the model of the definitions as JSON.
     Inspect(InspectArgs),
@@ -295,6 +295,7 @@ fn emit_all(plan: &Plan, schema: &Schema, sources: &SourceMap) -> Result<Vec<Fol
             EmitterOptions::Rust(options) => emit_rust(schema, sources, options)?,
             EmitterOptions::JsonSchema(options) => emit::json_schema::emit(schema, options),
             EmitterOptions::Docs(options) => emit::docs::emit(schema, sources, options),
+            EmitterOptions::Vectors(options) => emit::vectors::emit(schema, options),
         };
         Ok(Folder { path: output.path.clone(), files })
     })

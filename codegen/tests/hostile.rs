@@ -7,7 +7,7 @@ mod support;
 use std::fmt::Write as _;
 
 use uavspec_codegen::diagnostic::{has_errors, render};
-use uavspec_codegen::emit::inspect;
+use uavspec_codegen::emit::{inspect, vectors};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::{Diagnostic, PackageInput, Schema, SourceMap, read};
@@ -245,7 +245,9 @@ fn emitted(packages: &[NamedPackage], turn: usize) -> Vec<String> {
     inputs.rotate_left(turn % packages.len());
     let (schema, diagnostics) = read(&sources, &inputs);
     assert!(!has_errors(&diagnostics), "{}", render::render(&diagnostics, &sources, false));
-    let model = vec![inspect::schema(&schema).to_string()];
+    let mut model = vec![inspect::schema(&schema).to_string()];
+    let emitted = vectors::emit(&schema, &vectors::Options::default());
+    model.extend(emitted.into_iter().map(|file| file.path + "\n" + &file.text));
     #[cfg(feature = "rust")]
     let model = {
         let files = uavspec_codegen::emit::rust::emit(

@@ -8,7 +8,7 @@ use toml::Spanned;
 
 use super::Failure;
 use crate::diagnostic::render;
-use crate::emit::{docs, json_schema};
+use crate::emit::{docs, json_schema, vectors};
 use crate::schema::Form;
 use crate::source::SourceMap;
 
@@ -25,6 +25,8 @@ pub(super) enum Emitter {
     JsonSchema,
     /// Documentation: Markdown laid out for mdBook.
     Docs,
+    /// Test vectors, as JSON.
+    Vectors,
 }
 
 /// A `uavspec.toml` that has been read.
@@ -53,13 +55,14 @@ struct Outputs {
     rust: Option<Output<RustTable>>,
     json_schema: Option<Output<JsonSchemaTable>>,
     docs: Option<Output<DocsTable>>,
+    vectors: Option<Output<VectorsTable>>,
 }
 
 /// An output: its folder, or a table of the folder and options.
 #[derive(Debug, Deserialize)]
 #[serde(
     untagged,
-    expecting = "expected a path, or a table of `path` and `root`, `readme` (rust), `base` (json_schema) or `title` (docs)"
+    expecting = "expected a path, or a table of `path` and `root`, `readme` (rust), `base` (json_schema, vectors) or `title` (docs)"
 )]
 enum Output<T> {
     Path(PathBuf),
@@ -86,6 +89,13 @@ struct JsonSchemaTable {
 struct DocsTable {
     path: PathBuf,
     title: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct VectorsTable {
+    path: PathBuf,
+    base: Option<String>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -157,6 +167,7 @@ pub(super) enum EmitterOptions {
     Rust(RustOptions),
     JsonSchema(json_schema::Options),
     Docs(docs::Options),
+    Vectors(vectors::Options),
 }
 
 /// Options of the Rust emitter, which may be absent from the build.
@@ -222,6 +233,7 @@ impl Config {
         let root = if folder.ends_with("definitions") { folder.join("..") } else { folder.clone() };
         let outputs = self.file.output;
         let mut planned = Vec::new();
+        let mut schema_base = None;
         let mut plan = |path: &Path, emitter| {
             planned.push(PlannedOutput { path: normalise(&folder.join(path)), emitter });
         };
@@ -232,11 +244,17 @@ impl Config {
         }
         if let Some(output) = outputs.json_schema {
             let JsonSchemaTable { path, base } = output.table(|path| JsonSchemaTable { path, base: None });
+            schema_base.clone_from(&base);
             plan(&path, EmitterOptions::JsonSchema(json_schema_options(base)));
         }
         if let Some(output) = outputs.docs {
             let DocsTable { path, title } = output.table(|path| DocsTable { path, title: None });
             plan(&path, EmitterOptions::Docs(docs_options(title)));
+        }
+        if let Some(output) = outputs.vectors {
+            let VectorsTable { path, base } = output.table(|path| VectorsTable { path, base: None });
+            // They refer to the schemas that are emitted beside them.
+            plan(&path, EmitterOptions::Vectors(vectors_options(base.or(schema_base))));
         }
         let packages = self
             .file
@@ -265,6 +283,10 @@ impl Config {
 fn json_schema_options(base: Option<String>) -> json_schema::Options {
     let default = json_schema::Options::default();
     json_schema::Options { base: base.unwrap_or(default.base) }
+}
+
+fn vectors_options(base: Option<String>) -> vectors::Options {
+    vectors::Options { schemas: json_schema_options(base) }
 }
 
 fn docs_options(title: Option<String>) -> docs::Options {
@@ -300,6 +322,7 @@ impl Plan {
                 Emitter::Rust => ("rust", EmitterOptions::Rust(RustOptions::new(None, None))),
                 Emitter::JsonSchema => ("json_schema", EmitterOptions::JsonSchema(json_schema_options(None))),
                 Emitter::Docs => ("docs", EmitterOptions::Docs(docs_options(None))),
+                Emitter::Vectors => ("vectors", EmitterOptions::Vectors(vectors_options(None))),
             })
             .map(|(folder, emitter)| PlannedOutput { path: out.join(folder), emitter })
             .collect();

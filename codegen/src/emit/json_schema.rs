@@ -41,7 +41,8 @@ mod tree;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use self::address::{Address, Target};
+use self::address::Address;
+pub(super) use self::address::Target;
 use self::tree::{Member, Node, member};
 use super::{GENERATED_BY, OutputFile};
 use crate::schema::{Element, MessageId, Package, Schema};
@@ -50,7 +51,7 @@ use crate::schema::{Element, MessageId, Package, Schema};
 pub const DEFAULT_BASE: &str = "https://uavspec.dev/schemas/";
 
 /// The draft that all files are written for.
-const DRAFT: &str = "https://json-schema.org/draft/2020-12/schema";
+pub(super) const DRAFT: &str = "https://json-schema.org/draft/2020-12/schema";
 
 /// How schemas are emitted.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -80,8 +81,18 @@ pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
     files
 }
 
+/// The absolute address of a schema.
+pub(super) fn id(schema: &Schema, target: Target, options: &Options) -> String {
+    Address::of(schema, target).id(&options.base)
+}
+
+/// The path of its file, without the ending.
+pub(super) fn name(schema: &Schema, target: Target) -> String {
+    Address::of(schema, target).stem()
+}
+
 /// What a package defines.
-fn targets(package: &Package, index: usize) -> Vec<Target> {
+pub(super) fn targets(package: &Package, index: usize) -> Vec<Target> {
     let parts = package.interfaces.iter().flat_map(|interface| &interface.parts);
     let mut targets: Vec<Target> =
         package.messages.iter().chain(parts).map(|id| Target::Message(*id)).collect();

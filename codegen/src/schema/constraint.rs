@@ -6,7 +6,7 @@ use super::{Dialect, Element, Field, Form, Message, Schema, Shape, Special};
 use crate::value::Value;
 
 /// A [`Constraint`] that owns its lists.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Restriction {
     /// Least value.
     pub low: Option<Number>,

@@ -172,6 +172,24 @@ impl Rule {
             Self::Nan => "PX-NAN-01",
         }
     }
+
+    /// Writes what `found`, which breaks it, should have been, by the constraint of a number or the bound
+    /// of a sequence or string; and the id.
+    pub fn explain(
+        self,
+        found: Number,
+        constraint: Option<&Constraint<'_>>,
+        bound: Option<u32>,
+        formatter: &mut fmt::Formatter<'_>,
+    ) -> fmt::Result {
+        match (constraint, bound) {
+            (Some(constraint), _) => constraint.explain(self, found, formatter)?,
+            (None, Some(bound)) => write!(formatter, "{found} elements or characters where {bound} fit")?,
+            (None, None) if self == Self::Text => write!(formatter, "no UTF-8 from byte {found} on")?,
+            (None, None) => Constraint::NONE.explain(self, found, formatter)?,
+        }
+        write!(formatter, " ({})", self.id())
+    }
 }
 
 /// The id.

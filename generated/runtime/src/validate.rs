@@ -23,15 +23,8 @@ pub struct Violation {
 
 impl fmt::Display for Violation {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { rule, path, found, .. } = self;
-        write!(formatter, "{path}: ")?;
-        match (self.constraint, self.bound) {
-            (Some(constraint), _) => constraint.explain(*rule, *found, formatter)?,
-            (None, Some(bound)) => write!(formatter, "{found} elements or characters where {bound} fit")?,
-            (None, None) if *rule == Rule::Text => write!(formatter, "no UTF-8 from byte {found} on")?,
-            (None, None) => Constraint::NONE.explain(*rule, *found, formatter)?,
-        }
-        write!(formatter, " ({})", rule.id())
+        write!(formatter, "{}: ", self.path)?;
+        self.rule.explain(self.found, self.constraint, self.bound, formatter)
     }
 }
 

@@ -9,7 +9,7 @@ const EXTENSION: &str = ".schema.json";
 
 /// Something that has a schema of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Target {
+pub(in crate::emit) enum Target {
     /// A message, or a part of a service or action.
     Message(MessageId),
     /// An error code of the package with this index.
@@ -44,6 +44,12 @@ impl<'s> Address<'s> {
     /// The path of the file.
     pub(super) fn path(self) -> String {
         format!("{}/{}", self.package, self.file())
+    }
+
+    /// The path of the file without its ending.
+    pub(super) fn stem(self) -> String {
+        let Self { package, folder, name } = self;
+        folder.map_or_else(|| format!("{package}/{name}"), |folder| format!("{package}/{folder}/{name}"))
     }
 
     /// The absolute address under `base`.

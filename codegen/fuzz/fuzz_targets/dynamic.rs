@@ -1,0 +1,104 @@
+//! Bytes as messages of types made at run time: uORB, CDR, JSON, and formats of a log. The first byte says
+//! as what, the second as which type.
+#![no_main]
+
+use std::sync::LazyLock;
+
+use libfuzzer_sys::fuzz_target;
+use uavspec_codegen::dynamic::{DynamicMessage, MessageType, Types, ULOG_PACKAGE};
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::Form;
+use uavspec_codegen::{PackageInput, SourceMap, read};
+use uavspec_runtime::cdr::{ByteOrder, HEADER};
+
+const FILES: [(&str, &str); 6] = [
+    (
+        "Tree.msg",
+        "bool[2] a\nstring b 'x'\nwstring<=9 c\nuint64[] d\nByte[] e\nEmpty[] f\nTwig[<=3] g\nstring[] h\nTwig i\n",
+    ),
+    ("Twig.msg", "uint8 a\nstring<=4[<=5] b\nLeaf[] c\nLeaf[2] d\nint16[2] e [1, -1]\n"),
+    ("Leaf.msg", "bool a\nwstring[] b\nuint16[<=6] c\nfloat32 d # [@range 0, 1]\n"),
+    ("Fixed.msg", "bool a\nByte[3] b\nfloat64[2] c\nint64 d\nchar[5] e\nEmpty f\n"),
+    ("Byte.msg", "uint8 a\n"),
+    ("Empty.msg", ""),
+];
+
+static TYPES: LazyLock<Types> = LazyLock::new(|| {
+    let mut packages = Vec::new();
+    let mut sources = SourceMap::default();
+    for (name, dialect, files) in [("demo", Dialect::Ros2, &FILES[..]), ("px4", Dialect::Px4, &FILES[3..])] {
+        let ids = files.iter().filter_map(|(path, text)| sources.add(*path, text.as_bytes().to_vec()).ok());
+        packages.push(PackageInput::new(name, Form::Msg(dialect), ids.collect()));
+    }
+    Types::new(&read(&sources, &packages).0)
+});
+
+fuzz_target!(|data: &[u8]| {
+    let [what, which, data @ ..] = data else { return };
+    if what % 4 == 3 {
+        return log(data);
+    }
+    let index = usize::from(*which) % TYPES.iter().len();
+    let Some(of) = TYPES.iter().nth(index) else { return };
+    match what % 4 {
+        0 => cdr(of, data),
+        1 => uorb(of, data),
+        _ => json(of, data),
+    }
+});
+
+fn cdr(of: MessageType<'_>, data: &[u8]) {
+    let message = of.decode_cdr(data);
+    assert!(message.is_ok() || of.decode_cdr_strict(data).is_err(), "strict is stricter");
+    let Ok(message) = message else { return };
+    assert!(message.size_in_memory() <= 8 * (data.len() - HEADER), "takes too much room");
+    for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
+        let payload = message.encode_cdr(order).expect("what was read can be written");
+        let again = of.decode_cdr_strict(&payload).expect("what was written can be read");
+        assert_eq!(again.encode_cdr(order).as_ref(), Ok(&payload));
+    }
+    use_all(&message);
+}
+
+fn uorb(of: MessageType<'_>, data: &[u8]) {
+    let message = of.decode_uorb(data);
+    assert!(message.is_ok() || of.decode_uorb_strict(data).is_err(), "strict is stricter");
+    let Ok(message) = message else { return };
+    let payload = message.encode_uorb().expect("what was read can be written");
+    let again = of.decode_uorb_strict(&payload).expect("what was written can be read");
+    assert_eq!(again.encode_uorb().as_ref(), Ok(&payload));
+    use_all(&message);
+}
+
+fn json(of: MessageType<'_>, data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    let Ok(message) = of.from_json_text(text) else { return };
+    assert!(message.size_in_memory() <= 8 * text.len().max(1), "takes too much room");
+    use_all(&message);
+}
+
+/// Formats one a line, then a payload after a byte that no text has.
+fn log(data: &[u8]) {
+    let mut parts = data.splitn(2, |byte| *byte == 0xff);
+    let (text, payload) = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default());
+    let Ok(text) = std::str::from_utf8(text) else { return };
+    let (types, _) = Types::from_ulog_formats(text.lines().filter_map(|line| line.split_once(':')));
+    for of in types.iter() {
+        assert_eq!(of.package(), ULOG_PACKAGE);
+        let message = of.default();
+        assert!(message.size_in_memory() <= 65_533, "longer than any data message");
+        uorb(of, payload);
+    }
+}
+
+/// All that can be made of a message, and read back where that is possible.
+fn use_all(message: &DynamicMessage<'_>) {
+    for violation in message.validate() {
+        assert!(message.get(&violation.path).is_some(), "nothing at {}", violation.path);
+    }
+    if let Ok(text) = message.view().to_json_text() {
+        let again = message.message_type().from_json_text(&text).expect("what was written can be read");
+        assert_eq!(again.view().to_json_text().as_ref(), Ok(&text));
+    }
+    assert_eq!(message.to_json().is_ok(), message.view().to_json_text().is_ok());
+}

@@ -1,0 +1,175 @@
+//! Why bytes are no message: a slow pass over those that the fast one refused.
+//!
+//! It reads field by field as the typed codec does, and so says the same.
+
+use uavspec_runtime::Fault;
+use uavspec_runtime::cdr::{ByteOrder, HEADER, is_filling};
+use uavspec_runtime::record::Primitive as _;
+
+use crate::dynamic::error::{Error, Reason};
+use crate::dynamic::plan::{Bounds, Element, Field, Plan};
+use crate::dynamic::trail::Trail;
+use crate::dynamic::{MessageType, Types};
+use crate::schema::Shape;
+
+/// What is wrong with a payload, if anything is. Of a message of fixed size, that it ends too soon comes
+/// before odd `bool`s; of others, what comes first.
+pub(super) fn explain(of: MessageType<'_>, payload: &[u8], is_strict: bool) -> Option<Error> {
+    let end = if of.plan.is_fixed && is_strict { first_fault(of, payload, false) } else { None };
+    end.filter(|error| matches!(error.reason, Reason::Fault(Fault::Truncated { .. })))
+        .or_else(|| first_fault(of, payload, is_strict))
+}
+
+fn first_fault(of: MessageType<'_>, payload: &[u8], is_strict: bool) -> Option<Error> {
+    let order = match ByteOrder::of(payload) {
+        Ok(order) => order,
+        Err(fault) => return Some(error(of, fault, 0, &Trail::default())),
+    };
+    let body = payload.get(HEADER..).unwrap_or_default();
+    let mut reader = Reader { types: of.types, body, at: 0, order, is_strict, trail: Trail::default() };
+    if let Err((fault, at)) = reader.message(of.plan) {
+        return Some(error(of, fault, at + HEADER, &reader.trail));
+    }
+    let (end, left) = (reader.at + HEADER, body.len() - reader.at);
+    let is_whole = left == 0 || is_filling(end, left);
+    (!is_whole).then(|| error(of, Fault::Trailing(left), end, &reader.trail))
+}
+
+fn error(of: MessageType<'_>, fault: Fault, offset: usize, trail: &Trail<'_>) -> Error {
+    Error { reason: Reason::Fault(fault), path: trail.text(&of.plan.name), offset: Some(offset) }
+}
+
+struct Reader<'b> {
+    types: &'b Types,
+    body: &'b [u8],
+    at: usize,
+    order: ByteOrder,
+    is_strict: bool,
+    trail: Trail<'b>,
+}
+
+/// What is wrong, and at which byte of the body.
+type Found = (Fault, usize);
+
+impl<'b> Reader<'b> {
+    fn take(&mut self, size: usize, alignment: usize) -> Result<&'b [u8], Found> {
+        let start = self.at.next_multiple_of(alignment);
+        let bytes = start.checked_add(size).and_then(|end| self.body.get(start..end));
+        let Some(bytes) = bytes else {
+            let left = self.body.len().saturating_sub(start);
+            return Err((Fault::Truncated { needed: size, left }, start.min(self.body.len())));
+        };
+        self.at = start + size;
+        Ok(bytes)
+    }
+
+    fn message(&mut self, plan: &'b Plan) -> Result<(), Found> {
+        if plan.fields.is_empty() {
+            self.take(1, 1)?;
+        }
+        for field in &plan.fields {
+            self.trail.enter(&field.name);
+            self.field(field)?;
+            self.trail.leave();
+        }
+        Ok(())
+    }
+
+    fn field(&mut self, field: &'b Field) -> Result<(), Found> {
+        let count = if field.is_sequence() { self.sequence(field)? } else { field.count() };
+        match field.element {
+            Element::Scalar(scalar) => {
+                self.numbers(count, scalar.size(), field.element.is_bool(), field.shape == Shape::Single)
+            }
+            Element::Text(length) => self.numbers(length as usize, 1, false, false),
+            Element::String(_) | Element::Message(_) => (0..count).try_for_each(|index| {
+                if field.shape != Shape::Single {
+                    self.trail.select(Some(index));
+                }
+                match field.element {
+                    Element::String(bounds) => self.string(bounds),
+                    Element::Message(plan) => self.message(&self.types.plans[plan]),
+                    Element::Scalar(_) | Element::Text(_) => Ok(()),
+                }
+            }),
+        }
+    }
+
+    fn numbers(&mut self, count: usize, size: usize, is_bool: bool, is_single: bool) -> Result<(), Found> {
+        if count == 0 {
+            return Ok(());
+        }
+        let start = self.at.next_multiple_of(size);
+        let bytes = self.take(count.saturating_mul(size), size).inspect_err(|_| {
+            if !is_single {
+                self.trail.select(Some(self.body.len().saturating_sub(start) / size));
+            }
+        })?;
+        let odd = bytes.iter().position(|byte| *byte > 1).filter(|_| is_bool && self.is_strict);
+        let Some(index) = odd else { return Ok(()) };
+        if !is_single {
+            self.trail.select(Some(index));
+        }
+        Err((Fault::Bool(bytes[index]), start + index))
+    }
+
+    fn sequence(&mut self, field: &Field) -> Result<usize, Found> {
+        let least = match field.element {
+            Element::Scalar(scalar) => scalar.size(),
+            Element::String(_) => 4,
+            Element::Text(_) | Element::Message(_) => 1,
+        };
+        self.length(field.bound(), least)
+    }
+
+    /// A length of elements that take at least as many bytes.
+    fn length(&mut self, bound: Option<u32>, least: usize) -> Result<usize, Found> {
+        let bytes = self.take(4, 4)?;
+        let length = match self.order {
+            ByteOrder::LittleEndian => u32::read_le(bytes),
+            ByteOrder::BigEndian => u32::read_be(bytes),
+        };
+        let found = usize::try_from(length).unwrap_or(usize::MAX);
+        if let Some(bound) = bound.filter(|bound| length > *bound) {
+            return Err((Fault::TooLong { bound, found }, self.at - 4));
+        }
+        let (needed, left) = (found.saturating_mul(least), self.body.len() - self.at);
+        if needed > left { Err((Fault::Truncated { needed, left }, self.at)) } else { Ok(found) }
+    }
+
+    fn string(&mut self, bounds: Bounds) -> Result<(), Found> {
+        let start = self.at.next_multiple_of(4);
+        let text = if bounds.is_wide {
+            let length = self.length(None, 2)?;
+            wide_length(self.take(length * 2, 1)?, self.order)
+        } else {
+            let length = self.length(None, 1)?;
+            narrow_length(self.take(length, 1)?)
+        };
+        let found = text.map_err(|fault| (fault, start))?;
+        match bounds.bound.filter(|bound| found > *bound as usize) {
+            Some(bound) => Err((Fault::TooLong { bound, found }, start)),
+            None => Ok(()),
+        }
+    }
+}
+
+/// How many characters there are in the bytes of a string.
+fn narrow_length(bytes: &[u8]) -> Result<usize, Fault> {
+    let text = match bytes.split_last() {
+        None => return Ok(0),
+        Some((0, text)) if !text.contains(&0) => text,
+        Some(_) => return Err(Fault::Nul),
+    };
+    std::str::from_utf8(text).map(|text| text.chars().count()).map_err(|_| Fault::NotUnicode)
+}
+
+/// The same of a `wstring`.
+fn wide_length(bytes: &[u8], order: ByteOrder) -> Result<usize, Fault> {
+    let unit = |bytes: &[u8]| match order {
+        ByteOrder::LittleEndian => u16::read_le(bytes),
+        ByteOrder::BigEndian => u16::read_be(bytes),
+    };
+    let mut characters = char::decode_utf16(bytes.chunks_exact(2).map(unit));
+    characters.try_fold(0, |count, character| character.map(|_| count + 1).map_err(|_| Fault::NotUnicode))
+}

@@ -1,0 +1,236 @@
+//! From CDR.
+
+use uavspec_runtime::cdr::{ByteOrder, HEADER, is_filling};
+
+use super::explain;
+use crate::dynamic::compile::GROWTH;
+use crate::dynamic::error::{Error, Reason};
+use crate::dynamic::plan::{Bounds, Plan, Run, SLOT, Sequence, Step, Width};
+use crate::dynamic::{DynamicMessage, MessageType, Types};
+
+/// Reads a message; in strict mode each `bool` must be 0 or 1.
+pub(in crate::dynamic) fn decode<'t>(
+    of: MessageType<'t>,
+    payload: &[u8],
+    is_strict: bool,
+) -> Result<DynamicMessage<'t>, Error> {
+    let buffer = match ByteOrder::of(payload) {
+        Ok(ByteOrder::LittleEndian) => read::<false>(of, payload, is_strict),
+        Ok(ByteOrder::BigEndian) => read::<true>(of, payload, is_strict),
+        Err(_) => None,
+    };
+    match buffer {
+        Some(buffer) => Ok(DynamicMessage { of, buffer }),
+        None => Err(explain::explain(of, payload, is_strict).unwrap_or_else(|| Error {
+            // There is no other fault that the first pass sees and the second doesn't.
+            reason: Reason::TooLarge,
+            path: of.plan.name.to_string(),
+            offset: None,
+        })),
+    }
+}
+
+fn read<const BIG: bool>(of: MessageType<'_>, payload: &[u8], is_strict: bool) -> Option<Vec<u8>> {
+    let body = payload.get(HEADER..)?;
+    // So no payload asks for more room than it has the right to.
+    if body.len() < of.plan.least {
+        return None;
+    }
+    let buffer = vec![0; of.plan.size.padded];
+    let mut reader = Reader::<BIG> { types: of.types, body, at: 0, buffer, is_strict };
+    reader.message(of.plan, 0)?;
+    let left = body.len() - reader.at;
+    (left == 0 || is_filling(reader.at + HEADER, left)).then_some(reader.buffer)
+}
+
+struct Reader<'b, const BIG: bool> {
+    types: &'b Types,
+    /// What follows the header.
+    body: &'b [u8],
+    at: usize,
+    buffer: Vec<u8>,
+    is_strict: bool,
+}
+
+impl<'b, const BIG: bool> Reader<'b, BIG> {
+    /// The next `size` bytes, aligned.
+    #[inline]
+    fn take(&mut self, size: usize, width: Width) -> Option<&'b [u8]> {
+        let start = self.at.next_multiple_of(width as usize);
+        let end = start.checked_add(size)?;
+        let bytes = self.body.get(start..end)?;
+        self.at = end;
+        Some(bytes)
+    }
+
+    /// Reads a message to `base`.
+    fn message(&mut self, plan: &Plan, base: usize) -> Option<()> {
+        for step in &plan.steps {
+            match *step {
+                Step::Copy(Run { offset, size, width, is_bool }) => {
+                    self.numbers(base + offset, size, width, is_bool)?;
+                }
+                Step::Strings { offset, count, bounds } => self.strings(base + offset, count, bounds)?,
+                Step::Messages { offset, count, plan } => self.messages(base + offset, count, plan)?,
+                Step::Sequence { offset, bound, element } => self.sequence(base + offset, bound, element)?,
+                Step::Empty => {
+                    self.take(1, Width::One)?;
+                }
+            }
+        }
+        Some(())
+    }
+
+    #[inline]
+    fn numbers(&mut self, to: usize, size: usize, width: Width, is_bool: bool) -> Option<()> {
+        let from = self.take(size, width)?;
+        if is_bool && self.is_strict && from.iter().any(|byte| *byte > 1) {
+            return None;
+        }
+        copy::<BIG>(from, self.buffer.get_mut(to..to + size)?, width);
+        Some(())
+    }
+
+    fn messages(&mut self, to: usize, count: usize, plan: usize) -> Option<()> {
+        let plan = &self.types.plans[plan];
+        (0..count).try_for_each(|index| self.message(plan, to + index * plan.size.padded))
+    }
+
+    fn strings(&mut self, to: usize, count: usize, bounds: Bounds) -> Option<()> {
+        (0..count).try_for_each(|index| self.string(to + index * SLOT, bounds))
+    }
+
+    fn length(&mut self) -> Option<usize> {
+        let bytes = self.take(4, Width::Four)?.first_chunk()?;
+        let length = if BIG { u32::from_be_bytes(*bytes) } else { u32::from_le_bytes(*bytes) };
+        usize::try_from(length).ok()
+    }
+
+    fn sequence(&mut self, slot: usize, bound: Option<u32>, element: Sequence) -> Option<()> {
+        let count = self.length()?;
+        if bound.is_some_and(|bound| count > bound as usize) {
+            return None;
+        }
+        let (least, stride) = match element {
+            Sequence::Numbers { width, .. } => (width as usize, width as usize),
+            Sequence::Strings(_) => (4, SLOT),
+            Sequence::Messages(plan) => (self.types.plans[plan].least, self.types.plans[plan].size.padded),
+        };
+        if count.checked_mul(least)? > self.body.len() - self.at {
+            return None;
+        }
+        let start = self.buffer.len();
+        let end = start + count * stride;
+        // What is nested could each time promise what is left of the payload, and then break off.
+        if end > self.body.len() * GROWTH {
+            return None;
+        }
+        self.point(slot, start, count)?;
+        self.buffer.resize(end, 0);
+        match element {
+            Sequence::Numbers { .. } if count == 0 => Some(()),
+            Sequence::Numbers { width, is_bool } => self.numbers(start, count * stride, width, is_bool),
+            Sequence::Strings(bounds) => self.strings(start, count, bounds),
+            Sequence::Messages(plan) => self.messages(start, count, plan),
+        }
+    }
+
+    fn string(&mut self, slot: usize, bounds: Bounds) -> Option<()> {
+        let length = self.length()?;
+        let start = self.buffer.len();
+        if bounds.is_wide {
+            self.wide_text(length)?;
+        } else {
+            self.narrow_text(length)?;
+        }
+        let text = &self.buffer[start..];
+        let length = text.len();
+        if bounds.exceeded_by(text) {
+            return None;
+        }
+        self.point(slot, start, length)
+    }
+
+    /// Text of as many bytes, its NUL among them. Some writers send an empty string without one.
+    fn narrow_text(&mut self, length: usize) -> Option<()> {
+        let bytes = self.take(length, Width::One)?;
+        let Some((nul, text)) = bytes.split_last() else { return Some(()) };
+        if *nul != 0 || text.contains(&0) {
+            return None;
+        }
+        self.buffer.extend_from_slice(std::str::from_utf8(text).ok()?.as_bytes());
+        Some(())
+    }
+
+    /// Text of as many 16-bit units.
+    fn wide_text(&mut self, length: usize) -> Option<()> {
+        let bytes = self.take(length.checked_mul(2)?, Width::One)?;
+        let unit =
+            |bytes: &[u8; 2]| if BIG { u16::from_be_bytes(*bytes) } else { u16::from_le_bytes(*bytes) };
+        for character in char::decode_utf16(bytes.as_chunks().0.iter().map(unit)) {
+            let character = character.ok()?;
+            self.buffer.extend_from_slice(character.encode_utf8(&mut [0; 4]).as_bytes());
+        }
+        Some(())
+    }
+
+    /// Writes to a slot where its bytes or elements start, and how many there are.
+    fn point(&mut self, slot: usize, start: usize, count: usize) -> Option<()> {
+        let bytes = self.buffer.get_mut(slot..slot + SLOT)?;
+        bytes[..4].copy_from_slice(&u32::try_from(start).ok()?.to_le_bytes());
+        bytes[4..].copy_from_slice(&u32::try_from(count).ok()?.to_le_bytes());
+        Some(())
+    }
+}
+
+/// Copies numbers to the order of bytes in memory, which is little-endian.
+#[inline]
+pub(super) fn copy<const BIG: bool>(from: &[u8], to: &mut [u8], width: Width) {
+    if BIG { copy_swapped(from, to, width) } else { to.copy_from_slice(from) }
+}
+
+fn copy_swapped(from: &[u8], to: &mut [u8], width: Width) {
+    match width {
+        Width::One => to.copy_from_slice(from),
+        Width::Two => swap::<2>(from, to),
+        Width::Four => swap::<4>(from, to),
+        Width::Eight => swap::<8>(from, to),
+    }
+}
+
+#[inline]
+fn swap<const N: usize>(from: &[u8], to: &mut [u8]) {
+    for (from, to) in from.as_chunks::<N>().0.iter().zip(to.as_chunks_mut::<N>().0) {
+        *to = *from;
+        to.reverse();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::msg::Dialect;
+    use crate::schema::Form;
+    use crate::{PackageInput, SourceMap};
+
+    /// Each level promises as much as the payload could hold, and nothing follows.
+    #[test]
+    fn promises_of_nested_sequences_take_no_more_room_than_one() {
+        let mut sources = SourceMap::default();
+        let mut package = PackageInput::new("demo", Form::Msg(Dialect::Ros2), Vec::new());
+        for level in 0..=20 {
+            let next = if level == 0 { "uint8".to_owned() } else { format!("L{}", level - 1) };
+            let text = format!("{next}[] nested\nuint64[100] rest\n");
+            package.sources.push(sources.add(format!("L{level}.msg"), text.into_bytes()).expect("a text"));
+        }
+        let types = Types::new(&crate::read(&sources, &[package]).0);
+        let of = types.find("demo", "L20").expect("the type");
+        let mut body = [1, 0, 0, 0].repeat(10);
+        body.resize(1000, 0);
+        let buffer = vec![0; of.plan.size.padded];
+        let mut reader = Reader::<false> { types: &types, body: &body, at: 0, buffer, is_strict: false };
+        assert!(reader.message(of.plan, 0).is_none());
+        let room = reader.buffer.len();
+        assert!((5000..=8000).contains(&room), "{room} bytes of room for {}", body.len());
+    }
+}

@@ -1,0 +1,185 @@
+//! To CDR.
+
+use std::ops::ControlFlow;
+
+use uavspec_runtime::Fault;
+use uavspec_runtime::cdr::{ByteOrder, HEADER};
+
+use super::read::copy;
+use crate::dynamic::Types;
+use crate::dynamic::error::{Error, Reason};
+use crate::dynamic::plan::{Bounds, Element, Field, Plan, Run, SLOT, Sequence, Step, Width};
+use crate::dynamic::trail::Trail;
+use crate::dynamic::view::{DynamicView, part, slot};
+use crate::dynamic::walk::{Stop, Walk, walk};
+
+/// The payload of a message.
+pub(in crate::dynamic) fn encode(view: DynamicView<'_>, order: ByteOrder) -> Result<Vec<u8>, Error> {
+    let payload = match order {
+        ByteOrder::LittleEndian => write::<false>(view, order),
+        ByteOrder::BigEndian => write::<true>(view, order),
+    };
+    payload.ok_or_else(|| refuse(view))
+}
+
+fn write<const BIG: bool>(view: DynamicView<'_>, order: ByteOrder) -> Option<Vec<u8>> {
+    // As much as it takes in memory, and the header; CDR rarely needs more.
+    let mut out = Vec::with_capacity(view.bytes.len().saturating_sub(view.base) + HEADER);
+    out.extend_from_slice(&order.header());
+    let mut writer = Writer::<BIG> { types: view.types, bytes: view.bytes, out };
+    writer.message(view.plan, view.base)?;
+    Some(writer.out)
+}
+
+struct Writer<'b, const BIG: bool> {
+    types: &'b Types,
+    bytes: &'b [u8],
+    /// With the header, which is half of the greatest alignment long.
+    out: Vec<u8>,
+}
+
+impl<const BIG: bool> Writer<'_, BIG> {
+    /// Fills up to a multiple of a number's size, counted from the end of the header.
+    #[inline]
+    fn align(&mut self, width: Width) {
+        let gap = (HEADER.wrapping_sub(self.out.len())) & (width as usize - 1);
+        if gap > 0 {
+            self.out.extend_from_slice(&[0; 8][..gap]);
+        }
+    }
+
+    /// Writes the message at `base`.
+    fn message(&mut self, plan: &Plan, base: usize) -> Option<()> {
+        for step in &plan.steps {
+            match *step {
+                Step::Copy(Run { offset, size, width, is_bool }) => {
+                    self.numbers(base + offset, size, width, is_bool);
+                }
+                Step::Strings { offset, count, bounds } => self.strings(base + offset, count, bounds)?,
+                Step::Messages { offset, count, plan } => self.messages(base + offset, count, plan)?,
+                Step::Sequence { offset, bound, element } => self.sequence(base + offset, bound, element)?,
+                Step::Empty => self.out.push(0),
+            }
+        }
+        Some(())
+    }
+
+    #[inline]
+    fn numbers(&mut self, from: usize, size: usize, width: Width, is_bool: bool) {
+        let bytes = part(self.bytes, from, size);
+        self.align(width);
+        if is_bool {
+            self.out.extend(bytes.iter().map(|byte| u8::from(*byte != 0)));
+        } else if BIG && width != Width::One {
+            let start = self.out.len();
+            self.out.resize(start + bytes.len(), 0);
+            copy::<BIG>(bytes, &mut self.out[start..], width);
+        } else {
+            self.out.extend_from_slice(bytes);
+        }
+    }
+
+    fn messages(&mut self, from: usize, count: usize, plan: usize) -> Option<()> {
+        let plan = &self.types.plans[plan];
+        (0..count).try_for_each(|index| self.message(plan, from + index * plan.size.padded))
+    }
+
+    fn strings(&mut self, from: usize, count: usize, bounds: Bounds) -> Option<()> {
+        (0..count).try_for_each(|index| self.string(from + index * SLOT, bounds))
+    }
+
+    fn length(&mut self, length: usize) -> Option<()> {
+        let length = u32::try_from(length).ok()?;
+        self.align(Width::Four);
+        self.out.extend_from_slice(&if BIG { length.to_be_bytes() } else { length.to_le_bytes() });
+        Some(())
+    }
+
+    fn sequence(&mut self, at: usize, bound: Option<u32>, element: Sequence) -> Option<()> {
+        let (start, count) = slot(self.bytes, at);
+        if bound.is_some_and(|bound| count > bound as usize) {
+            return None;
+        }
+        self.length(count)?;
+        match element {
+            Sequence::Numbers { .. } if count == 0 => {}
+            Sequence::Numbers { width, is_bool } => {
+                self.numbers(start, count * width as usize, width, is_bool);
+            }
+            Sequence::Strings(bounds) => self.strings(start, count, bounds)?,
+            Sequence::Messages(plan) => self.messages(start, count, plan)?,
+        }
+        Some(())
+    }
+
+    fn string(&mut self, at: usize, bounds: Bounds) -> Option<()> {
+        let (start, length) = slot(self.bytes, at);
+        let text = std::str::from_utf8(part(self.bytes, start, length)).ok()?;
+        if fault(text, bounds).is_some() {
+            return None;
+        }
+        if bounds.is_wide {
+            self.length(text.encode_utf16().count())?;
+            for unit in text.encode_utf16() {
+                self.out.extend_from_slice(&if BIG { unit.to_be_bytes() } else { unit.to_le_bytes() });
+            }
+        } else {
+            self.length(text.len() + 1)?;
+            self.out.extend_from_slice(text.as_bytes());
+            self.out.push(0);
+        }
+        Some(())
+    }
+}
+
+/// What CDR can't say of a string.
+fn fault(text: &str, bounds: Bounds) -> Option<Fault> {
+    let exceeded = bounds.bound.filter(|_| bounds.exceeded_by(text.as_bytes()));
+    match exceeded {
+        Some(bound) => Some(Fault::TooLong { bound, found: text.chars().count() }),
+        None => (!bounds.is_wide && text.as_bytes().contains(&0)).then_some(Fault::Nul),
+    }
+}
+
+/// Says why a message has no CDR form.
+#[cold]
+fn refuse(view: DynamicView<'_>) -> Error {
+    let mut search = Search { message: &view.plan.name, found: None };
+    // Nothing is found where a length doesn't fit 32 bits.
+    let _ = walk(view, &mut Trail::default(), &mut search);
+    search.found.unwrap_or_else(|| Error {
+        reason: Reason::TooLarge,
+        path: view.plan.name.to_string(),
+        offset: None,
+    })
+}
+
+struct Search<'v> {
+    message: &'v str,
+    found: Option<Error>,
+}
+
+impl<'v> Walk<'v> for Search<'v> {
+    fn enters(&self, _: &[Plan], _: &Field) -> bool {
+        true
+    }
+
+    fn stop(&mut self, trail: &Trail<'v>, field: &'v Field, stop: Stop<'v>) -> ControlFlow<()> {
+        let fault = match (stop, field.element) {
+            (Stop::String(text), Element::String(bounds)) => fault(text, bounds),
+            (Stop::Length(found), _) => {
+                let exceeded = field.bound().filter(|bound| found > *bound as usize);
+                exceeded.map(|bound| Fault::TooLong { bound, found })
+            }
+            _ => None,
+        };
+        match fault {
+            None => ControlFlow::Continue(()),
+            Some(fault) => {
+                let path = trail.text(self.message);
+                self.found = Some(Error { reason: Reason::Fault(fault), path, offset: None });
+                ControlFlow::Break(())
+            }
+        }
+    }
+}

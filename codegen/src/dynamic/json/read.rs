@@ -1,0 +1,316 @@
+//! From JSON, without a tree between.
+
+use std::fmt;
+
+use serde::Deserializer;
+use serde::de::{DeserializeSeed, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
+
+use super::number::NumberSeed;
+use crate::dynamic::plan::{Element, Field, Plan, SLOT};
+use crate::dynamic::trail::Trail;
+use crate::dynamic::{DynamicMessage, MessageType};
+use crate::schema::Shape;
+
+/// A message while it is read.
+pub(in crate::dynamic) struct Builder<'t> {
+    of: MessageType<'t>,
+    /// The message, and after it the elements of sequences whose ends aren't known yet.
+    open: Vec<u8>,
+    /// Strings, and sequences that are complete. They come after the message in the end.
+    closed: Vec<u8>,
+    /// Where reading is; where it was, if it failed.
+    pub(in crate::dynamic) trail: Trail<'t>,
+}
+
+impl<'t> Builder<'t> {
+    pub(in crate::dynamic) fn new(of: MessageType<'t>) -> Self {
+        let open = vec![0; of.plan.size.padded];
+        Self { of, open, closed: Vec::new(), trail: Trail::default() }
+    }
+
+    pub(in crate::dynamic) fn finish(mut self) -> DynamicMessage<'t> {
+        self.open.append(&mut self.closed);
+        DynamicMessage { of: self.of, buffer: self.open }
+    }
+
+    /// Writes bytes to the message, or to an open element.
+    pub(in crate::dynamic) fn write(&mut self, at: usize, bytes: &[u8]) {
+        if let Some(to) = self.open.get_mut(at..at + bytes.len()) {
+            to.copy_from_slice(bytes);
+        }
+    }
+
+    /// Writes a string, and points the slot at `at` to it.
+    pub(in crate::dynamic) fn string<E: serde::de::Error>(&mut self, at: usize, text: &str) -> Result<(), E> {
+        let start = self.closed.len();
+        self.closed.extend_from_slice(text.as_bytes());
+        self.point(at, start, text.len())
+    }
+
+    /// How many bytes are open.
+    pub(in crate::dynamic) fn opened(&self) -> usize {
+        self.open.len()
+    }
+
+    /// Opens an element of a sequence, of as many zeros.
+    pub(in crate::dynamic) fn open_element(&mut self, stride: usize) -> usize {
+        let at = self.open.len();
+        self.open.resize(at + stride, 0);
+        at
+    }
+
+    /// Closes a sequence of which the first element was opened at `first`, and points the slot at `at` to it.
+    pub(in crate::dynamic) fn close<E: serde::de::Error>(
+        &mut self,
+        at: usize,
+        first: usize,
+        count: usize,
+    ) -> Result<(), E> {
+        let start = self.closed.len();
+        self.closed.extend_from_slice(&self.open[first..]);
+        self.open.truncate(first);
+        self.point(at, start, count)
+    }
+
+    fn point<E: serde::de::Error>(&mut self, at: usize, start: usize, count: usize) -> Result<(), E> {
+        let start = start + self.of.plan.size.padded;
+        let (Ok(start), Ok(count)) = (u32::try_from(start), u32::try_from(count)) else {
+            return Err(E::custom("a message of more than 4 GiB"));
+        };
+        let mut slot = [0; SLOT];
+        slot[..4].copy_from_slice(&start.to_le_bytes());
+        slot[4..].copy_from_slice(&count.to_le_bytes());
+        self.write(at, &slot);
+        Ok(())
+    }
+}
+
+/// Reads a message to `base`.
+pub(in crate::dynamic) struct MessageSeed<'b, 't> {
+    pub(in crate::dynamic) builder: &'b mut Builder<'t>,
+    pub(in crate::dynamic) plan: &'t Plan,
+    pub(in crate::dynamic) base: usize,
+}
+
+impl<'de> DeserializeSeed<'de> for MessageSeed<'_, '_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        deserializer.deserialize_map(self)
+    }
+}
+
+impl<'de> Visitor<'de> for MessageSeed<'_, '_> {
+    type Value = ();
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "an object with the fields of {}", self.plan.name)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
+        let Self { builder, plan, base } = self;
+        let mut seen = Seen::default();
+        let mut guess = 0;
+        while let Some(index) = map.next_key_seed(KeySeed { plan, guess })? {
+            let field = &plan.fields[index];
+            builder.trail.enter(&field.name);
+            if !seen.insert(index, plan.fields.len()) {
+                return Err(A::Error::custom(format_args!("duplicate field `{}`", field.name)));
+            }
+            map.next_value_seed(FieldSeed { builder, field, at: base + field.offset })?;
+            builder.trail.leave();
+            guess = index + 1;
+        }
+        match (0..plan.fields.len()).find(|index| !seen.contains(*index)) {
+            Some(missing) => {
+                Err(A::Error::custom(format_args!("missing field `{}`", plan.fields[missing].name)))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// Which fields have been read. Mostly they come in declared order, and then a number says it.
+#[derive(Default)]
+struct Seen {
+    in_order: usize,
+    others: Vec<bool>,
+}
+
+impl Seen {
+    /// Adds a field, and says whether it wasn't there yet.
+    fn insert(&mut self, index: usize, count: usize) -> bool {
+        if self.contains(index) {
+            return false;
+        }
+        if index == self.in_order {
+            self.in_order += 1;
+        } else {
+            self.others.resize(count, false);
+            self.others[index] = true;
+        }
+        true
+    }
+
+    fn contains(&self, index: usize) -> bool {
+        index < self.in_order || self.others.get(index).is_some_and(|seen| *seen)
+    }
+}
+
+/// Reads a key as the index of the field that it names.
+struct KeySeed<'t> {
+    plan: &'t Plan,
+    /// The field that is looked at first.
+    guess: usize,
+}
+
+impl<'de> DeserializeSeed<'de> for KeySeed<'_> {
+    type Value = usize;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<usize, D::Error> {
+        deserializer.deserialize_identifier(self)
+    }
+}
+
+impl Visitor<'_> for KeySeed<'_> {
+    type Value = usize;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("the name of a field")
+    }
+
+    fn visit_str<E: serde::de::Error>(self, key: &str) -> Result<usize, E> {
+        let fields = &self.plan.fields;
+        if fields.get(self.guess).is_some_and(|field| *field.name == *key) {
+            return Ok(self.guess);
+        }
+        let found = fields.iter().position(|field| *field.name == *key);
+        found.ok_or_else(|| E::custom(format_args!("unknown field `{key}`")))
+    }
+}
+
+/// Reads a field to `at`.
+struct FieldSeed<'b, 't> {
+    builder: &'b mut Builder<'t>,
+    field: &'t Field,
+    at: usize,
+}
+
+impl<'de> DeserializeSeed<'de> for FieldSeed<'_, '_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        match self.field.shape {
+            Shape::Single => {
+                let Self { builder, field, at } = self;
+                ElementSeed { builder, field, at }.deserialize(deserializer)
+            }
+            Shape::Array(_) | Shape::Bounded(_) | Shape::Sequence => deserializer.deserialize_seq(self),
+        }
+    }
+}
+
+impl<'de> Visitor<'de> for FieldSeed<'_, '_> {
+    type Value = ();
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.field.shape {
+            Shape::Array(length) => write!(formatter, "an array of {length}"),
+            Shape::Single | Shape::Bounded(_) | Shape::Sequence => formatter.write_str("an array"),
+        }
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<(), A::Error> {
+        if self.field.is_sequence() { self.sequence(seq) } else { self.array(seq) }
+    }
+}
+
+impl FieldSeed<'_, '_> {
+    fn array<'de, A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
+        let Self { builder, field, at } = self;
+        let length = field.count();
+        for index in 0..length {
+            builder.trail.select(Some(index));
+            let seed = ElementSeed { builder, field, at: at + index * field.stride };
+            if seq.next_element_seed(seed)?.is_none() {
+                builder.trail.select(None);
+                let expected = format!("an array of {length}");
+                return Err(A::Error::invalid_length(index, &expected.as_str()));
+            }
+        }
+        builder.trail.select(None);
+        if seq.next_element::<IgnoredAny>()?.is_some() {
+            return Err(A::Error::custom(format_args!(
+                "more than {length} elements, expected an array of {length}"
+            )));
+        }
+        Ok(())
+    }
+
+    fn sequence<'de, A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
+        let Self { builder, field, at } = self;
+        let first = builder.opened();
+        let mut count = 0;
+        loop {
+            builder.trail.select(Some(count));
+            let at = builder.open_element(field.stride);
+            if seq.next_element_seed(ElementSeed { builder, field, at })?.is_none() {
+                builder.open.truncate(at);
+                break;
+            }
+            count += 1;
+        }
+        builder.trail.select(None);
+        builder.close(at, first, count)
+    }
+}
+
+/// Reads the value of a field, or an element of it, to `at`.
+struct ElementSeed<'b, 't> {
+    builder: &'b mut Builder<'t>,
+    field: &'t Field,
+    at: usize,
+}
+
+impl<'de> DeserializeSeed<'de> for ElementSeed<'_, '_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        match self.field.element {
+            Element::Scalar(scalar) => {
+                let bytes = NumberSeed(scalar).deserialize(deserializer)?;
+                self.builder.write(self.at, &bytes[..scalar.size()]);
+                Ok(())
+            }
+            Element::Text(_) | Element::String(_) => deserializer.deserialize_str(self),
+            Element::Message(plan) => {
+                let plan = &self.builder.of.types.plans[plan];
+                MessageSeed { builder: self.builder, plan, base: self.at }.deserialize(deserializer)
+            }
+        }
+    }
+}
+
+/// Strings and text.
+impl Visitor<'_> for ElementSeed<'_, '_> {
+    type Value = ();
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.field.element {
+            Element::Text(length) => write!(formatter, "a text of at most {length} bytes"),
+            _ => formatter.write_str("a string"),
+        }
+    }
+
+    fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<(), E> {
+        let Element::Text(room) = self.field.element else { return self.builder.string(self.at, text) };
+        if text.contains('\0') {
+            return Err(E::custom("a NUL in a text, which ends it"));
+        }
+        if text.len() > room as usize {
+            return Err(E::custom(format_args!("a text of {} bytes where {room} fit", text.len())));
+        }
+        self.builder.write(self.at, text.as_bytes());
+        Ok(())
+    }
+}

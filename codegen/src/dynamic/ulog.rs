@@ -1,0 +1,238 @@
+//! Types from the formats that a `ULog` file brings: `name:type field;type[4] field;…`.
+//!
+//! Fields come in the order of memory, with padding as fields of their own. The types are those of C++:
+//! <https://docs.px4.io/main/en/dev_log/ulog_file_format.html>, section "F: Format Message".
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+
+use uavspec_runtime::Scalar;
+
+use super::Types;
+use super::compile::{Draft, Placement, compile};
+use super::error::Defect;
+use super::plan::{Element, Field};
+use crate::schema::{Restriction, Shape};
+
+/// The package of all types of a log.
+pub const ULOG_PACKAGE: &str = "ulog";
+
+/// Most bytes of a message: the size of a data message is a `uint16` and counts two bytes for its id.
+const MAX_SIZE: u16 = u16::MAX - 2;
+
+/// A format that isn't used.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FormatError {
+    /// Which one, in the order in which they were given.
+    pub index: usize,
+    /// Its name.
+    pub name: String,
+    /// What is wrong.
+    pub problem: FormatProblem,
+}
+
+/// What is wrong with a format.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum FormatProblem {
+    /// A format of this name came before; that one is used.
+    Repeated,
+    /// It has no fields.
+    Empty,
+    /// A part between semicolons is no type and a name.
+    NotAField(String),
+    /// The length of an array is no number from 1 to 65533.
+    ArrayLength(String),
+    /// Two fields have this name.
+    RepeatedField(String),
+    /// A field is of a type that is neither basic nor has a format.
+    UnknownType {
+        /// The field.
+        field: String,
+        /// Its type.
+        ty: String,
+    },
+    /// It can be read, but its messages can't be handled.
+    Defect(Defect),
+}
+
+impl fmt::Display for FormatError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "format `{}` ", self.name.escape_debug())?;
+        match &self.problem {
+            FormatProblem::Repeated => formatter.write_str("is repeated; the first one is used"),
+            FormatProblem::Empty => formatter.write_str("has no fields"),
+            FormatProblem::NotAField(text) => {
+                write!(formatter, "has `{}` where a type and a name are expected", text.escape_debug())
+            }
+            FormatProblem::ArrayLength(text) => {
+                write!(
+                    formatter,
+                    "has an array of `{}` where 1 to {MAX_SIZE} are expected",
+                    text.escape_debug()
+                )
+            }
+            FormatProblem::RepeatedField(field) => {
+                write!(formatter, "has two fields `{}`", field.escape_debug())
+            }
+            FormatProblem::UnknownType { field, ty } => write!(
+                formatter,
+                "has a field `{}` of type `{}`, which has no format",
+                field.escape_debug(),
+                ty.escape_debug()
+            ),
+            FormatProblem::Defect(defect) => defect.fmt(formatter),
+        }
+    }
+}
+
+impl std::error::Error for FormatError {}
+
+impl Types {
+    /// The types of a `ULog` file, from the names and fields of its formats. Those that can't be used are
+    /// told, and the others are found in the package [`ULOG_PACKAGE`].
+    ///
+    /// `char[N]` is text as in px4, no value breaks a rule but text that isn't UTF-8, and fields whose names
+    /// start with `_padding` are none.
+    ///
+    /// ```
+    /// use uavspec_codegen::dynamic::{Types, ULOG_PACKAGE};
+    ///
+    /// let formats = [("gust", "uint64_t timestamp;wind[2] winds;"), ("wind", "float speed;uint8_t[4] _padding0;")];
+    /// let (types, errors) = Types::from_ulog_formats(formats);
+    /// assert!(errors.is_empty());
+    /// let gust = types.find(ULOG_PACKAGE, "gust").unwrap();
+    /// let message = gust.view_uorb(&[0; 24])?;
+    /// assert_eq!(message.to_json_text()?, r#"{"timestamp":0,"winds":[{"speed":0.0},{"speed":0.0}]}"#);
+    /// # Ok::<(), uavspec_codegen::dynamic::Error>(())
+    /// ```
+    pub fn from_ulog_formats<'f>(
+        formats: impl IntoIterator<Item = (&'f str, &'f str)>,
+    ) -> (Self, Vec<FormatError>) {
+        let mut errors = Vec::new();
+        let mut refuse = |index, name: &str, problem| {
+            errors.push(FormatError { index, name: name.to_owned(), problem });
+        };
+        let mut unique: Vec<(usize, &str, &str)> = Vec::new();
+        let mut plans = BTreeMap::new();
+        for (index, (name, fields)) in formats.into_iter().enumerate() {
+            if plans.contains_key(name) {
+                refuse(index, name, FormatProblem::Repeated);
+            } else {
+                plans.insert(name, unique.len());
+                unique.push((index, name, fields));
+            }
+        }
+        let mut is_told = vec![false; unique.len()];
+        let mut drafts = Vec::with_capacity(unique.len());
+        for (plan, (index, name, fields)) in unique.iter().enumerate() {
+            let fields = read_fields(fields, &plans).unwrap_or_else(|problem| {
+                refuse(*index, name, problem);
+                is_told[plan] = true;
+                Vec::new()
+            });
+            drafts.push(draft(name, fields));
+        }
+        let plans = compile(drafts);
+        for (plan, (index, name, _)) in unique.iter().enumerate().filter(|(plan, _)| !is_told[*plan]) {
+            if let Some(defect) = &plans[plan].defect {
+                refuse(*index, name, FormatProblem::Defect(defect.clone()));
+            }
+        }
+        errors.sort_by_key(|error| error.index);
+        (Self::of(plans), errors)
+    }
+}
+
+fn draft(name: &str, fields: Vec<Field>) -> Draft {
+    Draft {
+        package: ULOG_PACKAGE.into(),
+        name: name.into(),
+        // What has no fields takes no room, so there could be any number of them.
+        defect: fields.is_empty().then_some(Defect::Unreadable),
+        fields,
+        placement: Placement::AsGiven,
+        limit: MAX_SIZE.into(),
+    }
+}
+
+fn read_fields(text: &str, plans: &BTreeMap<&str, usize>) -> Result<Vec<Field>, FormatProblem> {
+    let mut names = BTreeSet::new();
+    let mut fields = Vec::new();
+    for part in text.split(';').map(str::trim).filter(|part| !part.is_empty()) {
+        let field = read_field(part, plans)?;
+        if !names.insert(field.name.clone()) {
+            return Err(FormatProblem::RepeatedField(field.name.into()));
+        }
+        fields.push(field);
+    }
+    if fields.is_empty() { Err(FormatProblem::Empty) } else { Ok(fields) }
+}
+
+fn read_field(part: &str, plans: &BTreeMap<&str, usize>) -> Result<Field, FormatProblem> {
+    let not_a_field = || FormatProblem::NotAField(part.to_owned());
+    let (ty, name) = part.split_once(' ').ok_or_else(not_a_field)?;
+    let (ty, length) = match ty.split_once('[') {
+        None => (ty, None),
+        Some((ty, length)) => {
+            (ty, Some(length.strip_suffix(']').ok_or_else(not_a_field).and_then(array_length)?))
+        }
+    };
+    let is_word =
+        |word: &str| !word.is_empty() && !word.contains(|c: char| c.is_whitespace() || "[].;:".contains(c));
+    if !is_word(ty) || !is_word(name) {
+        return Err(not_a_field());
+    }
+    let element = match basic(ty) {
+        Some(scalar) => Element::Scalar(scalar),
+        None => Element::Message(
+            *plans
+                .get(ty)
+                .ok_or_else(|| FormatProblem::UnknownType { field: name.to_owned(), ty: ty.to_owned() })?,
+        ),
+    };
+    let (element, shape) = match (element, length) {
+        (Element::Scalar(Scalar::Char), Some(length)) => (Element::Text(length), Shape::Single),
+        (element, Some(length)) => (element, Shape::Array(length)),
+        (element, None) => (element, Shape::Single),
+    };
+    let is_float = matches!(element, Element::Scalar(scalar) if scalar.is_float());
+    Ok(Field { restriction: is_float.then(any_float), ..Field::new(name, element, shape) })
+}
+
+fn array_length(text: &str) -> Result<u32, FormatProblem> {
+    let length = text.parse().ok().filter(|length| (1..=u32::from(MAX_SIZE)).contains(length));
+    length.ok_or_else(|| FormatProblem::ArrayLength(text.to_owned()))
+}
+
+/// The basic types.
+fn basic(name: &str) -> Option<Scalar> {
+    Some(match name {
+        "int8_t" => Scalar::Int8,
+        "uint8_t" => Scalar::UInt8,
+        "int16_t" => Scalar::Int16,
+        "uint16_t" => Scalar::UInt16,
+        "int32_t" => Scalar::Int32,
+        "uint32_t" => Scalar::UInt32,
+        "int64_t" => Scalar::Int64,
+        "uint64_t" => Scalar::UInt64,
+        "float" => Scalar::Float32,
+        "double" => Scalar::Float64,
+        "bool" => Scalar::Bool,
+        "char" => Scalar::Char,
+        _ => return None,
+    })
+}
+
+/// A format says nothing of NaN, so it may stand anywhere.
+fn any_float() -> Restriction {
+    Restriction {
+        low: None,
+        high: None,
+        special: Vec::new(),
+        count: None,
+        known: None,
+        is_flags: false,
+        allows_nan: true,
+    }
+}

@@ -1,0 +1,137 @@
+//! Test vectors: for each message values that it may have and others that it may not, as JSON and as
+//! bytes, with the rule that is broken; and the same for error codes.
+//!
+//! There are two files for each type. `<package>/<Name>.vectors.json` tests codecs and validators:
+//!
+//! ```json
+//! {
+//!   "form": 1, "type": "px4/Wind", "hash": 305419896, "schema": "https://…/px4/Wind.schema.json",
+//!   "cases": [
+//!     {"id": "speed-above-range", "description": "…", "valid": false, "rule": "PX-RANGE-01",
+//!      "json": {"timestamp": 0, "speed": 60.000004}, "uorb": "0000…", "cdr": "0001…"}
+//!   ]
+//! }
+//! ```
+//!
+//! - `json` and the bytes are the same message: each encodes to, and decodes from, the other. Members
+//!   are absent where a case has no such form.
+//! - `uorb` is the whole payload in memory, `cdr` is little-endian with its header, both in hexadecimal.
+//! - `decoded` stands in the place of `json` where the bytes are right, but a little-endian encoder gives
+//!   others: big-endian ones, and those with other padding.
+//! - An invalid case breaks `rule` and no other. If it has bytes, decoding them need not fail: the rule
+//!   tells whether what is wrong is the payload, or a value in it.
+//! - An id says what is tried, not what comes of it. It stays when fields are added to the message.
+//!
+//! `vectors.schema.json` describes these files.
+//!
+//! `json-schema-test-suite/tests/draft2020-12/<package>/<Name>.json` is for validators of JSON Schema, in
+//! the form and the folders of that suite: a group whose schema refers to the published one by its
+//! `$id`. What counts there is what the schema says: it lets undocumented values of an enum through, and
+//! null in the place of any float. The neighbours of 64-bit integers that 64-bit floats can't tell from
+//! those are left out there.
+//!
+//! Messages that no value satisfies, that are longer than 64 KiB or nest more than 32 levels have no cases.
+
+mod bytes;
+mod case;
+mod error_code;
+mod field;
+mod form;
+mod message;
+mod number;
+mod part;
+mod print;
+mod typical;
+
+use self::case::Case;
+use self::part::Parts;
+use self::print::{Head, quote};
+use super::json_schema::{self, DRAFT, Target};
+use super::{GENERATED_BY, OutputFile};
+use crate::dynamic::Types;
+use crate::schema::{Dialect, Form, Kind, Message, MessageId, Package, Schema};
+
+/// The version of the form of the files. It rises when a reader of the form before would misread them.
+const FORM: u32 = 1;
+
+/// Where the files in the form of the JSON Schema Test Suite are.
+const SUITE: &str = "json-schema-test-suite/tests/draft2020-12";
+
+/// How vectors are emitted.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Options {
+    /// How the schemas are that they refer to.
+    pub schemas: json_schema::Options,
+}
+
+/// Emits all vectors, sorted by path.
+pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
+    let parts = Parts::of(schema);
+    let types = Types::new(schema);
+    let emitter = Emitter { schema, options };
+    let mut files = vec![form::file(options)];
+    for (index, package) in schema.packages.iter().enumerate() {
+        for target in json_schema::targets(package, index) {
+            let (head, cases) = match target {
+                Target::Message(id) => (emitter.message(id), message::cases(schema, id, &parts, &types)),
+                Target::ErrorCode(_) => (emitter.head(target, Vec::new()), error_code::codes(package)),
+                Target::ErrorList(_) => (emitter.head(target, Vec::new()), error_code::lists(package)),
+            };
+            files.extend(emitter.files(target, &head, &cases));
+        }
+    }
+    files.sort_by(|left, right| left.path.cmp(&right.path));
+    files
+}
+
+struct Emitter<'s> {
+    schema: &'s Schema,
+    options: &'s Options,
+}
+
+impl Emitter<'_> {
+    fn files(&self, target: Target, head: &Head, cases: &[Case]) -> impl Iterator<Item = OutputFile> {
+        let name = json_schema::name(self.schema, target);
+        let vectors = OutputFile { path: format!("{name}.vectors.json"), text: print::vectors(head, cases) };
+        let suite = print::suite(head, cases);
+        let suite = suite.map(|text| OutputFile { path: format!("{SUITE}/{name}.json"), text });
+        [vectors].into_iter().chain(suite)
+    }
+
+    fn message(&self, id: MessageId) -> Head {
+        let message = self.schema.message(id);
+        let package = self.schema.package_of(message);
+        self.head(Target::Message(id), facts(package, message))
+    }
+
+    fn head(&self, target: Target, facts: Vec<(&'static str, String)>) -> Head {
+        Head {
+            facts,
+            title: json_schema::name(self.schema, target),
+            schema: json_schema::id(self.schema, target, &self.options.schemas),
+        }
+    }
+}
+
+/// What tells whether two sides mean the same message.
+fn facts(package: &Package, message: &Message) -> Vec<(&'static str, String)> {
+    let mut facts = Vec::new();
+    if let Some(version) = message.version {
+        facts.push(("version", version.to_string()));
+    }
+    if is_uorb(package, message) {
+        facts.push(("hash", message.hash.to_string()));
+    }
+    facts.push(("type_hash", quote(&message.type_hash)));
+    facts
+}
+
+/// Whether messages like this lie in uORB memory: those of other dialects don't, be their size fixed or not.
+fn is_uorb(package: &Package, message: &Message) -> bool {
+    package.form == Form::Msg(Dialect::Px4) && message.kind == Kind::Message
+}
+
+/// What a file says of its origin.
+fn mark() -> String {
+    format!("{GENERATED_BY}. Do not edit: run `cargo xtask codegen`.")
+}

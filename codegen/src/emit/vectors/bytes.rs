@@ -1,0 +1,63 @@
+//! Bytes of messages: from JSON, and with changes that no JSON leads to.
+
+use uavspec_runtime::cdr::ByteOrder;
+
+use super::case::GROWTH;
+use crate::dynamic::MessageType;
+
+/// The binary forms of a message.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Bytes {
+    /// In memory, where it has such a form.
+    pub(super) uorb: Option<Vec<u8>>,
+    /// In CDR, little-endian.
+    pub(super) cdr: Option<Vec<u8>>,
+}
+
+/// Encodes messages of one type.
+pub(super) struct Codec<'t> {
+    message: MessageType<'t>,
+    is_uorb: bool,
+}
+
+impl<'t> Codec<'t> {
+    pub(super) fn new(message: MessageType<'t>, is_uorb: bool) -> Self {
+        Self { message, is_uorb }
+    }
+
+    /// The binary forms of the message that `json` is; none where it is no message.
+    pub(super) fn encode(&self, json: &str) -> Bytes {
+        let Ok(message) = self.message.from_json_text(json) else { return Bytes::default() };
+        Bytes {
+            uorb: self.is_uorb.then(|| message.encode_uorb().ok()).flatten(),
+            cdr: message.encode_cdr(ByteOrder::LittleEndian).ok(),
+        }
+    }
+
+    /// The message in CDR, big-endian.
+    pub(super) fn big_endian(&self, json: &str) -> Option<Vec<u8>> {
+        self.message.from_json_text(json).ok()?.encode_cdr(ByteOrder::BigEndian).ok()
+    }
+}
+
+/// `after` with another byte in the place where it begins to differ from `before`.
+pub(super) fn replaced(before: &[u8], mut after: Vec<u8>, byte: u8) -> Option<Vec<u8>> {
+    let at = difference(before, &after)?;
+    *after.get_mut(at)? = byte;
+    Some(after)
+}
+
+/// `after`, whose sequence `before` is empty, in CDR with [`GROWTH`] more elements in it.
+pub(super) fn grown(before: &[u8], after: &[u8], size: usize, filler: u8) -> Option<Vec<u8>> {
+    // Lengths are aligned to four bytes, and so is what follows the header of four bytes.
+    let at = difference(before, after)? / 4 * 4;
+    let (head, rest) = after.split_at_checked(at)?;
+    let (length, rest) = rest.split_first_chunk()?;
+    let length = u32::from_le_bytes(*length).saturating_add(GROWTH);
+    let elements = vec![filler; size.saturating_mul(GROWTH as usize)];
+    Some([head, &length.to_le_bytes(), &elements, rest].concat())
+}
+
+fn difference(before: &[u8], after: &[u8]) -> Option<usize> {
+    before.iter().zip(after).position(|(before, after)| before != after)
+}

@@ -1,0 +1,202 @@
+//! All cases of a message.
+
+use super::bytes::{Bytes, Codec, grown, replaced};
+use super::case::{Case, Change, Sample, Verdict, rule};
+use super::field::message_typical;
+use super::is_uorb;
+use super::part::{MessageSamples, Parts};
+use super::typical::Typical;
+use crate::dynamic::Types;
+use crate::schema::{Message, MessageId, Schema};
+
+/// The most bytes of JSON that the cases of a message may have, roughly. There are as many cases as
+/// fields, and each holds all fields: thousands of fields would give gigabytes. The fields of longer
+/// messages have no cases of their own.
+const MOST_JSON: usize = 1 << 22;
+
+/// The cases of a message; none where it has no valid value, or is too long or too deep.
+pub(super) fn cases(schema: &Schema, id: MessageId, parts: &Parts, types: &Types) -> Vec<Case> {
+    let message = schema.message(id);
+    let Some(samples) = parts.get(id).and_then(|_| MessageSamples::new(schema, message, parts)) else {
+        return Vec::new();
+    };
+    let codec = Codec::new(types.get(id), is_uorb(schema.package_of(message), message));
+    let typical = message_typical(schema, message, parts, &mut Typical::default());
+    let mut cases = Cases { samples, codec, done: Vec::new() };
+    cases.whole(typical.as_deref());
+    if cases.samples.zero().len().saturating_mul(message.fields.len()) <= MOST_JSON {
+        for index in 0..message.fields.len() {
+            cases.field(index);
+        }
+    }
+    if let Some(typical) = typical {
+        cases.uorb(message, &typical);
+        cases.cdr(&typical);
+    }
+    cases.done
+}
+
+struct Cases<'s> {
+    samples: MessageSamples<'s>,
+    codec: Codec<'s>,
+    done: Vec<Case>,
+}
+
+impl Cases<'_> {
+    fn whole(&mut self, typical: Option<&str>) {
+        let zero = self.samples.zero();
+        self.push("zero", "all fields are zero, or as near to it as they may be", zero, Verdict::VALID);
+        if let Some(typical) = typical {
+            let words = "each byte differs from its neighbours, so that what is swapped or shifted shows";
+            self.push("typical", words, typical.to_owned(), Verdict::VALID);
+        }
+        let extended = self.samples.extended();
+        self.push(
+            "extra",
+            "a field that the message doesn't have",
+            extended,
+            Verdict::misshapen(rule::FIELDS),
+        );
+        let mistyped = Verdict::misshapen(rule::TYPE);
+        self.push("null", "null instead of an object", "null".to_owned(), mistyped);
+        self.push("array", "an array instead of an object", "[]".to_owned(), mistyped);
+    }
+
+    fn field(&mut self, index: usize) {
+        let name = self.samples.message.fields[index].name.clone();
+        for sample in std::mem::take(&mut self.samples.samples[index]) {
+            let id = format!("{name}-{}", sample.name);
+            let description = format!("{name}: {}", sample.words);
+            let json = self.samples.with(index, &sample.json);
+            match &sample.patch {
+                Some(patch) => {
+                    let reference = self.samples.with(index, &patch.reference);
+                    self.patched(id, description, (&reference, &json), patch.change, &sample);
+                }
+                None => self.push(id, description, json, sample.verdict),
+            }
+        }
+        let without = self.samples.without(index);
+        let description = format!("{name} is missing");
+        self.push(format!("{name}-missing"), description, without, Verdict::misshapen(rule::FIELDS));
+    }
+
+    fn push(
+        &mut self,
+        id: impl Into<String>,
+        description: impl Into<String>,
+        json: String,
+        verdict: Verdict,
+    ) {
+        let held = if verdict.is_held { self.codec.encode(&json) } else { Bytes::default() };
+        self.done.push(Case {
+            id: id.into(),
+            description: description.into(),
+            rule: verdict.rule,
+            uorb: held.uorb,
+            cdr: held.cdr,
+            schema_verdict: verdict.suits_doubles.then_some(verdict.passes_schema),
+            json: Some(json),
+            ..Case::default()
+        });
+    }
+
+    /// A case of bytes alone.
+    fn patched(
+        &mut self,
+        id: String,
+        description: String,
+        (reference, json): (&str, &str),
+        change: Change,
+        sample: &Sample,
+    ) {
+        let (before, after) = (self.codec.encode(reference), self.codec.encode(json));
+        let (uorb, cdr) = match change {
+            Change::Byte(byte) => {
+                let patch =
+                    |before: Option<Vec<u8>>, after: Option<Vec<u8>>| replaced(&before?, after?, byte);
+                (patch(before.uorb, after.uorb), patch(before.cdr, after.cdr))
+            }
+            Change::Growth { size, filler } => {
+                let cdr = before.cdr.zip(after.cdr);
+                (None, cdr.and_then(|(before, after)| grown(&before, &after, size, filler)))
+            }
+        };
+        if uorb.is_some() || cdr.is_some() {
+            self.done.push(Case { id, description, rule: sample.verdict.rule, uorb, cdr, ..Case::default() });
+        }
+    }
+
+    // Ids of what is tried with bytes alone have a dot before any hyphen: those of fields can't be the same.
+
+    /// Payloads in memory of wrong sizes, and of the other right one.
+    fn uorb(&mut self, message: &Message, typical: &str) {
+        let (Some(layout), Some(bytes)) = (&message.uorb, self.codec.encode(typical).uorb) else { return };
+        let (size, no_padding) = (layout.size, layout.size_no_padding);
+        let resized = |size: usize| {
+            let mut bytes = bytes.clone();
+            bytes.resize(size, 0);
+            bytes
+        };
+        let mut push = |id: &str, words: &str, rule, bytes: Vec<u8>| {
+            self.done.push(Case { uorb: Some(bytes), ..payload(id, words, rule, typical) });
+        };
+        if no_padding < size {
+            push(
+                "uorb.no-padding",
+                "without the padding at the end, as logs have it",
+                None,
+                resized(no_padding),
+            );
+        }
+        let mut dirty = bytes.clone();
+        for slot in layout.slots.iter().filter(|slot| slot.field.is_none()) {
+            if let Some(padding) = dirty.get_mut(slot.offset..slot.offset + slot.size) {
+                padding.fill(0xaa);
+            }
+        }
+        if dirty != bytes {
+            push("uorb.dirty-padding", "padding that isn't zero", None, dirty);
+        }
+        let broken = Some(rule::SIZE);
+        if let Some(short) = no_padding.checked_sub(1) {
+            push("uorb.short", "a byte short of the size without padding", broken, resized(short));
+        }
+        if size > no_padding + 1 {
+            push("uorb.part-of-padding", "a part of the padding at the end", broken, resized(no_padding + 1));
+        }
+        push("uorb.long", "a byte more than the full size", broken, resized(size + 1));
+    }
+
+    /// Payloads in CDR with other headers and ends.
+    fn cdr(&mut self, typical: &str) {
+        let Some(bytes) = self.codec.encode(typical).cdr else { return };
+        let big_endian = self.codec.big_endian(typical);
+        let mut push = |id: &str, words: &str, rule, bytes: Vec<u8>| {
+            self.done.push(Case { cdr: Some(bytes), ..payload(id, words, rule, typical) });
+        };
+        if let Some(big_endian) = big_endian {
+            push("cdr.big-endian", "in big-endian order, as the header says", None, big_endian);
+        }
+        let filled = bytes.len().next_multiple_of(4);
+        if filled > bytes.len() {
+            let mut bytes = bytes.clone();
+            bytes.resize(filled, 0);
+            push("cdr.filled", "filled up to a multiple of four bytes, as some writers do", None, bytes);
+        }
+        let mut unknown = bytes.clone();
+        unknown[..2].fill(0xff);
+        push("cdr.encapsulation", "a header that names no encoding", Some(rule::ENCAPSULATION), unknown);
+        let broken = Some(rule::PAYLOAD);
+        push("cdr.short", "the last byte is missing", broken, bytes[..bytes.len() - 1].to_vec());
+        let mut long = bytes;
+        long.resize(filled + 4, 0);
+        push("cdr.long", "four bytes more than alignment explains", broken, long);
+    }
+}
+
+/// A case of bytes that decode to `typical`, unless they break a rule.
+fn payload(id: &str, words: &str, rule: Option<&'static str>, typical: &str) -> Case {
+    let decoded = rule.is_none().then(|| typical.to_owned());
+    Case { id: id.to_owned(), description: words.to_owned(), rule, decoded, ..Case::default() }
+}

@@ -1,0 +1,334 @@
+//! Numbers at the ends of what a field may hold, and beyond them.
+
+use uavspec_runtime::{Number, Rule, Scalar};
+
+use super::case::{Change, Sample, Verdict, rule};
+use crate::schema::{Enum, Field, Message, Restriction, Schema};
+use crate::value::Value;
+
+/// The bits of 64-bit integers that a 64-bit float near their bounds can't hold, and one more: what
+/// must be added so that such a float differs from the bound.
+const FAR: i128 = 1 << 12;
+
+/// A number as a field holds it, with all that its definition says.
+pub(super) struct NumberSamples<'s> {
+    schema: &'s Schema,
+    field: &'s Field,
+    scalar: Scalar,
+    restriction: Restriction,
+    samples: Vec<Sample>,
+}
+
+impl<'s> NumberSamples<'s> {
+    pub(super) fn new(schema: &'s Schema, message: &Message, field: &'s Field, scalar: Scalar) -> Self {
+        let restriction = schema.restriction(message, field).unwrap_or_default();
+        Self { schema, field, scalar, restriction, samples: Vec::new() }
+    }
+
+    /// The valid value nearest to zero; none where the definition contradicts itself.
+    pub(super) fn zero(&self) -> Option<String> {
+        let zero = if self.scalar.is_float() { Number::Float(0.0) } else { Number::Int(0) };
+        let known = self.restriction.known.iter().flatten().map(|value| Number::Int(*value));
+        let ends = [self.restriction.low, self.restriction.high].into_iter().flatten();
+        let special = self.restriction.special.iter().copied();
+        let candidates = [zero].into_iter().chain(known).chain(ends).chain(special);
+        candidates
+            .map(|number| self.held(number))
+            .find(|number| self.holds(*number) && self.verdict(*number).is_valid())
+            .map(|number| self.json(number))
+    }
+
+    /// A valid value made of `bytes`, or as unlike others as the definition lets it be.
+    pub(super) fn typical(&self, bytes: [u8; 8]) -> Option<String> {
+        let turn = i128::from(bytes[0]);
+        let known = self.restriction.known.as_deref().unwrap_or_default();
+        let any = Number::Int(turn % 0x7f + 1);
+        let all_flags = known.iter().fold(0, |all, mask| all | mask);
+        let pick = usize::try_from(turn).unwrap_or(0) % known.len().max(1);
+        let candidates = [
+            Some(self.of_bytes(bytes)).filter(|number| !number.is_nan()),
+            (self.restriction.is_flags && all_flags != 0).then_some(Number::Int(turn & all_flags)),
+            known.get(pick).map(|value| Number::Int(*value)),
+            self.between(bytes[0]),
+            Some(if self.scalar.is_float() { Number::Float(f64::from(bytes[0] % 0x7f) + 0.5) } else { any }),
+        ];
+        let valid = candidates
+            .into_iter()
+            .flatten()
+            .map(|number| self.held(number))
+            .find(|number| self.holds(*number) && self.verdict(*number).is_valid());
+        valid.map(|number| self.json(number)).or_else(|| self.zero())
+    }
+
+    /// All values that are worth a case.
+    pub(super) fn samples(mut self) -> Vec<Sample> {
+        // Of several names for one value the first stays, so the most telling come first.
+        self.documented();
+        for (special, name, words) in [
+            (&self.field.invalid, "no-data", "the value that says that there is no data"),
+            (&self.field.uncontrolled, "not-controlled", "the value that says that it isn't controlled"),
+        ] {
+            let value = special.as_ref().and_then(|special| special.value.as_ref());
+            if let Some(number) = value.and_then(number) {
+                self.push(name, words, number);
+            }
+        }
+        self.ends();
+        if self.scalar.is_float() {
+            self.floats();
+        } else {
+            self.integers();
+        }
+        self.mistyped();
+        self.samples
+    }
+
+    fn integers(&mut self) {
+        let Some((least, greatest)) = self.scalar.integer_bounds() else { return };
+        let name = self.scalar.name();
+        // Where zero is the least, the message of zeros is that case.
+        if least < 0 {
+            self.push("min", format!("the least {name}"), Number::Int(least));
+        }
+        self.push("max", format!("the greatest {name}"), Number::Int(greatest));
+        // Near the bounds of 64-bit integers 64-bit floats are further apart than 1; next to zero they aren't.
+        let is_coarse = |value: i128| self.scalar.size() == 8 && value != -1;
+        let outside = [
+            ("below-min", "far-below-min", "below the least", least - 1, least - FAR),
+            ("above-max", "far-above-max", "above the greatest", greatest + 1, greatest + 1 + FAR),
+        ];
+        let mut beyond = Vec::new();
+        for (near, far, words, value, far_value) in outside {
+            let mut sample = Sample::mistyped(near, format!("one {words} {name}"), value.to_string());
+            sample.verdict.suits_doubles = !is_coarse(value);
+            beyond.push(sample);
+            if is_coarse(value) {
+                let words = format!("{words} {name}, by as much as 64-bit floats can tell");
+                beyond.push(Sample::mistyped(far, words, far_value.to_string()));
+            }
+        }
+        self.samples.append(&mut beyond);
+    }
+
+    fn floats(&mut self) {
+        let is_single = self.scalar == Scalar::Float32;
+        let (greatest, least) = if is_single {
+            (f64::from(f32::MAX), f64::from(f32::from_bits(1)))
+        } else {
+            (f64::MAX, f64::from_bits(1))
+        };
+        let name = self.scalar.name();
+        self.push("min", format!("the {name} furthest below zero"), Number::Float(-greatest));
+        self.push("max", format!("the greatest {name}"), Number::Float(greatest));
+        self.push("subnormal", format!("the least {name} above zero"), Number::Float(least));
+        self.push("minus-zero", "zero with a sign", Number::Float(-0.0));
+        self.push("nan", "NaN", Number::Float(f64::NAN));
+        if is_single {
+            // JSON has no word for infinity, and not every reader takes numbers beyond 64-bit floats:
+            // so only float32 has neighbours beyond its ends.
+            self.samples.push(Sample::mistyped("below-min", "below the least float32", "-3.5e38"));
+            self.samples.push(Sample::mistyped("above-max", "above the greatest float32", "3.5e38"));
+        }
+    }
+
+    /// The ends of the range and the greatest count, with the neighbours beyond them.
+    fn ends(&mut self) {
+        let (low, high) = (self.restriction.low, self.restriction.high);
+        if let Some(low) = low.map(|low| self.held(low)) {
+            self.push("range-low", "the least of its range", low);
+            self.push_outside("below-range", "just below its range", self.step(low, false));
+        }
+        if let Some(high) = high.map(|high| self.held(high)) {
+            self.push("range-high", "the greatest of its range", high);
+            self.push_outside("above-range", "just above its range", self.step(high, true));
+        }
+        if let Some(count) = self.restriction.count.map(|count| Number::Int(count.into())) {
+            self.push("full", "as many entries as the array has", count);
+            self.push_outside("above-count", "one entry more than the array has", self.step(count, true));
+        }
+    }
+
+    /// Each documented value, and one that isn't.
+    fn documented(&mut self) {
+        let Some(found) = self.field.enumeration.map(|reference| self.schema.enumeration(reference)) else {
+            return;
+        };
+        let (kind, words) = if found.is_flags { ("flag", "the flag") } else { ("enum", "the value") };
+        for member in found.members.iter().filter(|member| found.alias_of(member).is_none()) {
+            let name = format!("{kind}-{}", member.name);
+            self.push(name, format!("{words} {}", member.name), Number::Int(member.value));
+        }
+        if found.is_flags {
+            let all = found.members.iter().fold(0, |all, member| all | member.value);
+            self.push("all-flags", "all flags at once", Number::Int(all));
+        }
+        let (name, words) = if found.is_flags {
+            ("undocumented-bit", "a bit that isn't documented")
+        } else {
+            ("undocumented", "a value that isn't documented")
+        };
+        if let Some(number) = self.undocumented(found) {
+            self.push(name, words, number);
+        }
+    }
+
+    /// A value that breaks no rule but that of the enum.
+    fn undocumented(&self, found: &Enum) -> Option<Number> {
+        let values = || found.members.iter().map(|member| member.value);
+        let bits = (0..8 * self.scalar.size()).map(|bit| 1_i128 << bit);
+        let neighbours = values().max().map(|value| value + 1).into_iter();
+        let neighbours =
+            neighbours.chain(values().map(|value| value - 1)).chain(values().map(|value| value + 1));
+        let candidates: Vec<i128> = if found.is_flags { bits.collect() } else { neighbours.collect() };
+        let breaks = |number: &Number| {
+            self.restriction.constraint().broken_by(*number) == Some(Rule::Enum) && self.holds(*number)
+        };
+        candidates.into_iter().map(Number::Int).find(breaks)
+    }
+
+    fn mistyped(&mut self) {
+        if self.scalar.is_float() {
+            self.samples.push(Sample::mistyped("string", "a string", "\"NaN\""));
+        } else {
+            self.samples.push(Sample::mistyped("null", "null", "null"));
+            self.samples.push(Sample::mistyped("string", "a string", "\"1\""));
+            self.samples.push(Sample::mistyped("fraction", "a fraction", "0.5"));
+        }
+        self.samples.push(Sample::mistyped("boolean", "a boolean", "true"));
+    }
+
+    fn push(&mut self, name: impl Into<String>, words: impl Into<String>, number: Number) {
+        let number = self.held(number);
+        if self.holds(number) {
+            let sample = Sample::new(name, words, self.json(number), self.verdict(number));
+            self.samples.push(sample);
+        }
+    }
+
+    fn push_outside(&mut self, name: &'static str, words: &'static str, number: Option<Number>) {
+        if let Some(number) = number {
+            self.push(name, words, number);
+        }
+    }
+
+    fn verdict(&self, number: Number) -> Verdict {
+        Verdict::of(&self.restriction.constraint(), number)
+    }
+
+    /// Whether the type has this value and JSON a word for it.
+    fn holds(&self, number: Number) -> bool {
+        match (number, self.scalar.integer_bounds()) {
+            (Number::Int(value), Some((least, greatest))) => (least..=greatest).contains(&value),
+            (Number::Float(value), None) => !value.is_infinite(),
+            _ => false,
+        }
+    }
+
+    /// The value of the type that is nearest.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss)] // rounding is what this is about
+    fn held(&self, number: Number) -> Number {
+        match (number, self.scalar) {
+            (Number::Float(value), Scalar::Float32) => Number::Float(f64::from(value as f32)),
+            (Number::Int(value), Scalar::Float32) => Number::Float(f64::from(value as f32)),
+            (Number::Int(value), Scalar::Float64) => Number::Float(value as f64),
+            (Number::Float(value), Scalar::Float64) => Number::Float(value),
+            (Number::Float(value), _) => Number::Int(value as i128),
+            (Number::Int(value), _) => Number::Int(value),
+        }
+    }
+
+    /// The next value of the type.
+    #[allow(clippy::cast_possible_truncation)] // it is a float32 already
+    fn step(&self, number: Number, up: bool) -> Option<Number> {
+        let next = match number {
+            Number::Int(value) => Number::Int(if up { value + 1 } else { value - 1 }),
+            Number::Float(value) if self.scalar == Scalar::Float32 => {
+                let value = value as f32;
+                Number::Float(f64::from(if up { value.next_up() } else { value.next_down() }))
+            }
+            Number::Float(value) => Number::Float(if up { value.next_up() } else { value.next_down() }),
+        };
+        self.holds(next).then_some(next)
+    }
+
+    fn of_bytes(&self, bytes: [u8; 8]) -> Number {
+        let [a, b, c, d, ..] = bytes;
+        match self.scalar {
+            Scalar::Float32 => Number::Float(f32::from_le_bytes([a, b, c, d]).into()),
+            Scalar::Float64 => Number::Float(f64::from_le_bytes(bytes)),
+            Scalar::Bool | Scalar::Byte | Scalar::Char | Scalar::UInt8 => Number::Int(a.into()),
+            Scalar::Int8 => Number::Int(i8::from_le_bytes([a]).into()),
+            Scalar::Int16 => Number::Int(i16::from_le_bytes([a, b]).into()),
+            Scalar::UInt16 => Number::Int(u16::from_le_bytes([a, b]).into()),
+            Scalar::Int32 => Number::Int(i32::from_le_bytes([a, b, c, d]).into()),
+            Scalar::UInt32 => Number::Int(u32::from_le_bytes([a, b, c, d]).into()),
+            Scalar::Int64 => Number::Int(i64::from_le_bytes(bytes).into()),
+            Scalar::UInt64 => Number::Int(u64::from_le_bytes(bytes).into()),
+        }
+    }
+
+    /// A value in the range, another one for each `turn`.
+    fn between(&self, turn: u8) -> Option<Number> {
+        let count = self.restriction.count.map(|count| Number::Int(count.into()));
+        let low = self.restriction.low.or(count.map(|_| Number::Int(0)));
+        let high = self.restriction.high.or(count);
+        Some(match (low, high) {
+            (Some(Number::Int(low)), Some(Number::Int(high))) if !self.scalar.is_float() => {
+                Number::Int(low + i128::from(turn) % (high - low + 1).max(1))
+            }
+            (Some(low), Some(high)) => {
+                let (low, high) = (float(low), float(high));
+                Number::Float(low + (high - low) * (f64::from(turn) + 1.0) / 257.0)
+            }
+            (Some(low), None) => Number::Float(float(low) + f64::from(turn)),
+            (None, Some(high)) => Number::Float(float(high) - f64::from(turn)),
+            (None, None) => return None,
+        })
+    }
+
+    fn json(&self, number: Number) -> String {
+        match number {
+            Number::Int(value) => value.to_string(),
+            Number::Float(value) => float_json(value, self.scalar),
+        }
+    }
+}
+
+/// A float in the shortest form that reads back as it; NaN is null.
+#[allow(clippy::cast_possible_truncation)] // it is a float32 already
+fn float_json(value: f64, scalar: Scalar) -> String {
+    let value = match scalar {
+        Scalar::Float32 => (value as f32).to_string().parse().unwrap_or(value),
+        _ => value,
+    };
+    serde_json::Number::from_f64(value).map_or_else(|| "null".to_owned(), |number| number.to_string())
+}
+
+#[allow(clippy::cast_precision_loss)] // bounds of floats are small
+fn float(number: Number) -> f64 {
+    match number {
+        Number::Int(value) => value as f64,
+        Number::Float(value) => value,
+    }
+}
+
+fn number(value: &Value) -> Option<Number> {
+    value.as_int().map(Number::Int).or_else(|| value.as_f64().map(Number::Float))
+}
+
+/// What is tried out in a `bool`.
+pub(super) fn booleans() -> Vec<Sample> {
+    let odd = Sample::new(
+        "byte-153",
+        "a byte of 153, as some firmware sends it",
+        "true",
+        Verdict::of_bytes(rule::BOOL),
+    );
+    vec![
+        Sample::new("true", "true", "true", Verdict::VALID),
+        odd.patched("false", Change::Byte(153)),
+        Sample::mistyped("null", "null", "null"),
+        Sample::mistyped("number", "a number", "1"),
+        Sample::mistyped("string", "a string", "\"true\""),
+    ]
+}

@@ -1,0 +1,297 @@
+//! Bytes, text and definitions that nobody would send in good faith: an error or a value, in bounded room.
+
+use std::fmt::Write as _;
+
+use uavspec_codegen::dynamic::{Defect, MessageType, Reason, Types};
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::{Form, Schema};
+use uavspec_runtime::cdr::{ByteOrder, HEADER};
+use uavspec_runtime::layout::Size;
+
+use super::values::Draw;
+use crate::support;
+
+const ROS2: Form = Form::Msg(Dialect::Ros2);
+
+/// Everything of which a payload says how much there is.
+fn schema() -> Schema {
+    let files = [
+        (
+            "Tree.msg",
+            "bool[2] a\nstring b\nwstring<=9 c\nuint64[] d\nByte[] e\nEmpty[] f\nTwig[<=3] g\nstring[] h\nTwig i\n",
+        ),
+        ("Twig.msg", "uint8 a\nstring<=4[<=5] b\nLeaf[] c\nLeaf[2] d\n"),
+        ("Leaf.msg", "bool a\nwstring[] b\nuint16[<=6] c\n"),
+        ("Byte.msg", "uint8 a\n"),
+        ("Empty.msg", ""),
+    ];
+    support::texts(ROS2, &files).1
+}
+
+/// Reads bytes in every way there is, and makes everything there is of the value.
+fn read(of: MessageType<'_>, bytes: &[u8]) {
+    for message in [of.decode_cdr(bytes), of.decode_cdr_strict(bytes)].into_iter().flatten() {
+        let most = 8 * (bytes.len() - HEADER);
+        assert!(message.size_in_memory() <= most, "{} bytes of {}", message.size_in_memory(), bytes.len());
+        for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
+            let again = message.encode_cdr(order).expect("what was read can be written");
+            assert!(of.decode_cdr(&again).is_ok());
+        }
+        message.validate();
+        // Infinity has no JSON.
+        let _ = message.to_json();
+    }
+    if let Ok(message) = of.decode_uorb(bytes) {
+        message.encode_uorb().expect("what was read can be written");
+        message.validate();
+        let _ = message.to_json();
+    }
+    let _ = of.decode_uorb_strict(bytes);
+}
+
+/// What is in the way where a length of 2³² - 1 is put at each place, and the rest left or cut off.
+#[test]
+fn lengths_are_not_believed() {
+    let schema = schema();
+    let types = Types::new(&schema);
+    for message in &schema.messages {
+        let of = types.find("demo", &message.name).expect("the type");
+        for seed in 0..2 {
+            let value = of.from_json(&Draw(seed).message(&schema, message)).expect("a message");
+            for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
+                let payload = value.encode_cdr(order).expect("a payload");
+                for at in (0..payload.len().saturating_sub(3)).step_by(4) {
+                    for length in [u32::MAX, 1 << 31, 0x00ff_ffff, 7, 0] {
+                        let mut payload = payload.clone();
+                        let bytes = match order {
+                            ByteOrder::LittleEndian => length.to_le_bytes(),
+                            ByteOrder::BigEndian => length.to_be_bytes(),
+                        };
+                        payload[at..at + 4].copy_from_slice(&bytes);
+                        read(of, &payload);
+                        read(of, &payload[..at + 4]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn random_bytes_are_a_value_or_an_error() {
+    let schema = schema();
+    let types = Types::new(&schema);
+    let mut draw = Draw(7);
+    let mut values = 0;
+    for _ in 0..5000 {
+        for of in types.iter() {
+            let length = draw.below(90);
+            let mut bytes = draw.bytes(length);
+            if let Some(head) = bytes.first_chunk_mut() {
+                *head = [0, draw.bytes(1)[0] & 1, 0, 0];
+            }
+            // Small numbers make for lengths that are not refused at once.
+            bytes.iter_mut().skip(HEADER).for_each(|byte| *byte &= [0xff, 3, 0, 1][draw.below(4)]);
+            values += usize::from(of.decode_cdr(&bytes).is_ok());
+            read(of, &bytes);
+        }
+    }
+    assert!(values > 300, "only {values} values");
+}
+
+#[test]
+fn empty_messages_come_in_any_number_that_the_payload_has_bytes_for() {
+    let (_, schema, _) = support::texts(ROS2, &[("Many.msg", "Empty[] all\n"), ("Empty.msg", "")]);
+    let types = Types::new(&schema);
+    let of = types.find("demo", "Many").expect("the type");
+    let payload = [&[0, 1, 0, 0, 100, 0, 0, 0][..], &[0; 100]].concat();
+    let message = of.decode_cdr(&payload).expect("a message");
+    assert_eq!(message.encode_cdr(ByteOrder::LittleEndian).as_deref(), Ok(&payload[..]));
+    assert!(of.decode_cdr(&payload[..payload.len() - 1]).is_err());
+    assert!(of.decode_cdr(&[0, 1, 0, 0, 0xff, 0xff, 0xff, 0xff]).is_err());
+}
+
+#[test]
+fn large_types_take_no_room_for_small_payloads() {
+    let files = [
+        ("Large.msg", "uint8[16000000] a\nstring b\n"),
+        ("Wide.msg", "Byte[4000000] a\nstring b\n"),
+        ("Byte.msg", "uint8 a\n"),
+    ];
+    let (_, schema, diagnostics) = support::texts(ROS2, &files);
+    assert!(diagnostics.is_empty());
+    let types = Types::new(&schema);
+    let wide = types.find("demo", "Wide").expect("the type");
+    let payload = wide.default().encode_cdr(ByteOrder::LittleEndian).expect("a payload");
+    assert_eq!(payload.len(), HEADER + 4_000_000 + 5);
+    assert_eq!(wide.decode_cdr(&payload).expect("a message").size_in_memory(), 8 * (4_000_000 + 1));
+    assert!(wide.decode_cdr(&[0, 1, 0, 0, 1, 2, 3]).is_err());
+    let of = types.find("demo", "Large").expect("the type");
+    let error = of.decode_cdr(&[0, 1, 0, 0, 1, 2, 3]).expect_err("refused");
+    assert_eq!(error.to_string(), "a[3] at byte 4: expected 16000000 more bytes, found 3");
+}
+
+#[test]
+fn definitions_nest_as_deep_as_the_stack_bears() {
+    let files: Vec<(String, String)> = (0..2000)
+        .map(|level| {
+            let text = if level == 0 {
+                "string a\n".to_owned()
+            } else {
+                format!("L{}[] a\nL{} b\n", level - 1, level - 1)
+            };
+            (format!("L{level}.msg"), text)
+        })
+        .collect();
+    let files: Vec<(&str, &str)> = files.iter().map(|(path, text)| (&**path, &**text)).collect();
+    let (_, schema, _) = support::texts(ROS2, &files);
+    let types = Types::new(&schema);
+    let find = |level: usize| types.find("demo", &format!("L{level}")).expect("the type");
+    let error = find(33).decode_cdr(&[0, 1, 0, 0]).expect_err("refused");
+    assert_eq!(error.reason, Reason::Defect(Defect::TooDeep(32)));
+    assert_eq!(
+        find(1999).from_json_text("{}").expect_err("refused").to_string(),
+        "L1999: nests messages deeper than 32"
+    );
+    assert!(find(1999).default().encode_cdr(ByteOrder::LittleEndian).is_err());
+    let deepest = find(32).default();
+    let payload = deepest.encode_cdr(ByteOrder::BigEndian).expect("a payload");
+    assert!(find(32).decode_cdr(&payload).is_ok());
+    let text = deepest.view().to_json_text().expect("JSON");
+    assert!(find(32).from_json_text(&text).is_ok());
+}
+
+#[test]
+fn definitions_with_mistakes_are_refused_later() {
+    let files = [
+        ("A.msg", "B b\n"),
+        ("B.msg", "A[2] a\n"),
+        ("C.msg", "uint8 a\n"),
+        ("D.msg", "uint8[16000000] a\nuint8[16000000] b\nstring c\n"),
+    ];
+    let (_, schema, diagnostics) = support::texts(ROS2, &files);
+    assert!(!diagnostics.is_empty());
+    let types = Types::new(&schema);
+    let defect = |name: &str| types.find("demo", name).expect("the type").defect();
+    assert_eq!(defect("A"), Some(&Defect::Recursive));
+    assert_eq!(defect("C"), None);
+    assert!(matches!(defect("D"), Some(Defect::TooLarge(_))));
+    assert_eq!(types.find("demo", "D").expect("the type").size(), None);
+}
+
+#[test]
+fn sizes_are_told() {
+    let schema = schema();
+    let types = Types::new(&schema);
+    let byte = types.find("demo", "Byte").expect("the type");
+    assert_eq!(byte.size(), Some(Size { padded: 8, no_padding: 1 }));
+    let error = byte.decode_uorb(&[0; 2]).expect_err("refused");
+    assert_eq!(
+        error.to_string(),
+        "Byte at byte 2: expected 8 bytes, or 1 without the padding at the end, found 2"
+    );
+    let error = types.find("demo", "Leaf").expect("the type").decode_uorb(&[0; 2]).expect_err("refused");
+    assert_eq!(error.to_string(), "Leaf: expected a message of fixed size, found strings or sequences in it");
+}
+
+#[test]
+fn json_that_does_not_fit_is_refused_by_path() {
+    let schema = schema();
+    let types = Types::new(&schema);
+    let of = types.find("demo", "Twig").expect("the type");
+    let leaf = r#"{"a":true,"b":["x"],"c":[1,2]}"#;
+    let text = format!(r#"{{"a":1,"b":["x"],"c":[{leaf}],"d":[{leaf},{leaf}]}}"#);
+    assert!(of.from_json_text(&text).is_ok());
+    for (from, to, expected) in [
+        ("1,2", "1,70000", "c[0].c[1]: invalid value: integer `70000`, expected an integer from 0 to 65535"),
+        ("true", "0", "c[0].a: invalid type: integer `0`, expected true or false"),
+        (r#""a":1,"#, "", "Twig: missing field `a`"),
+        (r#""a":1,"#, r#""a":1,"a":1,"#, "a: duplicate field `a`"),
+        (r#""a":1,"#, r#""a":1,"z":1,"#, "Twig: unknown field `z`"),
+        (r#""b":["x"]"#, r#""b":["x",7]"#, "b[1]: invalid type: integer `7`, expected a string"),
+        (
+            r#""d":["#,
+            r#""d":[[],"#,
+            "d[0]: invalid type: sequence, expected an object with the fields of Leaf",
+        ),
+        (r#","d":"#, r#","d":[],"x":"#, "d: invalid length 0, expected an array of 2"),
+    ] {
+        let spoiled = text.replacen(from, to, 1);
+        assert_ne!(spoiled, text);
+        let error = of.from_json_text(&spoiled).expect_err(&spoiled).to_string();
+        assert!(error.starts_with(expected), "{error}\n{expected}");
+        let tree = serde_json::from_str(&spoiled);
+        if expected.contains("duplicate") {
+            continue; // a tree holds each key once
+        }
+        let error = of.from_json(&tree.expect("JSON")).expect_err(&spoiled).to_string();
+        assert_eq!(error, expected);
+    }
+    for text in [
+        "",
+        "[",
+        "{",
+        "nul",
+        "{\"a\"",
+        "7",
+        &"[".repeat(10_000),
+        &"{\"c\":[".repeat(10_000),
+        &format!("{text}]"),
+    ] {
+        assert!(of.from_json_text(text).is_err(), "{text}");
+    }
+}
+
+/// What can't be said in a form is refused by the way to it.
+#[test]
+fn values_without_a_form_are_refused_by_path() {
+    let files = [("Outer.msg", "Inner[] all\nstring<=2[] names\n"), ("Inner.msg", "float32[2] a\n")];
+    let (_, schema, _) = support::texts(ROS2, &files);
+    let types = Types::new(&schema);
+    let of = types.find("demo", "Outer").expect("the type");
+    let inner = types.find("demo", "Inner").expect("the type");
+    let message = inner.decode_uorb(&[0, 0, 0, 0, 0, 0, 0x80, 0xff]).expect("a message");
+    assert_eq!(
+        message.to_json().expect_err("refused").to_string(),
+        "a[1]: -inf, which JSON has no number for"
+    );
+    let message = of.from_json_text(r#"{"all":[],"names":["ab","abc"]}"#).expect("a message");
+    let error = message.encode_cdr(ByteOrder::LittleEndian).expect_err("refused");
+    assert_eq!(error.to_string(), "names[1]: expected at most 2, found 3");
+    assert_eq!(
+        message.validate()[0].to_string(),
+        "names[1]: 3 elements or characters where 2 fit (PX-CDR-02)"
+    );
+}
+
+#[test]
+fn any_path_leads_somewhere_or_nowhere() {
+    let schema = schema();
+    let types = Types::new(&schema);
+    let message = types.find("demo", "Twig").expect("the type").default();
+    assert!(message.get("d[1].a").is_some());
+    for path in [
+        "",
+        ".",
+        "d[",
+        "d]",
+        "d[]",
+        "d[[1]]",
+        "d[2]",
+        "d[-1]",
+        "d[99999999999999999999].a",
+        "d.a",
+        "a[0]",
+        "a.a",
+        "b[0]",
+        "d[1].",
+        "é",
+    ] {
+        assert!(message.get(path).is_none(), "{path}");
+    }
+    let mut long = String::new();
+    for _ in 0..1000 {
+        let _ = write!(long, "d[1].");
+    }
+    assert!(message.get(&long).is_none());
+}

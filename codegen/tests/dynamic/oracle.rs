@@ -1,0 +1,88 @@
+//! CDR and JSON of other tools, both ways.
+
+use std::fs;
+
+use serde_json::Value as Json;
+use uavspec_codegen::Schema;
+use uavspec_codegen::dynamic::{MessageType, Types};
+use uavspec_runtime::cdr::ByteOrder;
+
+use crate::support::{self, shared};
+
+#[test]
+fn cdr_of_px4_is_that_of_other_tools() {
+    let (Some(folder), Some(oracle)) = (shared("corpus/px4/main"), shared("oracle/cdr/px4-main.json")) else {
+        return;
+    };
+    let (_, schema, _) = support::px4(&folder);
+    assert_eq!(check(&schema, &fs::read_to_string(oracle).expect("an oracle")), 783);
+}
+
+#[test]
+fn cdr_of_ros2_is_that_of_other_tools() {
+    let (Some(folder), Some(oracle)) = (shared("corpus/ros2"), shared("oracle/cdr/ros2.json")) else {
+        return;
+    };
+    let (_, schema, _) = support::ros2(&folder);
+    assert_eq!(check(&schema, &fs::read_to_string(oracle).expect("an oracle")), 282);
+}
+
+/// Checks all cases of an oracle, and counts them.
+fn check(schema: &Schema, oracle: &str) -> usize {
+    let types = Types::new(schema);
+    let cases: Vec<Json> = serde_json::from_str(oracle).expect("a list of cases");
+    for case in &cases {
+        let name = case["type"].as_str().expect("a type");
+        let (package, name) = name.split_once("/msg/").expect("a package and a name");
+        let package = if package == "px4_msgs" { "px4" } else { package };
+        check_case(types.find(package, name).expect("the type"), case);
+    }
+    cases.len()
+}
+
+fn check_case(of: MessageType<'_>, case: &Json) {
+    let what = format!("{} {}", case["type"], case["case"]);
+    let json = &case["json"];
+    let from_json = of.from_json(json).unwrap_or_else(|error| panic!("{what}: {error}"));
+    for (order, key) in [(ByteOrder::LittleEndian, "cdr_le_hex"), (ByteOrder::BigEndian, "cdr_be_hex")] {
+        let payload = bytes(case[key].as_str().expect("hexadecimal digits"));
+        let message = of.decode_cdr_strict(&payload).unwrap_or_else(|error| panic!("{what}: {error}"));
+        let found = message.to_json().unwrap_or_else(|error| panic!("{what}: {error}"));
+        assert!(same(&found, json), "{what}\n{found}\n{json}");
+        assert_eq!(message.encode_cdr(order).as_deref(), Ok(&*payload), "{what}");
+        assert_eq!(from_json.encode_cdr(order).as_deref(), Ok(&*payload), "{what} from JSON");
+    }
+    if of.size().is_some() {
+        let payload = from_json.encode_uorb().unwrap_or_else(|error| panic!("{what}: {error}"));
+        let message = of.decode_uorb_strict(&payload).unwrap_or_else(|error| panic!("{what}: {error}"));
+        assert!(same(&message.to_json().expect("JSON"), json), "{what} by uORB");
+    }
+}
+
+fn bytes(hexadecimal: &str) -> Vec<u8> {
+    let digits = hexadecimal.as_bytes().chunks_exact(2);
+    digits
+        .map(|pair| {
+            u8::from_str_radix(std::str::from_utf8(pair).expect("digits"), 16).expect("hexadecimal digits")
+        })
+        .collect()
+}
+
+/// Equal, where a float may be written with the digits of a 32-bit or of a 64-bit one, or as an integer.
+pub(crate) fn same(left: &Json, right: &Json) -> bool {
+    match (left, right) {
+        (Json::Array(left), Json::Array(right)) => {
+            left.len() == right.len() && left.iter().zip(right).all(|(left, right)| same(left, right))
+        }
+        (Json::Object(left), Json::Object(right)) => {
+            left.keys().eq(right.keys()) && left.iter().all(|(key, value)| same(value, &right[key]))
+        }
+        (Json::Number(l), Json::Number(r)) if l.is_f64() || r.is_f64() => {
+            let (l, r) = (l.as_f64().unwrap_or(f64::NAN), r.as_f64().unwrap_or(f64::NAN));
+            #[allow(clippy::cast_possible_truncation)] // that is what may have happened
+            let as_f32 = (l as f32).to_bits() == (r as f32).to_bits();
+            l.to_bits() == r.to_bits() || as_f32
+        }
+        _ => left == right,
+    }
+}

@@ -1,0 +1,151 @@
+//! Whatever the definition, and whatever the value: what is written is read again.
+
+use std::fmt::Write as _;
+
+use proptest::prelude::*;
+use proptest::sample::select;
+use serde_json::Value as Json;
+use uavspec_codegen::diagnostic::{has_errors, render};
+use uavspec_codegen::dynamic::{MessageType, Types};
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::{Form, Message, Schema};
+use uavspec_runtime::cdr::{ByteOrder, HEADER};
+
+use super::values::Draw;
+use crate::support;
+
+const SCALARS: [&str; 13] = [
+    "bool", "char", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32",
+    "float64", "Inner",
+];
+const STRINGS: [&str; 6] = ["byte", "string", "wstring", "string<=3", "wstring<=4", "Empty"];
+
+/// The type of a field; nested ones are `Inner` and `Empty`.
+fn field(dialect: Dialect) -> impl Strategy<Value = String> {
+    let elements: Vec<&str> = match dialect {
+        Dialect::Px4 => SCALARS.to_vec(),
+        Dialect::Ros2 => SCALARS.iter().chain(&STRINGS).copied().collect(),
+    };
+    let shapes: &[&str] = match dialect {
+        Dialect::Px4 => &["", "", "[1]", "[3]"],
+        Dialect::Ros2 => &["", "", "[1]", "[3]", "[]", "[<=3]"],
+    };
+    (select(elements), select(shapes)).prop_map(|(element, shape)| format!("{element}{shape}"))
+}
+
+/// A definition of a message.
+fn definition(dialect: Dialect, least: usize) -> impl Strategy<Value = String> {
+    proptest::collection::vec(field(dialect), least..12).prop_map(|fields| {
+        fields.iter().enumerate().fold(String::new(), |mut text, (index, ty)| {
+            let _ = writeln!(text, "{ty} x{index}");
+            text
+        })
+    })
+}
+
+fn schema(dialect: Dialect, outer: &str, inner: &str) -> Result<Schema, TestCaseError> {
+    // What holds `Inner` may hold no `Outer`; `Inner` holds the innermost.
+    let inner = inner.replace("Inner", "Innermost");
+    let innermost = "uint8 a\nfloat64 b\nbool c\n";
+    let files =
+        [("Outer.msg", outer), ("Inner.msg", &inner), ("Innermost.msg", innermost), ("Empty.msg", "")];
+    let (sources, schema, diagnostics) = support::texts(Form::Msg(dialect), &files);
+    prop_assert!(!has_errors(&diagnostics), "{}", render::render(&diagnostics, &sources, false));
+    Ok(schema)
+}
+
+fn check(schema: &Schema, seed: u64) -> Result<(), TestCaseError> {
+    let types = Types::new(schema);
+    for message in &schema.messages {
+        let of = types.find("demo", &message.name).expect("the type");
+        let mut draw = Draw(seed);
+        check_json(of, &draw.message(schema, message))?;
+        check_bytes(of, message, &draw.message(schema, message))?;
+        let default = of.default();
+        let read = of.from_json(&default.to_json().expect("JSON")).expect("a message");
+        prop_assert_eq!(read.to_json(), default.to_json());
+    }
+    Ok(())
+}
+
+/// A tree, text, and text with its fields in another order are the same message.
+fn check_json(of: MessageType<'_>, json: &Json) -> Result<(), TestCaseError> {
+    let message = of.from_json(json).map_err(|error| TestCaseError::fail(error.to_string()))?;
+    prop_assert_eq!(&message.to_json().expect("JSON"), json);
+    prop_assert_eq!(
+        message.view().to_json_text().expect("JSON"),
+        serde_json::to_string(&message).expect("JSON")
+    );
+    let payload = message.encode_cdr(ByteOrder::LittleEndian).expect("a payload");
+    let text = json.to_string();
+    prop_assert!(message.size_in_memory() <= 8 * text.len(), "{} of {text}", message.size_in_memory());
+    for text in [text, turned(json).to_string()] {
+        let message = of.from_json_text(&text).map_err(|error| TestCaseError::fail(error.to_string()))?;
+        prop_assert_eq!(message.encode_cdr(ByteOrder::LittleEndian).expect("a payload"), &payload[..]);
+    }
+    Ok(())
+}
+
+/// The same with the fields of all objects in the opposite order.
+fn turned(json: &Json) -> Json {
+    match json {
+        Json::Array(values) => values.iter().map(turned).collect(),
+        Json::Object(fields) => {
+            fields.iter().rev().map(|(key, value)| (key.clone(), turned(value))).collect()
+        }
+        other => other.clone(),
+    }
+}
+
+fn check_bytes(of: MessageType<'_>, message: &Message, json: &Json) -> Result<(), TestCaseError> {
+    let value = of.from_json(json).expect("a message");
+    for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
+        let payload = value.encode_cdr(order).map_err(|error| TestCaseError::fail(error.to_string()))?;
+        let size = payload.len() as u64;
+        let least = message.cdr.least;
+        prop_assert!(size == least || !message.cdr.is_fixed && size > least);
+        for decoded in [of.decode_cdr(&payload), of.decode_cdr_strict(&payload)] {
+            let decoded = decoded.map_err(|error| TestCaseError::fail(error.to_string()))?;
+            prop_assert_eq!(&decoded.to_json().expect("JSON"), json);
+            prop_assert_eq!(&decoded.encode_cdr(order).expect("a payload"), &payload);
+            let most = 8 * (payload.len() - HEADER);
+            prop_assert!(decoded.size_in_memory() <= most, "{} of {most}", decoded.size_in_memory());
+        }
+        for end in 0..payload.len() {
+            prop_assert!(of.decode_cdr(&payload[..end]).is_err(), "{end} of {}", payload.len());
+        }
+    }
+    prop_assert_eq!(of.size().is_some(), message.uorb.is_some());
+    let Some(layout) = &message.uorb else {
+        prop_assert!(value.encode_uorb().is_err() && of.decode_uorb(&[]).is_err());
+        return Ok(());
+    };
+    let payload = value.encode_uorb().expect("a payload");
+    prop_assert_eq!(payload.len(), layout.size);
+    for payload in [&payload[..], &payload[..layout.size_no_padding]] {
+        let decoded =
+            of.decode_uorb_strict(payload).map_err(|error| TestCaseError::fail(error.to_string()))?;
+        prop_assert_eq!(&decoded.to_json().expect("JSON"), json);
+        prop_assert_eq!(&of.view_uorb(payload).expect("a message").to_json().expect("JSON"), json);
+        prop_assert_eq!(decoded.encode_uorb().expect("a payload").len(), layout.size);
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 1000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn messages_of_px4_are_read_as_they_were_written(
+        outer in definition(Dialect::Px4, 1), inner in definition(Dialect::Px4, 1), seed: u64
+    ) {
+        check(&schema(Dialect::Px4, &outer, &inner)?, seed)?;
+    }
+
+    #[test]
+    fn messages_of_ros2_are_read_as_they_were_written(
+        outer in definition(Dialect::Ros2, 0), inner in definition(Dialect::Ros2, 0), seed: u64
+    ) {
+        check(&schema(Dialect::Ros2, &outer, &inner)?, seed)?;
+    }
+}

@@ -1,0 +1,277 @@
+//! Generated types and types made at run time say the same of the same bytes, and of the same JSON.
+
+use proptest::prelude::*;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use uavspec::px4::{
+    ArmingCheckReply, ArmingCheckRequest, BatteryStatus, Event, FailsafeFlags, RegisterExtComponentReply,
+    RegisterExtComponentRequest, UnregisterExtComponent,
+};
+use uavspec_codegen::Schema;
+use uavspec_codegen::dynamic::{MessageType, Types};
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::Form;
+use uavspec_runtime::cdr::ByteOrder;
+use uavspec_runtime::{Message, UorbMessage, record};
+
+use super::values::Draw;
+use crate::support;
+
+/// A message of everything that has no fixed size, as the generator would make it.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Leaf {
+    on: bool,
+    name: String,
+    wide: String,
+}
+
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Empty {}
+
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Tree {
+    flags: [bool; 3],
+    text: String,
+    numbers: Vec<u16>,
+    leaves: Vec<Leaf>,
+    reals: Vec<f64>,
+    nothing: [Empty; 2],
+    more: Vec<Empty>,
+    names: [String; 2],
+    bits: Vec<bool>,
+    leaf: Leaf,
+    wides: Vec<String>,
+    end: u64,
+}
+
+const LEAF: &str = "bool on\nstring<=3 name\nwstring wide\n";
+const TREE: &str = "bool[3] flags\nstring text\nuint16[] numbers\nLeaf[<=2] leaves\nfloat64[] reals\nEmpty[2] nothing\n\
+                    Empty[] more\nstring<=4[2] names\nbool[<=4] bits\nLeaf leaf\nwstring<=2[] wides\nuint64 end\n";
+
+record! {
+    Leaf;
+    0 on: bool = bool("on", 0);
+    1 name: String = string("name", 0).at_most(3);
+    2 wide: String = wstring("wide", 0);
+}
+
+record! { Empty; }
+
+record! {
+    Tree;
+    0 flags: [bool; 3] = bool("flags", 0).array(3);
+    1 text: String = string("text", 0);
+    2 numbers: Vec<u16> = uint16("numbers", 0).sequence();
+    3 leaves: Vec<Leaf> = message::<Leaf>("leaves", 0).bounded(2);
+    4 reals: Vec<f64> = float64("reals", 0).sequence().within(&Constraint::NAN);
+    5 nothing: [Empty; 2] = message::<Empty>("nothing", 0).array(2);
+    6 more: Vec<Empty> = message::<Empty>("more", 0).sequence();
+    7 names: [String; 2] = string("names", 0).at_most(4).array(2);
+    8 bits: Vec<bool> = bool("bits", 0).bounded(4);
+    9 leaf: Leaf = message::<Leaf>("leaf", 0);
+    10 wides: Vec<String> = wstring("wides", 0).at_most(2).sequence();
+    11 end: u64 = uint64("end", 0);
+}
+
+impl Message for Tree {
+    const PACKAGE: &'static str = "demo";
+    const NAME: &'static str = "Tree";
+    const TOPICS: &'static [&'static str] = &[];
+    const VERSION: Option<u32> = None;
+    const QUEUE_LENGTH: u32 = 1;
+    const HASH: u32 = 0;
+    const TYPE_HASH: &'static str = "";
+    const CDR_SIZE: Option<usize> = None;
+}
+
+fn px4() -> Schema {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../definitions/px4");
+    support::px4(&folder).1
+}
+
+fn trees() -> Schema {
+    let files = [("Tree.msg", TREE), ("Leaf.msg", LEAF), ("Empty.msg", "")];
+    support::texts(Form::Msg(Dialect::Ros2), &files).1
+}
+
+/// The JSON text and the violations of a message, or why there is none.
+type Told = Result<(Option<String>, Vec<String>), String>;
+
+fn typed<T: Message + Serialize, E: ToString>(message: Result<T, E>) -> Told {
+    let message = message.map_err(|error| error.to_string())?;
+    let violations = message.validate().iter().map(ToString::to_string).collect();
+    Ok((serde_json::to_string(&message).ok(), violations))
+}
+
+macro_rules! dynamic {
+    ($message:expr) => {
+        $message.map_err(|error| error.to_string()).map(|message| {
+            let violations = message.validate().iter().map(ToString::to_string).collect();
+            (serde_json::to_string(&message).ok(), violations)
+        })
+    };
+}
+
+fn agree_on_cdr<T: Message + Serialize>(of: MessageType<'_>, payload: &[u8]) -> Result<(), TestCaseError> {
+    let told: Told = dynamic!(of.decode_cdr(payload));
+    prop_assert_eq!(told, typed(T::from_cdr(payload)));
+    let told: Told = dynamic!(of.decode_cdr_strict(payload));
+    prop_assert_eq!(told, typed(T::from_cdr_strict(payload)));
+    Ok(())
+}
+
+fn agree_on_uorb<T: UorbMessage + Serialize>(
+    of: MessageType<'_>,
+    payload: &[u8],
+) -> Result<(), TestCaseError> {
+    let told: Told = dynamic!(of.decode_uorb(payload));
+    prop_assert_eq!(told, typed(T::from_uorb(payload)));
+    let told: Told = dynamic!(of.view_uorb(payload));
+    prop_assert_eq!(told, typed(T::from_uorb(payload)));
+    let told: Told = dynamic!(of.decode_uorb_strict(payload));
+    prop_assert_eq!(told, typed(T::from_uorb_strict(payload)));
+    if let (Ok(typed), Ok(message)) = (T::from_uorb(payload), of.decode_uorb(payload)) {
+        let payload = typed.to_uorb().as_ref().to_vec();
+        prop_assert_eq!(message.encode_uorb().expect("a payload"), payload);
+        for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
+            prop_assert_eq!(message.encode_cdr(order).ok(), typed.to_cdr(order).ok());
+        }
+    }
+    Ok(())
+}
+
+/// Reads a text as both, and compares what becomes of it.
+fn agree_on_json<T: Message + DeserializeOwned>(
+    of: MessageType<'_>,
+    text: &str,
+) -> Result<(), TestCaseError> {
+    let typed = serde_json::from_str::<T>(text);
+    let message = of.from_json_text(text);
+    prop_assert_eq!(typed.is_ok(), message.is_ok(), "{:?} {:?} {}", typed.err(), message.err(), text);
+    if let (Ok(typed), Ok(message)) = (typed, message) {
+        let order = ByteOrder::LittleEndian;
+        let told = message.encode_cdr(order).map_err(|error| error.to_string());
+        prop_assert_eq!(told, typed.to_cdr(order).map_err(|error| error.to_string()));
+        let violations = message.validate().iter().map(ToString::to_string).collect::<Vec<_>>();
+        prop_assert_eq!(violations, typed.validate().iter().map(ToString::to_string).collect::<Vec<_>>());
+    }
+    Ok(())
+}
+
+/// Changes some bytes, or the length.
+fn spoil(payload: &mut Vec<u8>, draw: &mut Draw) {
+    for _ in 0..draw.below(4) {
+        if payload.is_empty() {
+            return;
+        }
+        let at = draw.below(payload.len());
+        match draw.below(6) {
+            0 => payload.truncate(at),
+            1 => payload.extend(draw.bytes(9).iter().take(at % 9)),
+            2 => payload[at] = 0xff,
+            3 => payload[at] = 0,
+            4 => payload[at] ^= 1 << draw.below(8),
+            _ => payload[at] = draw.bytes(1)[0],
+        }
+    }
+}
+
+/// Puts another value, or none, in the place of one.
+fn spoil_text(text: &str, draw: &mut Draw) -> String {
+    const VALUES: [&str; 14] = [
+        "null",
+        "true",
+        "-1",
+        "0.5",
+        "256",
+        "1e39",
+        "1e400",
+        "\"\"",
+        "\"abcdef\"",
+        "{}",
+        "{\"a\":1}",
+        "18446744073709551616",
+        "\"\\u0000\"",
+        "3.4028235677973366e38",
+    ];
+    let starts: Vec<usize> =
+        text.char_indices().filter(|(_, c)| ":,[".contains(*c)).map(|(at, c)| at + c.len_utf8()).collect();
+    let start = starts[draw.below(starts.len())];
+    let end = text[start..].find([',', ']', '}']).map_or(text.len(), |length| start + length);
+    let value = VALUES[draw.below(VALUES.len())];
+    format!("{}{value}{}", &text[..start], &text[end..])
+}
+
+fn agree<T: UorbMessage + Serialize + DeserializeOwned>(
+    types: &Types,
+    schema: &Schema,
+    seed: u64,
+) -> Result<(), TestCaseError> {
+    let of = types.find(T::PACKAGE, T::NAME).expect("the type");
+    let message = schema.messages.iter().find(|message| message.name == T::NAME).expect("the message");
+    let mut draw = Draw(seed);
+    let random = draw.bytes(T::SIZE);
+    agree_on_uorb::<T>(of, &random)?;
+    agree_on_uorb::<T>(of, &random[..T::SIZE_NO_PADDING])?;
+    let length = draw.below(T::SIZE + 9);
+    let random = draw.bytes(length);
+    agree_on_uorb::<T>(of, &random)?;
+
+    let json = draw.message(schema, message);
+    let value = of.from_json(&json).expect("a message");
+    for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
+        let mut payload = value.encode_cdr(order).expect("a payload");
+        spoil(&mut payload, &mut draw);
+        agree_on_cdr::<T>(of, &payload)?;
+    }
+    let text = json.to_string();
+    agree_on_json::<T>(of, &text)?;
+    agree_on_json::<T>(of, &spoil_text(&text, &mut draw))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 2000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn both_say_the_same_of_trees(seed: u64) {
+        let schema = trees();
+        let types = Types::new(&schema);
+        let of = types.find("demo", "Tree").expect("the type");
+        let message = schema.messages.iter().find(|message| message.name == "Tree").expect("the message");
+        let mut draw = Draw(seed);
+        let json = draw.message(&schema, message);
+        let value = of.from_json(&json).expect("a message");
+        for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
+            let mut payload = value.encode_cdr(order).expect("a payload");
+            agree_on_cdr::<Tree>(of, &payload)?;
+            for _ in 0..8 {
+                spoil(&mut payload, &mut draw);
+                agree_on_cdr::<Tree>(of, &payload)?;
+            }
+        }
+        let mut text = json.to_string();
+        agree_on_json::<Tree>(of, &text)?;
+        for _ in 0..3 {
+            text = spoil_text(&text, &mut draw);
+            agree_on_json::<Tree>(of, &text)?;
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 500, ..ProptestConfig::default() })]
+
+    #[test]
+    fn both_say_the_same_of_our_definitions(seed: u64) {
+        let schema = px4();
+        let types = Types::new(&schema);
+        agree::<ArmingCheckReply>(&types, &schema, seed)?;
+        agree::<ArmingCheckRequest>(&types, &schema, seed)?;
+        agree::<BatteryStatus>(&types, &schema, seed)?;
+        agree::<Event>(&types, &schema, seed)?;
+        agree::<FailsafeFlags>(&types, &schema, seed)?;
+        agree::<RegisterExtComponentReply>(&types, &schema, seed)?;
+        agree::<RegisterExtComponentRequest>(&types, &schema, seed)?;
+        agree::<UnregisterExtComponent>(&types, &schema, seed)?;
+    }
+}

@@ -1,0 +1,232 @@
+//! Real logs, read with the formats that they bring: all values against those that another tool finds.
+
+use std::collections::BTreeMap;
+use std::fs;
+
+use serde_json::Value as Json;
+use uavspec_codegen::dynamic::{Defect, DynamicView, FormatProblem, MessageType, Types, ULOG_PACKAGE, Value};
+
+use crate::support::{files_below, shared};
+
+#[test]
+fn all_values_of_real_logs_are_those_of_another_tool() {
+    let (Some(logs), Some(oracles)) = (shared("corpus/ulog"), shared("oracle/ulog")) else { return };
+    let mut checked = 0;
+    for path in files_below(&logs, &["ulg"]) {
+        let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
+        let oracle = fs::read_to_string(oracles.join(format!("{name}.json"))).expect("an oracle");
+        let oracle: Json = serde_json::from_str(&oracle).expect("JSON");
+        checked += check_log(&fs::read(&path).expect("a log"), &oracle);
+    }
+    assert_eq!(checked, 15 + 70 + 96);
+}
+
+/// Checks all topics of a log, and counts them.
+fn check_log(bytes: &[u8], oracle: &Json) -> usize {
+    let log = Log::read(bytes);
+    let (types, errors) = Types::from_ulog_formats(log.formats.iter().copied());
+    assert_eq!(errors, []);
+    let topics = oracle["topics"].as_array().expect("topics");
+    for topic in topics {
+        let name = topic["name"].as_str().expect("a name");
+        let records = &log.records[&(name.to_owned(), topic["multi_id"].as_u64().expect("a number"))];
+        let of = types.find(ULOG_PACKAGE, name).expect("a format");
+        check_topic(of, records, topic);
+    }
+    topics.len()
+}
+
+fn check_topic(of: MessageType<'_>, records: &[&[u8]], topic: &Json) {
+    let name = of.name();
+    assert_eq!(topic["count"], records.len(), "{name}");
+    let views: Vec<DynamicView<'_>> =
+        records.iter().map(|record| of.view_uorb(record).expect("a message")).collect();
+    for (key, view) in [("first", views.first()), ("last", views.last())] {
+        let found = flat(*view.expect("a record"));
+        let expected = topic[key].as_object().expect("an object");
+        let expected: Vec<_> = expected.iter().filter(|(name, _)| !name.contains("_padding")).collect();
+        assert_eq!(found.len(), expected.len(), "{name} {key}");
+        for ((path, value), (expected_path, expected)) in found.iter().zip(expected) {
+            assert_eq!(path, expected_path, "{name} {key}");
+            assert_eq!(json(*value), *expected, "{name} {key} {path}");
+            let again = views[if key == "first" { 0 } else { views.len() - 1 }].get(path);
+            assert_eq!(again.map(json).as_ref(), Some(expected), "{name} {key} {path} by its path");
+        }
+    }
+    if !topic["fields"].to_string().contains("_padding") {
+        assert_eq!(topic["columns_crc32"], columns_crc32(&views, &topic["fields"]), "{name}");
+    }
+}
+
+/// The values of a message with their paths, nested ones with dots, elements of arrays with brackets.
+fn flat(view: DynamicView<'_>) -> Vec<(String, Value<'_>)> {
+    fn add<'v>(values: &mut Vec<(String, Value<'v>)>, path: String, value: Value<'v>) {
+        match value {
+            Value::Message(view) => {
+                view.fields().for_each(|(name, value)| add(values, format!("{path}.{name}"), value));
+            }
+            Value::Array(elements) => elements
+                .iter()
+                .enumerate()
+                .for_each(|(index, value)| add(values, format!("{path}[{index}]"), value)),
+            value => values.push((path, value)),
+        }
+    }
+    let mut values = Vec::new();
+    view.fields().for_each(|(name, value)| add(&mut values, name.to_owned(), value));
+    values
+}
+
+/// As the oracle writes it.
+fn json(value: Value<'_>) -> Json {
+    match value {
+        Value::Bool(value) => Json::from(u8::from(value)),
+        Value::Int(value) => Json::from(value),
+        Value::UInt(value) => Json::from(value),
+        Value::Float32(value) => float(value.into()),
+        Value::Float64(value) => float(value),
+        Value::Text(_) | Value::String(_) | Value::Message(_) | Value::Array(_) => Json::Null,
+    }
+}
+
+fn float(value: f64) -> Json {
+    if value.is_infinite() { Json::from(value.to_string()) } else { Json::from(value) }
+}
+
+/// The checksum of all values, column after column.
+fn columns_crc32(views: &[DynamicView<'_>], fields: &Json) -> u32 {
+    let rows: Vec<_> = views.iter().map(|view| flat(*view)).collect();
+    let mut crc = u32::MAX;
+    let mut add = |bytes: &[u8]| {
+        for byte in bytes {
+            crc ^= u32::from(*byte);
+            for _ in 0..8 {
+                crc = crc >> 1 ^ (0xedb8_8320 & (crc & 1).wrapping_neg());
+            }
+        }
+    };
+    for column in 0..rows[0].len() {
+        let size = size(fields[column][0].as_str().expect("a type"));
+        for row in &rows {
+            match row[column].1 {
+                Value::Bool(value) => add(&[u8::from(value)]),
+                Value::Int(value) => add(&value.to_le_bytes()[..size]),
+                Value::UInt(value) => add(&value.to_le_bytes()[..size]),
+                Value::Float32(value) => add(&value.to_le_bytes()),
+                Value::Float64(value) => add(&value.to_le_bytes()),
+                ref other => panic!("{other:?} in a log"),
+            }
+        }
+    }
+    !crc
+}
+
+/// Bytes of an integer type.
+fn size(ty: &str) -> usize {
+    let bits = ty.trim_start_matches('u').trim_start_matches("int").trim_end_matches("_t");
+    bits.parse::<usize>().map_or(8, |bits| bits / 8)
+}
+
+#[test]
+fn formats_that_are_unusable_are_told_and_leave_the_others() {
+    let long = format!("uint8_t[65000] a;uint8_t[{}] b", 65_533 - 65_000);
+    let too_long = format!("{long};bool c");
+    let deep: Vec<(String, String)> =
+        (1..40).map(|level| (format!("deep{level}"), format!("deep{} a;", level - 1))).collect();
+    let mut formats = vec![
+        ("good", "uint64_t timestamp;inner[2] inner;char[5] text;uint8_t[3] _padding0;"),
+        ("inner", "float x;uint8_t y;uint8_t[3] _padding0"),
+        ("good", "uint8_t other"),
+        ("none", ""),
+        ("odd", "uint8_t a;b"),
+        ("odder", "uint8_t[3 a"),
+        ("zero", "uint8_t[0] a"),
+        ("huge", "inner[4294967295] a"),
+        ("long", &long),
+        ("too_long", &too_long),
+        ("twice", "uint8_t a;bool a"),
+        ("missing", "uint8_t a;nothing b"),
+        ("self", "self a"),
+        ("left", "right a"),
+        ("right", "left a"),
+        ("holds", "none[3] a"),
+        ("deep0", "bool a"),
+        ("name with\nbreak", "bool a b"),
+    ];
+    formats.extend(deep.iter().map(|(name, fields)| (&**name, &**fields)));
+    let (types, errors) = Types::from_ulog_formats(formats);
+    let told: Vec<String> = errors.iter().take(14).map(ToString::to_string).collect();
+    assert_eq!(
+        told,
+        [
+            "format `good` is repeated; the first one is used",
+            "format `none` has no fields",
+            "format `odd` has `b` where a type and a name are expected",
+            "format `odder` has `uint8_t[3 a` where a type and a name are expected",
+            "format `zero` has an array of `0` where 1 to 65533 are expected",
+            "format `huge` has an array of `4294967295` where 1 to 65533 are expected",
+            "format `too_long` takes more than 65533 bytes",
+            "format `twice` has two fields `a`",
+            "format `missing` has a field `b` of type `nothing`, which has no format",
+            "format `self` holds itself",
+            "format `left` holds itself",
+            "format `right` holds itself",
+            "format `holds` holds `none`, which can't be used",
+            "format `name with\\nbreak` has `bool a b` where a type and a name are expected",
+        ]
+    );
+    assert_eq!(errors[14].problem, FormatProblem::Defect(Defect::TooDeep(32)));
+    assert_eq!(errors.len(), 14 + 7);
+
+    let good = types.find(ULOG_PACKAGE, "good").expect("a type");
+    let size = good.size().expect("a size");
+    assert_eq!((size.padded, size.no_padding), (32, 29));
+    let payload: Vec<u8> = (0..29).map(|byte| if byte == 27 { 0 } else { byte + 65 }).collect();
+    let view = good.view_uorb(&payload).expect("a message");
+    assert_eq!(format!("{:?}", view.get("inner[1].y")), format!("{:?}", Some(Value::UInt(65 + 20))));
+    assert!(matches!(view.get("text"), Some(Value::Text(b"YZ["))), "{view:?}");
+    assert!(view.get("_padding0").is_none());
+    assert!(types.find(ULOG_PACKAGE, "long").expect("a type").size().is_some());
+    assert!(types.find(ULOG_PACKAGE, "deep32").expect("a type").view_uorb(&[1]).is_ok());
+    let error = types.find(ULOG_PACKAGE, "deep33").expect("a type").view_uorb(&[1]).expect_err("refused");
+    assert_eq!(error.to_string(), "deep33: nests messages deeper than 32");
+    let error = types.find(ULOG_PACKAGE, "self").expect("a type").decode_uorb(&[]).expect_err("refused");
+    assert_eq!(error.to_string(), "self: holds itself");
+}
+
+/// What is needed of a log: <https://docs.px4.io/main/en/dev_log/ulog_file_format.html>.
+#[derive(Default)]
+struct Log<'l> {
+    formats: Vec<(&'l str, &'l str)>,
+    /// Payloads by topic and number of its instance.
+    records: BTreeMap<(String, u64), Vec<&'l [u8]>>,
+}
+
+impl<'l> Log<'l> {
+    fn read(bytes: &'l [u8]) -> Self {
+        let mut log = Self::default();
+        let mut subscriptions = BTreeMap::new();
+        let mut rest = &bytes[16..];
+        while let Some((head, tail)) = rest.split_first_chunk::<3>() {
+            let Some((payload, tail)) = tail.split_at_checked(u16::from_le_bytes([head[0], head[1]]).into())
+            else {
+                break;
+            };
+            rest = tail;
+            let text = |bytes| std::str::from_utf8(bytes).expect("UTF-8");
+            match head[2] {
+                b'F' => log.formats.push(text(payload).split_once(':').expect("a name and fields")),
+                b'A' => {
+                    let key = (text(&payload[3..]).to_owned(), u64::from(payload[0]));
+                    subscriptions.insert([payload[1], payload[2]], key);
+                }
+                b'D' => {
+                    let key = subscriptions[&[payload[0], payload[1]]].clone();
+                    log.records.entry(key).or_default().push(&payload[2..]);
+                }
+                _ => {}
+            }
+        }
+        log
+    }
+}

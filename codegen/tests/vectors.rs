@@ -1,0 +1,353 @@
+//! The vectors, by meaning: the published schemas, the codecs and the rules say of each case what it
+//! says itself, and nothing that could be tried is left out.
+
+mod support;
+
+#[path = "vectors/coverage.rs"]
+mod coverage;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use jsonschema::{Registry, Resource};
+use serde_json::{Value as Json, json};
+use uavspec_codegen::diagnostic::{has_errors, render};
+use uavspec_codegen::dynamic::{DynamicMessage, MessageType, Reason, Types};
+use uavspec_codegen::emit::{OutputFile, json_schema, vectors};
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::{Form, Kind, Message, Schema};
+use uavspec_codegen::source::SourceMap;
+use uavspec_codegen::{Diagnostic, read};
+use uavspec_runtime::Fault;
+use uavspec_runtime::cdr::ByteOrder;
+
+const PX4: Form = Form::Msg(Dialect::Px4);
+const ROS2: Form = Form::Msg(Dialect::Ros2);
+
+/// What no corpus has: bounds of all kinds, wide strings, and rules in parts of parts.
+const CORNERS: [(&str, &str); 3] = [
+    ("Inner.msg", "wstring<=3 label\nfloat64[2] pair\nint64 far\nbool flag\n"),
+    ("Middle.msg", "Inner[<=2] inners\nstring<=5 name\nbool[<=3] flags\nbyte raw\nchar letter\n"),
+    ("Outer.msg", "Middle[2] middles\nMiddle[] more\nstring[<=2] names\nuint16[<=20] numbers\nEmpty empty\n"),
+];
+
+/// PX4 annotations where they meet: text, ranges with special values, counts, masks of a signed type.
+const ANNOTATED: [(&str, &str); 1] = [(
+    "Annotated.msg",
+    "uint8 MODE_A = 3\nuint8 MODE_B = 5\nint8 BIT_LOW = 1\nint8 BIT_HIGH = 64\nuint64 timestamp\n\
+     uint8 mode # [@enum MODE] Starts at three\nint8 bits # [@flags BIT] Two bits\n\
+     int32 level # [@range -5, 5] [@invalid -999] A level\nfloat32 angle # [rad] [@range -pi, pi] An angle\n\
+     float64 share # [@range 0.1, 0.9] [@invalid NaN] A share\nuint8 count # [@count items] Entries\n\
+     uint16[3] items # Entries\nchar[7] name # A name\nchar[1] mark # A mark\nchar single # A character\n\
+     float32[2] pair # [@range 1,] Two\nuint8[2] modes # [@enum MODE] Two modes\nint64 far # Far\n",
+)];
+
+/// The definitions, and what is emitted from them.
+struct Emitted {
+    schema: Schema,
+    schemas: Vec<OutputFile>,
+    vectors: Vec<OutputFile>,
+}
+
+impl Emitted {
+    fn of((sources, schema, diagnostics): (SourceMap, Schema, Vec<Diagnostic>)) -> Self {
+        assert!(!has_errors(&diagnostics), "{}", render::render(&diagnostics, &sources, false));
+        let schemas = json_schema::emit(&schema, &json_schema::Options::default());
+        let vectors = vectors::emit(&schema, &vectors::Options::default());
+        Self { schema, schemas, vectors }
+    }
+
+    /// The files whose names end so, read as JSON.
+    fn files(&self, ending: &str) -> impl Iterator<Item = (&str, Json)> {
+        let files = self.vectors.iter().filter(move |file| file.path.ends_with(ending));
+        files.map(|file| (file.path.as_str(), serde_json::from_str(&file.text).expect("JSON")))
+    }
+
+    fn suites(&self) -> impl Iterator<Item = (&str, Json)> {
+        self.files(".json").filter(|(path, _)| path.starts_with("json-schema-test-suite/"))
+    }
+
+    /// Each message with its cases.
+    fn messages(&self) -> impl Iterator<Item = (&Message, MessageType<'_>, Vec<Json>)> + use<'_> {
+        let types: &Types = Box::leak(Box::new(Types::new(&self.schema)));
+        let cases: BTreeMap<String, Json> = self
+            .files(".vectors.json")
+            .map(|(path, mut file)| (path.to_owned(), file["cases"].take()))
+            .collect();
+        self.schema.messages.iter().enumerate().filter_map(move |(index, message)| {
+            let package = &self.schema.package_of(message).name;
+            let folder = match message.kind {
+                Kind::Message => String::new(),
+                kind => format!("{}/", kind.name()),
+            };
+            let cases =
+                cases.get(&format!("{package}/{folder}{}.vectors.json", message.name))?.as_array()?.clone();
+            let id = uavspec_codegen::schema::MessageId(u32::try_from(index).expect("few"));
+            Some((message, types.get(id), cases))
+        })
+    }
+}
+
+/// Our own definitions.
+fn definitions() -> Emitted {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../definitions");
+    let mut sources = SourceMap::default();
+    let mut px4 = support::package("px4", PX4);
+    support::add_folder(&mut sources, &mut px4, &folder.join("px4"));
+    let mut flockwave = support::package("flockwave", Form::Table);
+    for path in support::files_below(&folder.join("flockwave"), &["md"]) {
+        let text = std::fs::read(&path).expect("a page");
+        flockwave.sources.push(sources.add(path.to_string_lossy(), text).expect("a page"));
+    }
+    let (schema, diagnostics) = read(&sources, &[px4, flockwave]);
+    Emitted::of((sources, schema, diagnostics))
+}
+
+/// Calls `check` with everything that vectors are emitted from here.
+fn each(mut check: impl FnMut(&Emitted)) {
+    check(&definitions());
+    let corners = CORNERS.iter().chain([&("Empty.msg", "")]).copied().collect::<Vec<_>>();
+    check(&Emitted::of(support::texts(ROS2, &corners)));
+    check(&Emitted::of(support::texts(PX4, &ANNOTATED)));
+    for release in ["main", "1.16", "1.15"] {
+        if let Some(folder) = support::shared(&format!("corpus/px4/{release}/msg")) {
+            check(&Emitted::of(support::px4(&folder)));
+        }
+    }
+    if let Some(folder) = support::shared("corpus/ros2") {
+        check(&Emitted::of(support::ros2(&folder)));
+    }
+}
+
+#[test]
+fn published_schemas_say_what_the_suite_says() {
+    each(|emitted| {
+        let resources = emitted.schemas.iter().map(|file| {
+            let schema: Json = serde_json::from_str(&file.text).expect("JSON");
+            (schema["$id"].as_str().expect("an address").to_owned(), Resource::from_contents(schema))
+        });
+        let registry = Registry::new().extend(resources).expect("addresses").prepare().expect("references");
+        let mut count = 0;
+        for (path, suite) in emitted.suites() {
+            for group in suite.as_array().expect("a list of groups") {
+                assert_eq!(names(group), ["description", "comment", "schema", "tests"], "{path}");
+                let options = jsonschema::options().with_registry(&registry);
+                let validator = options.build(&group["schema"]).expect("a schema");
+                for test in group["tests"].as_array().expect("tests") {
+                    assert_eq!(names(test), ["description", "data", "valid"], "{path}");
+                    let verdict = validator.is_valid(&test["data"]);
+                    assert_eq!(json!(verdict), test["valid"], "{path}: {}", test["description"]);
+                    count += 1;
+                }
+            }
+        }
+        assert!(count > 0);
+    });
+}
+
+/// The names of the members of an object.
+fn names(object: &Json) -> Vec<&str> {
+    object.as_object().expect("an object").keys().map(String::as_str).collect()
+}
+
+#[test]
+fn codecs_and_rules_say_what_the_vectors_say() {
+    each(|emitted| {
+        for (message, ty, cases) in emitted.messages() {
+            for case in cases {
+                let name = format!("{} {}", message.name, case["id"]);
+                let expected: BTreeSet<String> =
+                    case["rule"].as_str().map(str::to_owned).into_iter().collect();
+                assert_eq!(case["valid"], json!(expected.is_empty()), "{name}");
+                check_case(ty, &case, &expected, &name);
+            }
+        }
+    });
+}
+
+fn check_case(ty: MessageType<'_>, case: &Json, expected: &BTreeSet<String>, name: &str) {
+    let meant = case.get("json").or(case.get("decoded"));
+    let from_json = meant.map(|json| ty.from_json(json));
+    if let Some(read) = &from_json {
+        assert_eq!(&broken(read), expected, "{name}: JSON");
+    }
+    let meant = from_json.and_then(Result::ok);
+    let uorb = hex(&case["uorb"]).map(|bytes| (ty.decode_uorb_strict(&bytes), bytes));
+    let cdr = hex(&case["cdr"]).map(|bytes| (ty.decode_cdr_strict(&bytes), bytes));
+    for (decoded, _) in [&uorb, &cdr].into_iter().flatten() {
+        assert_eq!(&broken(decoded), expected, "{name}: bytes");
+        if let (Ok(decoded), Some(meant)) = (decoded, &meant) {
+            assert!(is_same(&decoded.to_json().expect("JSON"), &meant.to_json().expect("JSON")), "{name}");
+        }
+    }
+    if let (Some(meant), Some(json)) = (&meant, case.get("json")) {
+        assert!(is_same(&meant.to_json().expect("JSON"), json), "{name}: JSON survives");
+        let encoded = meant.encode_cdr(ByteOrder::LittleEndian).ok();
+        assert_eq!(cdr.as_ref().map(|(_, bytes)| bytes), encoded.as_ref(), "{name}: CDR");
+        if let Some((_, bytes)) = &uorb {
+            assert_eq!(bytes, &meant.encode_uorb().expect("a memory form"), "{name}: uORB");
+        }
+    }
+}
+
+/// The rules that a message breaks, or that what is none breaks.
+fn broken(read: &Result<DynamicMessage<'_>, uavspec_codegen::dynamic::Error>) -> BTreeSet<String> {
+    let rule = match read {
+        Ok(message) => {
+            return message.validate().iter().map(|violation| violation.rule.id().to_owned()).collect();
+        }
+        Err(error) => match &error.reason {
+            Reason::Fault(Fault::Size { .. }) => "PX-DATA-01",
+            Reason::Fault(Fault::Encapsulation(_)) => "PX-CDR-01",
+            Reason::Fault(Fault::Bool(_)) => "PX-BOOL-01",
+            Reason::Fault(Fault::Truncated { .. } | Fault::Trailing(_) | Fault::TooLong { .. }) => {
+                "PX-CDR-02"
+            }
+            Reason::Json(text) if text.contains("missing field") || text.contains("unknown field") => {
+                "PX-JSON-01"
+            }
+            Reason::Json(text) if text.contains("invalid length") || text.contains("more than") => {
+                "PX-ARR-01"
+            }
+            Reason::Json(_) => "PX-JSON-02",
+            other => panic!("{other}"),
+        },
+    };
+    [rule.to_owned()].into()
+}
+
+fn hex(text: &Json) -> Option<Vec<u8>> {
+    let text = text.as_str()?;
+    assert!(text.len() % 2 == 0 && !text.is_empty());
+    let byte = |at: usize| u8::from_str_radix(&text[at..at + 2], 16).expect("hexadecimal");
+    Some((0..text.len()).step_by(2).map(byte).collect())
+}
+
+/// Whether two values are the same to one who reads numbers as their field holds them.
+#[allow(clippy::cast_possible_truncation, clippy::float_cmp)] // equal as float32, sign and all, is what is asked
+fn is_same(left: &Json, right: &Json) -> bool {
+    match (left, right) {
+        (Json::Number(a), Json::Number(b)) if a.is_f64() && b.is_f64() => {
+            let (a, b) = (a.as_f64().expect("a float"), b.as_f64().expect("a float"));
+            a.to_bits() == b.to_bits() || (a as f32).to_bits() == (b as f32).to_bits() && a.abs() < 3.5e38
+        }
+        (Json::Array(a), Json::Array(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| is_same(a, b)),
+        (Json::Object(a), Json::Object(b)) => {
+            a.len() == b.len()
+                && a.iter().zip(b).all(|((name, a), (other, b))| name == other && is_same(a, b))
+        }
+        _ => left == right,
+    }
+}
+
+#[test]
+fn ids_are_unique_and_files_have_their_form() {
+    each(|emitted| {
+        let (_, form) = emitted.files("vectors.schema.json").next().expect("the schema of the form");
+        let form = jsonschema::validator_for(&form).expect("a schema");
+        for (path, file) in emitted.files(".vectors.json") {
+            if let Err(error) = form.validate(&file) {
+                panic!("{path}: {error}");
+            }
+            let cases = file["cases"].as_array().expect("cases");
+            let ids: BTreeSet<&str> = cases.iter().map(|case| case["id"].as_str().expect("an id")).collect();
+            assert_eq!(ids.len(), cases.len(), "{path}");
+            assert!(!cases.is_empty(), "{path}");
+        }
+    });
+}
+
+#[test]
+fn the_same_definitions_give_the_same_bytes() {
+    each(|emitted| {
+        assert!(vectors::emit(&emitted.schema, &vectors::Options::default()) == emitted.vectors);
+    });
+}
+
+#[test]
+fn vectors_name_the_schemas_where_they_are() {
+    let (_, schema, _) = support::texts(PX4, &[("A.msg", "uint64 timestamp\n")]);
+    let schemas = json_schema::Options { base: "https://example.org/x/".to_owned() };
+    let files = vectors::emit(&schema, &vectors::Options { schemas: schemas.clone() });
+    let address = "https://example.org/x/demo/A.schema.json";
+    assert!(json_schema::emit(&schema, &schemas).iter().any(|file| file.text.contains(address)));
+    assert_eq!(files.iter().filter(|file| file.text.contains(address)).count(), 2);
+}
+
+#[test]
+fn what_is_added_keeps_the_ids_of_what_was_there() {
+    let ids = |text: &str| -> BTreeSet<String> {
+        let emitted = Emitted::of(support::texts(PX4, &[("A.msg", text)]));
+        let (_, file) = emitted.files(".vectors.json").next().expect("vectors");
+        let cases = file["cases"].as_array().expect("cases");
+        cases.iter().map(|case| case["id"].as_str().expect("an id").to_owned()).collect()
+    };
+    let before = ids("uint64 timestamp\nuint8 A_B = 0\nuint8 mode # [@enum A]\nfloat32[2] speed\n");
+    let after = ids(
+        "uint64 timestamp\nuint8 A_B = 0\nuint8 A_C = 1\nuint8 mode # [@enum A]\nbool uorb\nfloat32[2] speed\nchar[2] cdr\n",
+    );
+    assert!(before.is_subset(&after), "{:?}", before.difference(&after).collect::<Vec<_>>());
+}
+
+/// In the typical case, no byte of a number equals the byte before it: what is shifted by one shows.
+#[test]
+fn typical_bytes_differ_from_their_neighbours() {
+    let text = "uint64 a\nint32 b\nfloat32 c\nuint16 d\nuint8 e\nint8[300] f\nfloat64[2] g\n";
+    let emitted = Emitted::of(support::texts(PX4, &[("A.msg", text)]));
+    let (_, _, cases) = emitted.messages().next().expect("a message");
+    let bytes = hex(&cases[1]["uorb"]).expect("bytes");
+    let size = emitted.schema.messages[0].uorb.as_ref().expect("a layout").size_no_padding;
+    assert!(bytes[..size].windows(2).all(|pair| pair[0] != pair[1] && pair[0] != 0), "{bytes:?}");
+}
+
+#[test]
+fn error_codes_have_the_severity_that_their_bits_say() {
+    let emitted = definitions();
+    let (_, file) = emitted.files("ErrorCode.vectors.json").next().expect("vectors");
+    let cases = file["cases"].as_array().expect("cases");
+    let names = ["informational", "warning", "error", "fatal"];
+    let mut known = 0;
+    for case in cases.iter().filter(|case| case["valid"] == true) {
+        let code = case["json"].as_u64().expect("a code");
+        assert_eq!(case["severity"], names[usize::try_from((code & 0xff) >> 6).expect("two bits")], "{code}");
+        known += 1;
+    }
+    assert!(known >= 63 && cases.iter().any(|case| case["json"] == json!(4_294_967_296_u64)));
+}
+
+/// What vectors can't be made for has none, and none of it takes long.
+#[test]
+fn definitions_beyond_measure_have_no_cases() {
+    let cases = |form, files: &[(String, String)], name: &str| {
+        let files: Vec<(&str, &str)> =
+            files.iter().map(|(path, text)| (path.as_str(), text.as_str())).collect();
+        let (_, schema, _) = support::texts(form, &files);
+        let files = vectors::emit(&schema, &vectors::Options::default());
+        let file =
+            files.iter().find(|file| file.path == format!("demo/{name}.vectors.json")).expect("a file");
+        let file: Json = serde_json::from_str(&file.text).expect("JSON");
+        file["cases"].as_array().expect("cases").len()
+    };
+    let named = |name: &str, text: &str| (format!("{name}.msg"), text.to_owned());
+    assert_eq!(cases(PX4, &[named("Long", "uint8[1000000] a\n")], "Long"), 0);
+    let chain: Vec<(String, String)> = (0..100)
+        .map(|link: u32| {
+            let ty = link.checked_sub(1).map_or("bool".to_owned(), |inner| format!("Link{inner}"));
+            named(&format!("Link{link}"), &format!("{ty} part\n"))
+        })
+        .collect();
+    assert_eq!(cases(PX4, &chain, "Link99"), 0);
+    assert!(cases(PX4, &chain, "Link20") > 0);
+    let doubling: Vec<(String, String)> = (0..30)
+        .map(|level: u32| {
+            let text = level
+                .checked_sub(1)
+                .map_or("bool a\n".to_owned(), |below| format!("Level{below}[] a\nLevel{below}[] b\n"));
+            named(&format!("Level{level}"), &text)
+        })
+        .collect();
+    assert!(cases(ROS2, &doubling, "Level29") > 0);
+    let wide: String = (0..3_000).map(|number| format!("uint64 field_{number}\n")).collect();
+    let wide = cases(PX4, &[named("Wide", &wide)], "Wide");
+    assert!((1..20).contains(&wide), "{wide} cases: none field by field");
+}

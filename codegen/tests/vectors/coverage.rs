@@ -1,0 +1,257 @@
+//! Nothing that could be tried is left out: looked for in the cases by the definitions alone, without a
+//! thought to how the emitter finds what to try.
+
+use std::collections::BTreeSet;
+
+use serde_json::{Value as Json, json};
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::{Element, Field, Kind, Message, Shape};
+use uavspec_codegen::value::Value;
+use uavspec_runtime::Scalar;
+
+use super::{Emitted, PX4, each};
+
+/// What the cases try out in one field: its values where all else is as in the case `zero`, each with
+/// the rule that is broken.
+struct Tried {
+    values: Vec<(Json, Option<String>)>,
+}
+
+impl Tried {
+    fn of(field: &str, cases: &[Json]) -> Self {
+        let zero = cases[0]["json"].as_object().expect("the case of zeros comes first");
+        let value = |case: &Json| {
+            let json = case.get("json")?.as_object()?;
+            let is_alone = json.len() == zero.len()
+                && json.iter().all(|(name, value)| name == field || zero.get(name) == Some(value));
+            let rule = case["rule"].as_str().map(str::to_owned);
+            Some((json.get(field)?.clone(), rule)).filter(|_| is_alone)
+        };
+        Self { values: cases.iter().filter_map(value).collect() }
+    }
+
+    /// Whether a value, or an element, that `is` so is tried and breaks `rule`.
+    fn has(&self, rule: Option<&str>, is: impl Fn(&Json) -> bool) -> bool {
+        self.values.iter().any(|(value, found)| {
+            found.as_deref() == rule
+                && (is(value) || value.as_array().is_some_and(|elements| elements.iter().any(&is)))
+        })
+    }
+
+    fn number(&self, rule: Option<&str>, is: impl Fn(f64) -> bool) -> bool {
+        self.has(rule, |value| value.as_f64().is_some_and(&is))
+    }
+}
+
+#[test]
+fn every_rule_has_a_case_that_breaks_it_and_a_neighbour_that_does_not() {
+    each(|emitted| {
+        for (message, _, cases) in emitted.messages() {
+            let form = emitted.schema.package_of(message).form;
+            for field in &message.fields {
+                let name = format!("{} {}", message.name, field.name);
+                let tried = Tried::of(&field.name, &cases);
+                check_shape(field, &tried, &cases, form == PX4, &name);
+                check_values(emitted, message, field, &tried, form == PX4, &name);
+            }
+            check_payloads(message, &cases, form == PX4 && message.kind == Kind::Message);
+        }
+    });
+}
+
+fn has_id(cases: &[Json], rule: Option<&str>, is: impl Fn(&Json) -> bool) -> bool {
+    cases.iter().any(|case| case["rule"].as_str() == rule && is(case))
+}
+
+/// Presence, type and length.
+fn check_shape(field: &Field, tried: &Tried, cases: &[Json], is_px4: bool, name: &str) {
+    let lacks = |case: &Json| {
+        case["json"].as_object().is_some_and(|json| !json.is_empty() && !json.contains_key(&field.name))
+    };
+    let is_only_field = cases[0]["json"].as_object().is_some_and(|json| json.len() == 1);
+    assert!(has_id(cases, Some("PX-JSON-01"), lacks) || is_only_field, "{name} is missing nowhere");
+    assert!(tried.values.iter().any(|(_, rule)| rule.is_none()), "{name} is valid somewhere");
+    assert!(tried.values.iter().any(|(_, rule)| rule.as_deref() == Some("PX-JSON-02")), "{name}: wrong type");
+    let of_length = |rule, length: u32| {
+        tried.values.iter().any(|(value, found)| {
+            found.as_deref() == rule && value.as_array().is_some_and(|array| array.len() == length as usize)
+        })
+    };
+    match field.ty.shape {
+        Shape::Array(room) if is_px4 && field.ty.element == Element::Scalar(Scalar::Char) => {
+            let bytes = |rule, length: usize| {
+                tried.has(rule, |value| value.as_str().is_some_and(|text| text.len() == length))
+            };
+            let room = room as usize;
+            assert!(
+                bytes(None, room) && bytes(None, 0) && bytes(Some("PX-JSON-02"), room + 1),
+                "{name}: text"
+            );
+            assert!(
+                has_id(cases, Some("PX-STR-01"), |case| case["id"]
+                    .as_str()
+                    .expect("an id")
+                    .starts_with(&field.name)),
+                "{name}: text that is no UTF-8"
+            );
+        }
+        Shape::Array(length) => {
+            assert!(of_length(None, length), "{name}");
+            assert!(
+                of_length(Some("PX-ARR-01"), length - 1) && of_length(Some("PX-ARR-01"), length + 1),
+                "{name}"
+            );
+        }
+        Shape::Bounded(bound) => {
+            assert!(of_length(None, bound) && of_length(Some("PX-CDR-02"), bound + 1), "{name}");
+            assert!(of_length(None, 0) && of_length(None, 1), "{name}");
+        }
+        Shape::Sequence => assert!(of_length(None, 0) && of_length(None, 1), "{name}"),
+        Shape::Single => {}
+    }
+    if let Element::String { bound: Some(bound), .. } = field.ty.element {
+        let characters = |rule, length: u32| {
+            tried.has(rule, |value| {
+                value.as_str().is_some_and(|text| text.chars().count() == length as usize && !text.is_ascii())
+            })
+        };
+        assert!(
+            characters(None, bound) && characters(Some("PX-CDR-02"), bound + 1),
+            "{name}: bound in characters"
+        );
+    }
+}
+
+/// What numbers and booleans are.
+fn check_values(
+    emitted: &Emitted,
+    message: &Message,
+    field: &Field,
+    tried: &Tried,
+    is_px4: bool,
+    name: &str,
+) {
+    let Element::Scalar(scalar) = field.ty.element else { return };
+    if field.is_text(Dialect::Px4) && is_px4 {
+        return;
+    }
+    if scalar == Scalar::Bool {
+        assert!(
+            tried.has(None, |value| value == true) && tried.has(Some("PX-JSON-02"), Json::is_number),
+            "{name}"
+        );
+        return;
+    }
+    if let Some((least, greatest)) = scalar.integer_bounds() {
+        let text = |value: i128| serde_json::from_str::<Json>(&value.to_string()).expect("a number");
+        for outside in [least - 1, greatest + 1] {
+            assert!(tried.has(Some("PX-JSON-02"), |value| *value == text(outside)), "{name}: {outside}");
+        }
+        for rule in [None, Some("PX-ENUM-01"), Some("PX-RANGE-01"), Some("PX-LEN-01")] {
+            if tried.has(rule, |value| *value == text(greatest)) {
+                return check_meanings(emitted, message, field, tried, name);
+            }
+        }
+        panic!("{name}: {greatest} isn't tried");
+    }
+    let has_nan = tried.has(None, Json::is_null) || tried.has(Some("PX-NAN-01"), Json::is_null);
+    assert!(has_nan && tried.has(Some("PX-JSON-02"), Json::is_string), "{name}: NaN");
+    let is_tried = |is: &dyn Fn(f64) -> bool| tried.number(None, is) || tried.number(Some("PX-RANGE-01"), is);
+    assert!(is_tried(&|value| value > 3e38) && is_tried(&|value| value < -3e38), "{name}: the greatest");
+    assert!(is_tried(&|value| value == 0.0 && value.is_sign_negative()), "{name}: -0.0");
+    assert!(is_tried(&|value| value > 0.0 && value < 1e-44), "{name}: a subnormal number");
+    check_meanings(emitted, message, field, tried, name);
+}
+
+/// What annotations say.
+#[allow(clippy::cast_possible_truncation)] // the numbers are integers
+fn check_meanings(emitted: &Emitted, message: &Message, field: &Field, tried: &Tried, name: &str) {
+    const CLOSE: f64 = 1e-6;
+    let number = |value: &Option<Value>| value.as_ref().and_then(Value::as_f64);
+    if let Some(range) = &field.range {
+        let is_integer = !matches!(field.ty.element, Element::Scalar(scalar) if scalar.is_float());
+        let reach = if is_integer { 1.0 } else { CLOSE };
+        for (end, outwards) in [(number(&range.low), -1.0), (number(&range.high), 1.0)] {
+            let Some(end) = end else { continue };
+            let is_at = |value: f64| (value - end).abs() <= CLOSE * end.abs().max(1.0);
+            let is_beyond = |value: f64| {
+                (value - end) * outwards > 0.0 && (value - end).abs() <= reach * end.abs().max(1.0)
+            };
+            let is_end_of_type = matches!(field.ty.element, Element::Scalar(scalar)
+                if scalar.integer_bounds().is_some_and(|(least, greatest)| [least, greatest].contains(&(end as i128))));
+            assert!(tried.number(None, is_at), "{name}: the end {end}");
+            let is_refused =
+                tried.number(Some("PX-RANGE-01"), is_beyond) || tried.number(Some("PX-LEN-01"), is_beyond);
+            assert!(is_refused || is_end_of_type, "{name}: beyond {end}");
+        }
+    }
+    for special in [&field.invalid, &field.uncontrolled].into_iter().flatten() {
+        match special.value.as_ref().and_then(Value::as_f64) {
+            Some(value) if value.is_nan() => assert!(tried.has(None, Json::is_null), "{name}: NaN"),
+            Some(value) => assert!(
+                tried.number(None, |tried| (tried - value).abs() <= CLOSE * value.abs()),
+                "{name}: special {value}"
+            ),
+            None => {}
+        }
+    }
+    if let Some(array) = field.counts.and_then(|index| message.fields.get(index))
+        && let Shape::Array(length) | Shape::Bounded(length) = array.ty.shape
+    {
+        assert!(tried.has(None, |value| *value == json!(length)), "{name}: all entries");
+        assert!(
+            tried.has(Some("PX-LEN-01"), |value| *value == json!(length + 1)),
+            "{name}: too many entries"
+        );
+    }
+    if let Some(found) = field.enumeration.map(|reference| emitted.schema.enumeration(reference)) {
+        for member in &found.members {
+            assert!(
+                tried.number(None, |value| value as i128 == member.value),
+                "{name}: documented {}",
+                member.name
+            );
+        }
+        let all = found.members.iter().fold(0, |all, member| all | member.value);
+        let is_known = |value: i128| {
+            if found.is_flags {
+                value & !all == 0
+            } else {
+                found.members.iter().any(|member| member.value == value)
+            }
+        };
+        assert!(tried.number(Some("PX-ENUM-01"), |value| !is_known(value as i128)), "{name}: undocumented");
+        assert!(!found.is_flags || tried.number(None, |value| value as i128 == all), "{name}: all flags");
+    }
+}
+
+/// What is wrong with bytes as a whole.
+fn check_payloads(message: &Message, cases: &[Json], is_uorb: bool) {
+    let name = &message.name;
+    let sizes = |form: &str, rule: Option<&str>| -> BTreeSet<usize> {
+        let of_rule = cases.iter().filter(|case| case["rule"].as_str() == rule);
+        of_rule.filter_map(|case| Some(case[form].as_str()?.len() / 2)).collect()
+    };
+    if let Some(layout) = message.uorb.as_ref().filter(|_| is_uorb) {
+        assert_eq!(sizes("uorb", None), [layout.size_no_padding, layout.size].into(), "{name}");
+        let broken = sizes("uorb", Some("PX-DATA-01"));
+        assert!(
+            broken.contains(&(layout.size_no_padding - 1)) && broken.contains(&(layout.size + 1)),
+            "{name}"
+        );
+    } else {
+        assert!(cases.iter().all(|case| case.get("uorb").is_none()), "{name}");
+    }
+    let valid = sizes("cdr", None);
+    let broken = sizes("cdr", Some("PX-CDR-02"));
+    assert!(broken.iter().any(|size| valid.contains(&(size + 1))), "{name}: CDR too short");
+    assert!(
+        broken.iter().any(|size| size.is_multiple_of(4) && *size >= valid.first().expect("a size") + 4),
+        "{name}"
+    );
+    assert_eq!(sizes("cdr", Some("PX-CDR-01")).len(), 1, "{name}");
+    let has_bool = message.fields.iter().any(|field| field.ty.element == Element::Scalar(Scalar::Bool));
+    let odd =
+        has_id(cases, Some("PX-BOOL-01"), |case| case["cdr"].as_str().is_some_and(|cdr| cdr.contains("99")));
+    assert!(odd || !has_bool, "{name}: an odd bool");
+}
