@@ -38,6 +38,7 @@ mod compile;
 mod error;
 mod initial;
 mod json;
+mod packed;
 mod plan;
 mod trail;
 mod ulog;

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //!  text ──msg, table──▶ syntax tree ──schema::resolve──▶ Schema ──▶ emit (rust, json_schema, docs, vectors)
+//!                                                              └──▶ dynamic (codecs and checks at run time)
 //! ```
 //!
 //! A stage can't see the types of the stage before the last. Reading never stops at the first
@@ -37,6 +38,12 @@
 //! 4.1 and 18 times as long, emitting Rust 4.0 and 16 times, the whole command on unchanged output 3.9
 //! and 16 times. Test vectors, 26 MB of them, took 80 ms at best while two others used the machine, and
 //! 290 ms files to files. `cargo xtask bench codegen` prints these figures.
+//!
+//! Handling messages at run time ([`dynamic`]) beside generated types on the same bytes, in one run, medians of
+//! three messages of 88 to 232 bytes: reading uORB 24 to 26 ns where generated code takes 9 to 17, looking at it
+//! where it is 8 ns (3), reading CDR 28 to 51 ns (8 to 18), from uORB to CDR 48 to 62 ns (33 to 54), from uORB to the
+//! text of JSON 1.9 to 2.4 µs (1.0 to 1.6). Of reading, 20 ns go to the allocation. Big-endian CDR takes
+//! 46 to 132 ns (9 to 111). `cargo bench -p uavspec-codegen --bench dynamic` prints these figures.
 //!
 //! The crate that is generated from them takes 0.9 s to check, 1.7 s with serde, and 2.3 s to build in
 //! release with serde, without incremental reuse (`cargo xtask bench compile`). Plain structs with the

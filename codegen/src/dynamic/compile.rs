@@ -4,6 +4,7 @@ use uavspec_runtime::Scalar;
 use uavspec_runtime::layout::{self, Member, Size};
 
 use super::error::Defect;
+use super::packed::Packed;
 use super::plan::{Bounds, Element, Field, Plan, Run, SLOT, Sequence, Step, Width};
 use crate::msg::Dialect;
 use crate::schema::layout::MAX_MESSAGE_SIZE;
@@ -163,6 +164,7 @@ fn unusable(draft: &Draft, defect: Defect) -> Plan {
         is_fixed: true,
         least: 0,
         steps: Box::default(),
+        packed: None,
         has_defaults: false,
         has_bools: false,
         is_restricted: false,
@@ -183,12 +185,14 @@ fn plan(mut draft: Draft, plans: &[Plan]) -> Plan {
     let any = |of_field: fn(&Field) -> bool, of_plan: fn(&Plan) -> bool| {
         fields.iter().any(of_field) || nested(fields).any(|nested| of_plan(&plans[nested]))
     };
+    let steps = steps(fields, plans);
     let varies = |field: &Field| field.is_sequence() || matches!(field.element, Element::String(_));
     Plan {
         size,
         is_fixed: !any(varies, |plan| !plan.is_fixed),
         least: fields.iter().fold(0_usize, |all, field| all.saturating_add(least(field, plans))).max(1),
-        steps: steps(fields, plans).into(),
+        packed: Packed::of(&steps, size.padded, plans),
+        steps: steps.into(),
         has_defaults: any(
             |field| field.default.as_ref().is_some_and(says_something),
             |plan| plan.has_defaults,

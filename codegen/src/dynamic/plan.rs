@@ -4,6 +4,7 @@ use uavspec_runtime::Scalar;
 use uavspec_runtime::layout::Size;
 
 use super::error::Defect;
+use super::packed::Packed;
 use crate::schema::{Restriction, Shape};
 use crate::value::Value;
 
@@ -23,6 +24,8 @@ pub(super) struct Plan {
     pub(super) least: usize,
     /// The way between memory and CDR, in the order of CDR.
     pub(super) steps: Box<[Step]>,
+    /// The same of a whole message of fixed size, where it isn't too long.
+    pub(super) packed: Option<Packed>,
     /// Whether a field has a default, or one of a message in it.
     pub(super) has_defaults: bool,
     /// Whether a field is a `bool`, or one of a message in it.

@@ -6,6 +6,7 @@ use uavspec_runtime::layout::Size;
 use uavspec_runtime::{Fault, Scalar};
 
 use super::error::{Error, Reason};
+use super::packed::make_bools;
 use super::plan::{Element, Field, Plan, Run, Step};
 use super::trail::Trail;
 use super::view::{DynamicView, part};
@@ -73,8 +74,13 @@ pub(super) fn encode(view: DynamicView<'_>) -> Result<Vec<u8>, Error> {
     if !view.plan.is_fixed {
         return Err(wrong_size(view.plan, 0));
     }
-    let mut payload = vec![0; view.plan.size.padded];
-    write(view.types, view.plan, view.bytes.get(view.base..).unwrap_or_default(), &mut payload);
+    let padded = view.plan.size.padded;
+    let memory = view.bytes.get(view.base..).unwrap_or_default();
+    if let Some(payload) = view.plan.packed.as_ref().and_then(|packed| packed.clean(memory, padded)) {
+        return Ok(payload);
+    }
+    let mut payload = vec![0; padded];
+    write(view.types, view.plan, memory, &mut payload);
     Ok(payload)
 }
 
@@ -85,10 +91,11 @@ fn write(types: &Types, plan: &Plan, from: &[u8], to: &mut [u8]) {
             Step::Copy(Run { offset, size, is_bool, .. }) => {
                 let Some(to) = to.get_mut(offset..offset + size) else { continue };
                 let from = part(from, offset, size);
-                if is_bool {
-                    to.iter_mut().zip(from).for_each(|(to, from)| *to = u8::from(*from != 0));
-                } else if from.len() == size {
+                if from.len() == size {
                     to.copy_from_slice(from);
+                }
+                if is_bool {
+                    make_bools(to);
                 }
             }
             Step::Messages { offset, count, plan } => {

@@ -73,16 +73,22 @@ record! {
     11 end: u64 = uint64("end", 0);
 }
 
-impl Message for Tree {
-    const PACKAGE: &'static str = "demo";
-    const NAME: &'static str = "Tree";
-    const TOPICS: &'static [&'static str] = &[];
-    const VERSION: Option<u32> = None;
-    const QUEUE_LENGTH: u32 = 1;
-    const HASH: u32 = 0;
-    const TYPE_HASH: &'static str = "";
-    const CDR_SIZE: Option<usize> = None;
+macro_rules! message {
+    ($($type:ident)*) => {$(
+        impl Message for $type {
+            const PACKAGE: &'static str = "demo";
+            const NAME: &'static str = stringify!($type);
+            const TOPICS: &'static [&'static str] = &[];
+            const VERSION: Option<u32> = None;
+            const QUEUE_LENGTH: u32 = 1;
+            const HASH: u32 = 0;
+            const TYPE_HASH: &'static str = "";
+            const CDR_SIZE: Option<usize> = None;
+        }
+    )*};
 }
+
+message!(Empty Leaf Tree);
 
 fn px4() -> Schema {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../definitions/px4");

@@ -14,10 +14,11 @@ pub(in crate::dynamic) fn decode<'t>(
     payload: &[u8],
     is_strict: bool,
 ) -> Result<DynamicMessage<'t>, Error> {
-    let buffer = match ByteOrder::of(payload) {
-        Ok(ByteOrder::LittleEndian) => read::<false>(of, payload, is_strict),
-        Ok(ByteOrder::BigEndian) => read::<true>(of, payload, is_strict),
-        Err(_) => None,
+    let buffer = match (ByteOrder::of(payload), &of.plan.packed) {
+        (Ok(order), Some(packed)) if !is_strict => packed.read(payload, order, of.plan.size.padded),
+        (Ok(ByteOrder::LittleEndian), _) => read::<false>(of, payload, is_strict),
+        (Ok(ByteOrder::BigEndian), _) => read::<true>(of, payload, is_strict),
+        (Err(_), _) => None,
     };
     match buffer {
         Some(buffer) => Ok(DynamicMessage { of, buffer }),
@@ -56,7 +57,8 @@ impl<'b, const BIG: bool> Reader<'b, BIG> {
     /// The next `size` bytes, aligned.
     #[inline]
     fn take(&mut self, size: usize, width: Width) -> Option<&'b [u8]> {
-        let start = self.at.next_multiple_of(width as usize);
+        let mask = width as usize - 1;
+        let start = (self.at + mask) & !mask;
         let end = start.checked_add(size)?;
         let bytes = self.body.get(start..end)?;
         self.at = end;
@@ -185,13 +187,36 @@ impl<'b, const BIG: bool> Reader<'b, BIG> {
 
 /// Copies numbers to the order of bytes in memory, which is little-endian.
 #[inline]
-pub(super) fn copy<const BIG: bool>(from: &[u8], to: &mut [u8], width: Width) {
-    if BIG { copy_swapped(from, to, width) } else { to.copy_from_slice(from) }
+pub(in crate::dynamic) fn copy<const BIG: bool>(from: &[u8], to: &mut [u8], width: Width) {
+    if BIG { copy_swapped(from, to, width) } else { copy_short(from, to) }
+}
+
+/// Copies bytes, without a call where they are few: most runs of a message are.
+#[inline]
+pub(in crate::dynamic) fn copy_short(from: &[u8], to: &mut [u8]) {
+    match from.len() {
+        8..=16 => copy_ends::<8>(from, to),
+        4..=7 => copy_ends::<4>(from, to),
+        2..=3 => copy_ends::<2>(from, to),
+        1 => copy_ends::<1>(from, to),
+        _ => to.copy_from_slice(from),
+    }
+}
+
+/// Copies the first and the last `N` bytes, which is all where there are at most twice as many.
+#[inline]
+fn copy_ends<const N: usize>(from: &[u8], to: &mut [u8]) {
+    if let (Some(from), Some(to)) = (from.first_chunk::<N>(), to.first_chunk_mut()) {
+        *to = *from;
+    }
+    if let (Some(from), Some(to)) = (from.last_chunk::<N>(), to.last_chunk_mut()) {
+        *to = *from;
+    }
 }
 
 fn copy_swapped(from: &[u8], to: &mut [u8], width: Width) {
     match width {
-        Width::One => to.copy_from_slice(from),
+        Width::One => copy_short(from, to),
         Width::Two => swap::<2>(from, to),
         Width::Four => swap::<4>(from, to),
         Width::Eight => swap::<8>(from, to),

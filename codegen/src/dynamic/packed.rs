@@ -1,0 +1,170 @@
+//! Messages of fixed size whose CDR starts with them: each byte of both forms has its place, so going from
+//! one to the other is a list of copies, worked out once.
+
+use uavspec_runtime::cdr::{ByteOrder, HEADER, is_filling};
+
+use super::cdr::{copy, copy_short};
+use super::plan::{Plan, Run, Step, Width};
+use super::view::part;
+
+/// The copies of a type.
+#[derive(Debug)]
+pub(super) struct Packed {
+    /// Size of the CDR form without its header, in bytes.
+    size: usize,
+    /// What lies side by side in both forms, whatever it is.
+    copies: Box<[Move]>,
+    /// The same in parts of one width each, whose bytes can be swapped.
+    swaps: Box<[Move]>,
+    /// Where `bool`s are in memory, and in CDR.
+    bools: Box<[Move]>,
+    /// Padding in memory: starts and sizes.
+    gaps: Box<[(usize, usize)]>,
+}
+
+/// Bytes that are in both forms.
+#[derive(Clone, Copy, Debug)]
+struct Move {
+    memory: usize,
+    cdr: usize,
+    size: usize,
+    width: Width,
+    is_bool: bool,
+}
+
+/// Types that take more copies than this go step by step: each element of an array of messages counts.
+const MAX_MOVES: usize = 512;
+
+/// So do those with more bytes: no message of uORB has as many.
+const MAX_SIZE: usize = 1 << 16;
+
+impl Packed {
+    /// Works out the copies of a type with these steps; none where its size varies or there are too many.
+    pub(super) fn of(steps: &[Step], padded: usize, plans: &[Plan]) -> Option<Self> {
+        let mut moves = Vec::new();
+        let mut size = 0;
+        flatten(steps, plans, 0, &mut size, &mut moves)?;
+        let bools = moves.iter().copied().filter(|part| part.is_bool).collect();
+        let mut in_memory = moves.clone();
+        in_memory.sort_by_key(|part| part.memory);
+        Some(Self {
+            size,
+            bools,
+            gaps: gaps(&in_memory, padded),
+            copies: merged(&moves),
+            swaps: moves.into(),
+        })
+    }
+
+    /// Reads a payload; nothing where it isn't as long as it should be.
+    pub(super) fn read(&self, payload: &[u8], order: ByteOrder, padded: usize) -> Option<Vec<u8>> {
+        let end = HEADER + self.size;
+        let body = payload.get(HEADER..end)?;
+        if payload.len() > end && !is_filling(end, payload.len() - end) {
+            return None;
+        }
+        let mut memory = vec![0; padded];
+        for part in self.moves(order) {
+            let from = body.get(part.cdr..part.cdr + part.size)?;
+            part.copy(order, from, memory.get_mut(part.memory..part.memory + part.size)?);
+        }
+        Some(memory)
+    }
+
+    /// The payload of a message.
+    pub(super) fn write(&self, memory: &[u8], order: ByteOrder) -> Option<Vec<u8>> {
+        let mut payload = vec![0; HEADER + self.size];
+        let (header, body) = payload.split_first_chunk_mut()?;
+        *header = order.header();
+        for part in self.moves(order) {
+            let from = memory.get(part.memory..part.memory + part.size)?;
+            part.copy(order, from, body.get_mut(part.cdr..part.cdr + part.size)?);
+        }
+        for part in &self.bools {
+            make_bools(body.get_mut(part.cdr..part.cdr + part.size)?);
+        }
+        Some(payload)
+    }
+
+    /// The memory form, with padding of zeros and `bool`s of 0 and 1.
+    pub(super) fn clean(&self, memory: &[u8], padded: usize) -> Option<Vec<u8>> {
+        let mut payload = Vec::with_capacity(padded);
+        payload.extend_from_slice(part(memory, 0, memory.len().min(padded)));
+        payload.resize(padded, 0);
+        for (start, size) in &self.gaps {
+            payload.get_mut(*start..start + size)?.fill(0);
+        }
+        for part in &self.bools {
+            make_bools(payload.get_mut(part.memory..part.memory + part.size)?);
+        }
+        Some(payload)
+    }
+
+    #[inline]
+    fn moves(&self, order: ByteOrder) -> &[Move] {
+        match order {
+            ByteOrder::LittleEndian => &self.copies,
+            ByteOrder::BigEndian => &self.swaps,
+        }
+    }
+}
+
+impl Move {
+    #[inline]
+    fn copy(self, order: ByteOrder, from: &[u8], to: &mut [u8]) {
+        match order {
+            ByteOrder::LittleEndian => copy_short(from, to),
+            ByteOrder::BigEndian => copy::<true>(from, to, self.width),
+        }
+    }
+}
+
+/// Makes each byte 0 or 1.
+pub(super) fn make_bools(bytes: &mut [u8]) {
+    bytes.iter_mut().for_each(|byte| *byte = u8::from(*byte != 0));
+}
+
+/// Adds the moves of a message whose memory starts at `base` and whose CDR goes on from `at`.
+fn flatten(steps: &[Step], plans: &[Plan], base: usize, at: &mut usize, moves: &mut Vec<Move>) -> Option<()> {
+    for step in steps {
+        match *step {
+            Step::Copy(Run { offset, size, width, is_bool }) => {
+                let cdr = at.next_multiple_of(width as usize);
+                moves.push(Move { memory: base + offset, cdr, size, width, is_bool });
+                *at = cdr + size;
+            }
+            Step::Messages { offset, count, plan } => {
+                let plan = &plans[plan];
+                for index in 0..count {
+                    flatten(&plan.steps, plans, base + offset + index * plan.size.padded, at, moves)?;
+                }
+            }
+            Step::Empty => *at += 1,
+            Step::Strings { .. } | Step::Sequence { .. } => return None,
+        }
+        if moves.len() > MAX_MOVES || *at > MAX_SIZE {
+            return None;
+        }
+    }
+    Some(())
+}
+
+/// Joins what lies side by side in both forms.
+fn merged(moves: &[Move]) -> Box<[Move]> {
+    let mut merged: Vec<Move> = Vec::new();
+    for next in moves {
+        match merged.last_mut() {
+            Some(last) if last.memory + last.size == next.memory && last.cdr + last.size == next.cdr => {
+                last.size += next.size;
+            }
+            _ => merged.push(*next),
+        }
+    }
+    merged.into()
+}
+
+fn gaps(in_memory: &[Move], padded: usize) -> Box<[(usize, usize)]> {
+    let starts = in_memory.iter().map(|part| part.memory).chain([padded]);
+    let ends = [0].into_iter().chain(in_memory.iter().map(|part| part.memory + part.size));
+    ends.zip(starts).filter(|(end, start)| start > end).map(|(end, start)| (end, start - end)).collect()
+}
