@@ -22,12 +22,13 @@ pub(crate) enum What {
 const RUNS: usize = 5;
 
 pub(crate) fn run(what: What) -> ExitCode {
+    let here = Path::new(".");
     let result = match what {
-        What::Codegen => {
-            cargo(Path::new("."), &["bench", "--package", "uavspec-codegen", "--bench", "codegen"])
-        }
+        What::Codegen => cargo(here, &["bench", "--package", "uavspec-codegen", "--bench", "codegen"]),
         What::Compile => compile(),
-        What::Codec => cargo(Path::new("."), &["bench", "--package", "uavspec", "--bench", "codec"]),
+        What::Codec => [("uavspec", "codec"), ("uavspec-codegen", "dynamic")]
+            .into_iter()
+            .try_for_each(|(package, bench)| cargo(here, &["bench", "--package", package, "--bench", bench])),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
