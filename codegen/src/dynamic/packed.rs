@@ -121,7 +121,9 @@ impl Move {
 
 /// Makes each byte 0 or 1.
 pub(super) fn make_bools(bytes: &mut [u8]) {
-    bytes.iter_mut().for_each(|byte| *byte = u8::from(*byte != 0));
+    for byte in bytes {
+        *byte = u8::from(*byte != 0);
+    }
 }
 
 /// Adds the moves of a message whose memory starts at `base` and whose CDR goes on from `at`.

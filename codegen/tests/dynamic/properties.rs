@@ -132,6 +132,37 @@ fn check_bytes(of: MessageType<'_>, message: &Message, json: &Json) -> Result<()
     Ok(())
 }
 
+/// Of messages with many parts no list of places is made. Odd `bool`s and padding are made plain in both.
+#[test]
+fn messages_with_many_parts_are_written_like_those_with_few() {
+    let files = [
+        ("Few.msg", "Pair[3] all\n"),
+        ("Many.msg", "Pair[300] all\n"),
+        ("Pair.msg", "uint64 a\nbool b\nbool c\n"),
+    ];
+    let (_, schema, _) = support::texts(Form::Msg(Dialect::Px4), &files);
+    let types = Types::new(&schema);
+    let [few, many] = ["Few", "Many"].map(|name| types.find("demo", name).expect("the type"));
+    let payload = Draw(1).bytes(16 * 3);
+    let few = few.decode_uorb(&payload).expect("a message");
+    let many = many.decode_uorb(&payload.repeat(100)).expect("a message");
+    let expected = few.encode_uorb().expect("a payload");
+    assert!(expected.chunks(16).all(|pair| pair[8] < 2 && pair[9] < 2 && pair[10..] == [0; 6]));
+    assert_eq!(many.encode_uorb().expect("a payload"), expected.repeat(100));
+    for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
+        let few = few.encode_cdr(order).expect("a payload");
+        // What aligns the next pair stands between.
+        let filled = [&few[HEADER..], &[0; 6]].concat();
+        let payload = many.encode_cdr(order).expect("a payload");
+        let end = HEADER + 99 * filled.len();
+        assert_eq!(payload[..end], [&few[..HEADER], &filled.repeat(99)].concat());
+        assert_eq!(payload[end..], few[HEADER..]);
+        let of = many.message_type();
+        assert_eq!(of.decode_cdr(&payload).expect("a message").encode_uorb(), many.encode_uorb());
+        assert!(of.decode_cdr(&payload[..payload.len() - 1]).is_err());
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, cases: 1000, ..ProptestConfig::default() })]
 
