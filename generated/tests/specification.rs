@@ -95,6 +95,7 @@ mod json {
             (text.replace("\"log_levels\":0", "\"log_levels\":256"), "256"),
             (text.replace("[0,0,", "[0,"), "expected an array of 25"),
             (text.replace("[0,0,", "[0,0,0,"), "expected an array of 25"),
+            ("[0,0,0,[],0]".to_owned(), "expected an object with the fields of Event"),
         ] {
             let error = serde_json::from_str::<Event>(&text).expect_err("refused").to_string();
             assert!(error.contains(expected), "{error}: {text}");

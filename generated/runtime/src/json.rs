@@ -13,7 +13,7 @@ use alloc::vec::Vec;
 use core::fmt;
 use core::marker::PhantomData;
 
-use serde::de::{DeserializeSeed, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::de::{DeserializeSeed, Error as _, IgnoredAny, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::ser::{Error as _, SerializeStruct, SerializeTuple as _};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -94,7 +94,8 @@ pub fn serialize<T: Fields, S: Serializer>(record: &T, serializer: S) -> Result<
 
 /// Reads a message.
 pub fn deserialize<'de, T: Fields, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
-    deserializer.deserialize_struct(T::DESCRIPTOR.name, T::NAMES, RecordVisitor(PhantomData))
+    let visitor = RecordVisitor { is_text: deserializer.is_human_readable(), of: PhantomData };
+    deserializer.deserialize_struct(T::DESCRIPTOR.name, T::NAMES, visitor)
 }
 
 /// Says that reading came to a field that isn't there, which generated code can't cause.
@@ -113,7 +114,11 @@ impl<T: Field> Serialize for Named<'_, T> {
     }
 }
 
-struct RecordVisitor<T>(PhantomData<T>);
+struct RecordVisitor<T> {
+    /// Whether the format is one of text, in which a message is an object and never a list.
+    is_text: bool,
+    of: PhantomData<T>,
+}
 
 impl<'de, T: Fields> Visitor<'de> for RecordVisitor<T> {
     type Value = T;
@@ -142,6 +147,9 @@ impl<'de, T: Fields> Visitor<'de> for RecordVisitor<T> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<T, A::Error> {
+        if self.is_text {
+            return Err(A::Error::invalid_type(Unexpected::Seq, &self));
+        }
         let mut record = T::default();
         let mut source = Elements(seq);
         for index in 0..T::NAMES.len() {
