@@ -75,7 +75,8 @@ impl Crate {
     }
 }
 
-const FEATURES: &str = "uavspec-runtime/proptest,uavspec-runtime/schemars,uavspec-runtime/serde";
+const FEATURES: &str =
+    "uavspec-runtime/defmt,uavspec-runtime/proptest,uavspec-runtime/schemars,uavspec-runtime/serde";
 
 fn repository() -> PathBuf {
     fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).expect("the repository")
@@ -218,7 +219,9 @@ impl<'c> Program<'c> {
         let program = include_str!("compile/corpus.rs");
         let program = format!("{program}\nfn rows() -> Vec<Row> {{\n    vec![\n{rows}    ]\n}}\n");
         package.write("examples/corpus.rs", &program);
-        package.cargo(&["build", "--features", FEATURES, "--example", "corpus"]);
+        // A program with defmt in it would need its linker script.
+        let features = FEATURES.trim_start_matches("uavspec-runtime/defmt,");
+        package.cargo(&["build", "--features", features, "--example", "corpus"]);
         let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("../debug/examples/corpus");
         Self { package, path }
     }

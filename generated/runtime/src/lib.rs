@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `std` (default) | `std::error::Error` for the errors; `alloc` |
 //! | `alloc` | strings and sequences, and what returns a `Vec` |
+//! | `defmt` | messages in logs of embedded devices: module `log` |
 //! | `proptest` | strategies for property tests: module `strategy` |
 //! | `schemars` | JSON Schemas of the crate schemars: module `schema` |
 //! | `serde` | JSON, and any other format of serde: module `json` |
@@ -31,6 +32,8 @@ mod flag;
 #[cfg(feature = "serde")]
 pub mod json;
 pub mod layout;
+#[cfg(feature = "defmt")]
+pub mod log;
 mod message;
 mod open;
 mod path;
@@ -47,6 +50,9 @@ mod validate;
 mod value;
 mod without;
 
+/// The crate that the feature `defmt` builds on, for generated code.
+#[cfg(feature = "defmt")]
+pub use defmt;
 /// The crate that the feature `proptest` builds on, for generated code.
 #[cfg(feature = "proptest")]
 pub use proptest;

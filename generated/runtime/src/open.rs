@@ -92,6 +92,7 @@ macro_rules! open {
             }
         }
 
+        $crate::__format_enum!($type; $($known $name;)*);
         $crate::__open!($type: $number; false; $($known $name;)*);
     };
     ($type:ident: $number:ident flags; $($known:literal $name:literal;)*) => {
@@ -136,6 +137,7 @@ macro_rules! open {
             }
         }
 
+        $crate::__format_flags!($type);
         $crate::__open!($type: $number; true; $($known $name;)*);
     };
 }
@@ -196,6 +198,7 @@ macro_rules! __open {
 #[macro_export]
 macro_rules! error_code {
     ($type:ident; $($known:literal $name:literal;)*) => {
+        $crate::__format_error_code!($type; $($known $name;)*);
         $crate::__documented!($type: u32; false; $($known $name;)*);
     };
 }

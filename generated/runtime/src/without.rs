@@ -62,3 +62,31 @@ macro_rules! __schema_record {
 macro_rules! __schema_number {
     ($($tokens:tt)*) => {};
 }
+
+#[cfg(not(feature = "defmt"))]
+/// Gives a message its `defmt::Format`; nothing without the feature `defmt`.
+#[macro_export]
+macro_rules! format_record {
+    ($($tokens:tt)*) => {};
+}
+
+#[cfg(not(feature = "defmt"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __format_enum {
+    ($($tokens:tt)*) => {};
+}
+
+#[cfg(not(feature = "defmt"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __format_flags {
+    ($($tokens:tt)*) => {};
+}
+
+#[cfg(not(feature = "defmt"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __format_error_code {
+    ($($tokens:tt)*) => {};
+}

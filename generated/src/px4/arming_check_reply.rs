@@ -132,6 +132,11 @@ impl ::uavspec_runtime::Message for ArmingCheckReply {
     20 mode_req_manual_control: bool = bool("mode_req_manual_control", 26);
 }
 
+::uavspec_runtime::format_record! {
+    ArmingCheckReply "ArmingCheckReply {{ timestamp: {=u64}, request_id: {=u8}, registration_id: {=u8}, health_component_index: {=?}, health_component_is_present: {=bool}, health_component_warning: {=bool}, health_component_error: {=bool}, can_arm_and_run: {=bool}, num_events: {=u8}, events: {=[?; 5]}, mode_req_angular_velocity: {=bool}, mode_req_attitude: {=bool}, mode_req_local_alt: {=bool}, mode_req_local_position: {=bool}, mode_req_local_position_relaxed: {=bool}, mode_req_global_position: {=bool}, mode_req_global_position_relaxed: {=bool}, mode_req_mission: {=bool}, mode_req_home_position: {=bool}, mode_req_prevent_arming: {=bool}, mode_req_manual_control: {=bool} }}";
+    timestamp request_id registration_id health_component_index health_component_is_present health_component_warning health_component_error can_arm_and_run num_events events mode_req_angular_velocity mode_req_attitude mode_req_local_alt mode_req_local_position mode_req_local_position_relaxed mode_req_global_position mode_req_global_position_relaxed mode_req_mission mode_req_home_position mode_req_prevent_arming mode_req_manual_control;
+}
+
 ::uavspec_runtime::flags! {
     ArmingCheckReply;
     health_component_is_present "health_component_is_present" "" "True if that component is there; not used yet, kept for health reports (health_component_t in events.json)";

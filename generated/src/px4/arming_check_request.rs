@@ -47,3 +47,8 @@ impl ::uavspec_runtime::Message for ArmingCheckRequest {
     1 request_id: u8 = uint8("request_id", 12);
     2 valid_registrations_mask: u32 = uint32("valid_registrations_mask", 8);
 }
+
+::uavspec_runtime::format_record! {
+    ArmingCheckRequest "ArmingCheckRequest {{ timestamp: {=u64}, request_id: {=u8}, valid_registrations_mask: {=u32} }}";
+    timestamp request_id valid_registrations_mask;
+}

@@ -56,3 +56,8 @@ impl ::uavspec_runtime::Message for Event {
     3 arguments: [u8; 25] = uint8("arguments", 14).array(25);
     4 log_levels: u8 = uint8("log_levels", 39);
 }
+
+::uavspec_runtime::format_record! {
+    Event "Event {{ timestamp: {=u64}, id: {=u32}, event_sequence: {=u16}, arguments: {=[u8; 25]}, log_levels: {=u8} }}";
+    timestamp id event_sequence arguments log_levels;
+}

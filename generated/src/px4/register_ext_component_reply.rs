@@ -71,6 +71,11 @@ impl ::uavspec_runtime::Message for RegisterExtComponentReply {
     7 mode_executor_id: i8 = int8("mode_executor_id", 46);
 }
 
+::uavspec_runtime::format_record! {
+    RegisterExtComponentReply "RegisterExtComponentReply {{ timestamp: {=u64}, request_id: {=u64}, name: {=?}, px4_ros2_api_version: {=u16}, success: {=bool}, arming_check_id: {=i8}, mode_id: {=i8}, mode_executor_id: {=i8} }}";
+    timestamp request_id name px4_ros2_api_version success arming_check_id mode_id mode_executor_id;
+}
+
 ::uavspec_runtime::flags! {
     RegisterExtComponentReply;
     success "success" "" "True if everything asked for is registered; if false, the ids below mean nothing";

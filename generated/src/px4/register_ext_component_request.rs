@@ -80,6 +80,11 @@ impl ::uavspec_runtime::Message for RegisterExtComponentRequest {
     9 activate_mode_immediately: bool = bool("activate_mode_immediately", 48);
 }
 
+::uavspec_runtime::format_record! {
+    RegisterExtComponentRequest "RegisterExtComponentRequest {{ timestamp: {=u64}, request_id: {=u64}, name: {=?}, px4_ros2_api_version: {=u16}, register_arming_check: {=bool}, register_mode: {=bool}, register_mode_executor: {=bool}, enable_replace_internal_mode: {=bool}, replace_internal_mode: {=u8}, activate_mode_immediately: {=bool} }}";
+    timestamp request_id name px4_ros2_api_version register_arming_check register_mode register_mode_executor enable_replace_internal_mode replace_internal_mode activate_mode_immediately;
+}
+
 ::uavspec_runtime::flags! {
     RegisterExtComponentRequest;
     register_arming_check "register_arming_check" "Parts to register" "True to take part in arming checks, and so to answer each ArmingCheckRequest";

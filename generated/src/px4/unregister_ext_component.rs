@@ -59,3 +59,8 @@ impl ::uavspec_runtime::Message for UnregisterExtComponent {
     3 mode_id: i8 = int8("mode_id", 34);
     4 mode_executor_id: i8 = int8("mode_executor_id", 35);
 }
+
+::uavspec_runtime::format_record! {
+    UnregisterExtComponent "UnregisterExtComponent {{ timestamp: {=u64}, name: {=?}, arming_check_id: {=i8}, mode_id: {=i8}, mode_executor_id: {=i8} }}";
+    timestamp name arming_check_id mode_id mode_executor_id;
+}

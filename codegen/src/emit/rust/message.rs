@@ -29,13 +29,14 @@ pub(super) fn tokens(context: &Context<'_>, id: MessageId) -> TokenStream {
     let constants = parts.constants();
     let traits = parts.message_trait();
     let record = parts.record();
+    let format = parts.format();
     let flags = parts.flags();
     let enums = message
         .enums
         .iter()
         .zip(&context.enum_names[id.0 as usize])
         .map(|(found, name)| enumeration::tokens(message, found, &ident(name)));
-    quote!(#definition #default #constants #traits #record #flags #(#enums)*)
+    quote!(#definition #default #constants #traits #record #format #flags #(#enums)*)
 }
 
 struct Parts<'c> {
@@ -227,6 +228,23 @@ impl Parts<'_> {
         quote!(&number() #low #high #special #count #known #nan)
     }
 
+    /// How defmt shows it: the whole text is one literal, which stays on the host.
+    fn format(&self) -> TokenStream {
+        let Self { context, id, message, name, fields } = self;
+        let dialect = types::dialect(context, *id);
+        let shown: Vec<String> = message
+            .fields
+            .iter()
+            .map(|field| format!("{}: {}", field.name, placeholder(field, dialect)))
+            .collect();
+        let text = if shown.is_empty() {
+            message.name.clone()
+        } else {
+            format!("{} {{{{ {} }}}}", message.name, shown.join(", "))
+        };
+        quote!(::uavspec_runtime::format_record! { #name #text; #(#fields)*; })
+    }
+
     /// `set_flags()`, for messages that have flags.
     fn flags(&self) -> Option<TokenStream> {
         let Self { name, message, fields, .. } = self;
@@ -339,6 +357,24 @@ impl Parts<'_> {
             _ => {}
         }
         facts
+    }
+}
+
+/// What stands for a field in a text of defmt. It names the type wherever defmt has a name for it: the type
+/// isn't sent then.
+fn placeholder(field: &Field, dialect: Dialect) -> String {
+    let primitive = match field.ty.element {
+        Element::Scalar(scalar) if field.enumeration.is_none() => types::primitive(scalar).to_string(),
+        Element::String { .. } => "str".to_owned(),
+        Element::Scalar(_) | Element::Message(_) => "?".to_owned(),
+    };
+    // Of arrays defmt has names for bytes alone.
+    let element = if primitive == "u8" { "u8" } else { "?" };
+    match field.ty.shape {
+        Shape::Single => format!("{{={primitive}}}"),
+        Shape::Array(_) if field.is_text(dialect) => "{=?}".to_owned(),
+        Shape::Array(length) => format!("{{=[{element}; {length}]}}"),
+        Shape::Bounded(_) | Shape::Sequence => format!("{{=[{element}]}}"),
     }
 }
 

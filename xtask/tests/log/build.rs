@@ -1,0 +1,8 @@
+//! Links with the section of defmt, at fixed addresses: a number of 16 bits is cut from each.
+
+fn main() {
+    println!("cargo:rerun-if-changed=host.x");
+    let folder = std::env::var("CARGO_MANIFEST_DIR").expect("a folder");
+    println!("cargo:rustc-link-arg-bins=-T{folder}/host.x");
+    println!("cargo:rustc-link-arg-bins=-no-pie");
+}

@@ -1,0 +1,48 @@
+//! Logs a few values to the standard output, in the form that a device sends.
+
+use std::io::Write as _;
+
+use uavspec::flockwave::ErrorCode;
+use uavspec::px4::battery_status::{BatteryFault, BatteryWarning};
+use uavspec::px4::{BatteryStatus, Event, RegisterExtComponentReply, UnregisterExtComponent};
+use uavspec_runtime::{Severity, Text};
+
+#[defmt::global_logger]
+struct Logger;
+
+// There is one thread.
+unsafe impl defmt::Logger for Logger {
+    fn acquire() {}
+
+    unsafe fn flush() {}
+
+    unsafe fn release() {}
+
+    unsafe fn write(bytes: &[u8]) {
+        std::io::stdout().write_all(bytes).expect("the output takes it");
+    }
+}
+
+defmt::timestamp!("");
+
+fn main() {
+    defmt::println!("{}", Event { id: 7, arguments: [1; 25], ..Event::default() });
+    let reply = RegisterExtComponentReply {
+        name: "Land".parse().expect("it fits"),
+        success: true,
+        mode_id: -3,
+        ..RegisterExtComponentReply::default()
+    };
+    defmt::println!("{}", reply);
+    let bytes = UnregisterExtComponent { name: Text([0xff; 25]), ..UnregisterExtComponent::default() };
+    defmt::println!("{}", bytes);
+    let battery = BatteryStatus {
+        warning: BatteryWarning::CRITICAL,
+        faults: BatteryFault::SPIKES | BatteryFault(0x8000),
+        temperature: f32::NAN,
+        ..BatteryStatus::default()
+    };
+    defmt::println!("{} {} {}", battery.warning, battery.faults, BatteryWarning(200));
+    defmt::println!("{}", battery);
+    defmt::println!("{} {} {}", ErrorCode::LOWBAT_FATAL, ErrorCode(0x1_0042), Severity::Fatal);
+}
