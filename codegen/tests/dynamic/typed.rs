@@ -78,12 +78,8 @@ macro_rules! message {
         impl Message for $type {
             const PACKAGE: &'static str = "demo";
             const NAME: &'static str = stringify!($type);
-            const TOPICS: &'static [&'static str] = &[];
-            const VERSION: Option<u32> = None;
-            const QUEUE_LENGTH: u32 = 1;
             const HASH: u32 = 0;
             const TYPE_HASH: &'static str = "";
-            const CDR_SIZE: Option<usize> = None;
         }
     )*};
 }

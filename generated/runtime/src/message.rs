@@ -13,17 +13,17 @@ pub trait Message: Record + Clone + Default + PartialEq {
     /// Its name within the package.
     const NAME: &'static str;
     /// The uORB topics that carry it; the first is not always the default one.
-    const TOPICS: &'static [&'static str];
+    const TOPICS: &'static [&'static str] = &[];
     /// Version of its fields: `MESSAGE_VERSION`.
-    const VERSION: Option<u32>;
+    const VERSION: Option<u32> = None;
     /// How many messages a topic holds before the oldest is lost: `ORB_QUEUE_LENGTH`.
-    const QUEUE_LENGTH: u32;
+    const QUEUE_LENGTH: u32 = 1;
     /// PX4's hash of its fields.
     const HASH: u32;
     /// Its ROS type hash, `RIHS01_` and 64 hexadecimal digits.
     const TYPE_HASH: &'static str;
     /// Size in CDR with the encapsulation header, in bytes, where all values have the same.
-    const CDR_SIZE: Option<usize>;
+    const CDR_SIZE: Option<usize> = None;
     /// Reads a CDR payload in either byte order. A `bool` is true unless its byte is 0.
     ///
     /// Up to three bytes may follow, which fill the payload up to a multiple of four.

@@ -35,7 +35,6 @@ impl ::uavspec_runtime::Message for ArmingCheckRequest {
     const NAME: &'static str = "ArmingCheckRequest";
     const TOPICS: &'static [&'static str] = &["arming_check_request"];
     const VERSION: ::core::option::Option<u32> = ::core::option::Option::Some(1);
-    const QUEUE_LENGTH: u32 = 1;
     const HASH: u32 = 0x6e29cdcd;
     const TYPE_HASH: &'static str = "RIHS01_e4d6be7c8f4d5e08cd19e344ba59a76295dbcf71a6a29ed9efd44d6ea588a5eb";
     const CDR_SIZE: ::core::option::Option<usize> = ::core::option::Option::Some(20);

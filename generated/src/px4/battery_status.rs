@@ -189,8 +189,6 @@ impl ::uavspec_runtime::Message for BatteryStatus {
     const PACKAGE: &'static str = "px4";
     const NAME: &'static str = "BatteryStatus";
     const TOPICS: &'static [&'static str] = &["battery_status"];
-    const VERSION: ::core::option::Option<u32> = ::core::option::Option::None;
-    const QUEUE_LENGTH: u32 = 1;
     const HASH: u32 = 0xe2fc0296;
     const TYPE_HASH: &'static str = "RIHS01_ce63b675bae07df04e7f268a98d4a033cefe4732baf8d0918a152eb5870776bd";
     const CDR_SIZE: ::core::option::Option<usize> = ::core::option::Option::Some(180);

@@ -181,8 +181,6 @@ impl ::uavspec_runtime::Message for FailsafeFlags {
     const PACKAGE: &'static str = "px4";
     const NAME: &'static str = "FailsafeFlags";
     const TOPICS: &'static [&'static str] = &["failsafe_flags"];
-    const VERSION: ::core::option::Option<u32> = ::core::option::Option::None;
-    const QUEUE_LENGTH: u32 = 1;
     const HASH: u32 = 0xd9bc4415;
     const TYPE_HASH: &'static str = "RIHS01_076bb6c2cb4719ee8277a71317eee6d0dc1516aed797cc3709d208e9574f62a7";
     const CDR_SIZE: ::core::option::Option<usize> = ::core::option::Option::Some(89);

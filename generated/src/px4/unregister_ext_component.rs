@@ -45,7 +45,6 @@ impl ::uavspec_runtime::Message for UnregisterExtComponent {
     const NAME: &'static str = "UnregisterExtComponent";
     const TOPICS: &'static [&'static str] = &["unregister_ext_component"];
     const VERSION: ::core::option::Option<u32> = ::core::option::Option::Some(0);
-    const QUEUE_LENGTH: u32 = 1;
     const HASH: u32 = 0x58239ba9;
     const TYPE_HASH: &'static str = "RIHS01_93b673ec972cd7ee9dfb325f4dd7dbf7b3eb990af94b3a6467fc9278827ba099";
     const CDR_SIZE: ::core::option::Option<usize> = ::core::option::Option::Some(40);

@@ -96,12 +96,8 @@ macro_rules! message {
         impl uavspec_runtime::Message for $type {
             const PACKAGE: &'static str = "test";
             const NAME: &'static str = stringify!($type);
-            const TOPICS: &'static [&'static str] = &[];
-            const VERSION: Option<u32> = None;
-            const QUEUE_LENGTH: u32 = 1;
             const HASH: u32 = 0;
             const TYPE_HASH: &'static str = "";
-            const CDR_SIZE: Option<usize> = None;
         }
     )*};
 }

@@ -110,27 +110,40 @@ impl Parts<'_> {
         (!constants.is_empty()).then(|| quote!(impl #name { #(#constants)* }))
     }
 
+    /// What is known of the message; constants that have the default of the trait are left out.
     fn message_trait(&self) -> TokenStream {
         let Self { name, message, .. } = self;
         let package = &self.context.schema.package_of(message).name;
         let message_name = &message.name;
-        let topics = &message.topics;
+        let topics = (!message.topics.is_empty()).then(|| {
+            let topics = &message.topics;
+            quote!(const TOPICS: &'static [&'static str] = &[#(#topics),*];)
+        });
         let integer = |value: u64| types::integer(value.into());
-        let version = types::option(message.version.map(|version| integer(version.into())));
-        let queue_length = integer(message.queue_length.unwrap_or(1).into());
+        let version = message.version.map(|version| {
+            let version = integer(version.into());
+            quote!(const VERSION: ::core::option::Option<u32> = ::core::option::Option::Some(#version);)
+        });
+        let queue_length = message.queue_length.filter(|length| *length != 1).map(|length| {
+            let length = integer(length.into());
+            quote!(const QUEUE_LENGTH: u32 = #length;)
+        });
         let hash = hexadecimal(message.hash);
         let type_hash = &message.type_hash;
-        let cdr_size = types::option(message.cdr.is_fixed.then(|| integer(message.cdr.least)));
+        let cdr_size = message.cdr.is_fixed.then(|| {
+            let size = integer(message.cdr.least);
+            quote!(const CDR_SIZE: ::core::option::Option<usize> = ::core::option::Option::Some(#size);)
+        });
         quote! {
             impl ::uavspec_runtime::Message for #name {
                 const PACKAGE: &'static str = #package;
                 const NAME: &'static str = #message_name;
-                const TOPICS: &'static [&'static str] = &[#(#topics),*];
-                const VERSION: ::core::option::Option<u32> = #version;
-                const QUEUE_LENGTH: u32 = #queue_length;
+                #topics
+                #version
+                #queue_length
                 const HASH: u32 = #hash;
                 const TYPE_HASH: &'static str = #type_hash;
-                const CDR_SIZE: ::core::option::Option<usize> = #cdr_size;
+                #cdr_size
             }
         }
     }
