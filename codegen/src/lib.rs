@@ -22,8 +22,8 @@
 //!   holds masks in both cases.
 //! - ROS 2 refuses names that break its style, so they are errors there; PX4 takes them, so they are
 //!   warnings. Literals that only one of the two worlds reads are warnings too.
-//! - Generated types describe themselves to the runtime (`uorb_message!`, `json_record!`) instead of
-//!   deriving serde's traits: that is less to generate, to read and to compile.
+//! - Generated types describe themselves to the runtime once (`record!`), and all codecs, checks and
+//!   strategies work from that: less to generate, to read and to compile than derives.
 //! - Where the reference tools are mistaken, `tests/edge.rs` lists the deviation with its reason, and
 //!   fails when one of them is none any more.
 //! - A vector's JSON and its verdict come from the model, its bytes from [`dynamic`]; ids say what is tried,

@@ -282,7 +282,7 @@ fn least(field: &Field, plans: &[Plan]) -> usize {
 fn is_restricted(field: &Field, plans: &[Plan]) -> bool {
     field.bound().is_some()
         || match field.element {
-            Element::Scalar(scalar) => field.restriction.is_some() || scalar.is_float(),
+            Element::Scalar(_) => field.restriction.is_some(),
             Element::String(bounds) => bounds.bound.is_some(),
             Element::Text(_) => true,
             Element::Message(plan) => plans[plan].is_restricted,

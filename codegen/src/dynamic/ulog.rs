@@ -12,7 +12,7 @@ use super::Types;
 use super::compile::{Draft, Placement, compile};
 use super::error::Defect;
 use super::plan::{Element, Field};
-use crate::schema::{Restriction, Shape};
+use crate::schema::Shape;
 
 /// The package of all types of a log.
 pub const ULOG_PACKAGE: &str = "ulog";
@@ -196,8 +196,7 @@ fn read_field(part: &str, plans: &BTreeMap<&str, usize>) -> Result<Field, Format
         (element, Some(length)) => (element, Shape::Array(length)),
         (element, None) => (element, Shape::Single),
     };
-    let is_float = matches!(element, Element::Scalar(scalar) if scalar.is_float());
-    Ok(Field { restriction: is_float.then(any_float), ..Field::new(name, element, shape) })
+    Ok(Field::new(name, element, shape))
 }
 
 fn array_length(text: &str) -> Result<u32, FormatProblem> {
@@ -222,17 +221,4 @@ fn basic(name: &str) -> Option<Scalar> {
         "char" => Scalar::Char,
         _ => return None,
     })
-}
-
-/// A format says nothing of NaN, so it may stand anywhere.
-fn any_float() -> Restriction {
-    Restriction {
-        low: None,
-        high: None,
-        special: Vec::new(),
-        count: None,
-        known: None,
-        is_flags: false,
-        allows_nan: true,
-    }
 }

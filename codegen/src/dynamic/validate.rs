@@ -19,7 +19,7 @@ pub struct Violation<'t> {
     pub path: String,
     /// The value: of a sequence or string its length, of text how many of its bytes are UTF-8.
     pub found: Number,
-    /// What was expected of a number; no more than the rule says of all else.
+    /// What the numbers of the field may be, where its type doesn't say all.
     pub constraint: Option<Constraint<'t>>,
     /// The bound of a sequence or string.
     pub bound: Option<u32>,

@@ -20,8 +20,8 @@ pub struct Restriction {
     pub known: Option<Vec<i128>>,
     /// Whether values are made of the documented ones bit by bit.
     pub is_flags: bool,
-    /// Whether NaN has a meaning.
-    pub allows_nan: bool,
+    /// Whether NaN has no meaning.
+    pub forbids_nan: bool,
 }
 
 impl Restriction {
@@ -35,7 +35,7 @@ impl Restriction {
             known: self.known.as_deref(),
             names: &[],
             is_flags: self.is_flags,
-            allows_nan: self.allows_nan,
+            forbids_nan: self.forbids_nan,
         }
     }
 }
@@ -64,7 +64,7 @@ impl Schema {
             }),
             known: enumeration.map(|found| found.members.iter().map(|member| member.value).collect()),
             is_flags: enumeration.is_some_and(|found| found.is_flags),
-            allows_nan: scalar.is_float() && allows_nan(message, field, dialect),
+            forbids_nan: scalar.is_float() && forbids_nan(message, field, dialect),
         };
         let special = [&field.invalid, &field.uncontrolled].into_iter().filter_map(|special| {
             let value = held(special.as_ref()?.value.as_ref()?, scalar)?;
@@ -76,20 +76,23 @@ impl Schema {
     }
 }
 
-/// Whether NaN has a meaning in a field of floats: by an annotation, or by what is said of the field, of
-/// its group or of the whole message. ROS 2 leaves NaN to whoever uses a message.
-fn allows_nan(message: &Message, field: &Field, dialect: Dialect) -> bool {
-    let is_nan = |special: &Option<Special>| {
-        special.as_ref().is_some_and(|special| {
-            matches!(special.value, Some(Value::Float(value)) if value.is_nan()) || says_nan(&special.text)
-        })
+/// Whether NaN has no meaning in a field of floats: so where the definition restricts the field, by a range
+/// or by another value that says that there is no data, and neither the annotations nor what is said of the
+/// field, of its group or of the whole message speak of NaN.
+///
+/// Of a field that isn't restricted nothing follows: healthy logs hold NaN in many such. ROS 2 leaves NaN to
+/// whoever uses a message.
+fn forbids_nan(message: &Message, field: &Field, dialect: Dialect) -> bool {
+    let specials = [&field.invalid, &field.uncontrolled];
+    let is_restricted = field.range.is_some() || specials.iter().any(|special| special.is_some());
+    let is_nan = |special: &Special| {
+        matches!(special.value, Some(Value::Float(value)) if value.is_nan()) || says_nan(&special.text)
     };
     let group = field.group.and_then(|group| message.groups.get(group));
-    dialect == Dialect::Ros2
-        || is_nan(&field.invalid)
-        || is_nan(&field.uncontrolled)
+    let has_meaning = specials.into_iter().flatten().any(is_nan)
         || says_nan(&field.description)
-        || group.into_iter().chain([&message.docs]).any(|docs| says_nan(&docs.text()))
+        || group.into_iter().chain([&message.docs]).any(|docs| says_nan(&docs.text()));
+    dialect == Dialect::Px4 && is_restricted && !has_meaning
 }
 
 /// Whether a text speaks of NaN.

@@ -63,7 +63,7 @@ record! {
     1 text: String = string("text", 0);
     2 numbers: Vec<u16> = uint16("numbers", 0).sequence();
     3 leaves: Vec<Leaf> = message::<Leaf>("leaves", 0).bounded(2);
-    4 reals: Vec<f64> = float64("reals", 0).sequence().within(&Constraint::NAN);
+    4 reals: Vec<f64> = float64("reals", 0).sequence();
     5 nothing: [Empty; 2] = message::<Empty>("nothing", 0).array(2);
     6 more: Vec<Empty> = message::<Empty>("more", 0).sequence();
     7 names: [String; 2] = string("names", 0).at_most(4).array(2);

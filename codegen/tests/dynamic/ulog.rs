@@ -6,7 +6,7 @@ use std::fs;
 use serde_json::Value as Json;
 use uavspec_codegen::dynamic::{Defect, DynamicView, FormatProblem, MessageType, Types, ULOG_PACKAGE, Value};
 
-use crate::support::{files_below, shared};
+use crate::support::{files_below, px4, shared};
 
 #[test]
 fn all_values_of_real_logs_are_those_of_another_tool() {
@@ -19,6 +19,48 @@ fn all_values_of_real_logs_are_those_of_another_tool() {
         checked += check_log(&fs::read(&path).expect("a log"), &oracle);
     }
     assert_eq!(checked, 15 + 70 + 96);
+}
+
+/// Healthy logs hold to the definitions of all releases, in the fields that these share: what is found is
+/// what is known to be odd, and nothing else.
+#[test]
+fn values_of_real_logs_break_no_rule_but_where_it_is_known() {
+    let (Some(logs), Some(corpus)) = (shared("corpus/ulog"), shared("corpus/px4")) else { return };
+    let schemas = ["main", "1.16", "1.15"].map(|release| px4(&corpus.join(release).join("msg")).1);
+    let mut checked = 0;
+    let mut found: BTreeMap<String, usize> = BTreeMap::new();
+    for path in files_below(&logs, &["ulg"]) {
+        let bytes = fs::read(&path).expect("a log");
+        let log = Log::read(&bytes);
+        let (types, _) = Types::from_ulog_formats(log.formats.iter().copied());
+        for ((topic, _), records) in &log.records {
+            let Some(of) = types.find(ULOG_PACKAGE, topic) else { continue };
+            for schema in &schemas {
+                let Some(message) = schema.messages.iter().find(|message| message.topics.contains(topic))
+                else {
+                    continue;
+                };
+                for record in records {
+                    let view = of.view_uorb(record).expect("a message");
+                    let numbers =
+                        flat(view).into_iter().filter_map(|(path, value)| Some((path, value.number()?)));
+                    for (path, number) in numbers {
+                        let name = path.split(['[', '.']).next().unwrap_or_default();
+                        let Some(field) = message.fields.iter().find(|field| field.name == name) else {
+                            continue;
+                        };
+                        let Some(restriction) = schema.restriction(message, field) else { continue };
+                        checked += 1;
+                        if let Some(rule) = restriction.constraint().broken_by(number) {
+                            *found.entry(format!("{topic}.{name} {rule}")).or_default() += 1;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(checked > 1_000, "{checked} values have a restriction in a release");
+    assert_eq!(found, BTreeMap::from([("battery_status.max_error PX-RANGE-01".to_owned(), 94)]));
 }
 
 /// Checks all topics of a log, and counts them.

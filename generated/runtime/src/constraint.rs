@@ -3,8 +3,9 @@
 use core::cmp::Ordering;
 use core::fmt;
 
-/// A number of a definition or of a field. Integers of 64 bits, signed and unsigned, are exact.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A number of a definition or of a field. Integers of 64 bits, signed and unsigned, are exact; NaN is
+/// equal to NaN.
+#[derive(Clone, Copy, Debug)]
 pub enum Number {
     /// Of an integer type, or a `bool` as 0 or 1.
     Int(i128),
@@ -25,10 +26,11 @@ impl Number {
             Self::Float(value) => value,
         }
     }
+}
 
-    /// Whether both are the same value; NaN is NaN.
-    pub fn is_same(self, other: Self) -> bool {
-        self.partial_cmp(&other) == Some(Ordering::Equal) || self.is_nan() && other.is_nan()
+impl PartialEq for Number {
+    fn eq(&self, other: &Self) -> bool {
+        self.partial_cmp(other) == Some(Ordering::Equal)
     }
 }
 
@@ -36,6 +38,7 @@ impl PartialOrd for Number {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         match (self, other) {
             (Self::Int(left), Self::Int(right)) => Some(left.cmp(right)),
+            _ if self.is_nan() && other.is_nan() => Some(Ordering::Equal),
             _ => self.as_f64().partial_cmp(&other.as_f64()),
         }
     }
@@ -69,12 +72,12 @@ pub struct Constraint<'k> {
     pub names: &'k [&'k str],
     /// Whether values are made of the `known` ones bit by bit (`@flags`).
     pub is_flags: bool,
-    /// Whether NaN has a meaning.
-    pub allows_nan: bool,
+    /// Whether NaN has no meaning. Of a float that the definition doesn't restrict at all, nobody knows.
+    pub forbids_nan: bool,
 }
 
 impl Constraint<'_> {
-    /// Any value that the type holds; of a float, any but NaN.
+    /// Any value that the type holds.
     pub const NONE: Self = Self {
         low: None,
         high: None,
@@ -83,19 +86,17 @@ impl Constraint<'_> {
         known: None,
         names: &[],
         is_flags: false,
-        allows_nan: false,
+        forbids_nan: false,
     };
 
-    /// Any value that the type holds.
-    pub const NAN: Self = Self { allows_nan: true, ..Self::NONE };
-
-    /// The rule that `value` breaks, if it does.
+    /// The rule that `value` breaks, if it does: the first of count, range and documented values. What lies
+    /// out of range isn't asked for its name too.
     pub fn broken_by(&self, value: Number) -> Option<Rule> {
-        if self.special.iter().any(|special| special.is_same(value)) {
+        if self.special.contains(&value) {
             return None;
         }
         if value.is_nan() {
-            return (!self.allows_nan).then_some(Rule::Nan);
+            return self.forbids_nan.then_some(Rule::Nan);
         }
         if self.count.is_some_and(|length| value > Number::Int(length.into())) {
             return Some(Rule::Count);
@@ -104,29 +105,6 @@ impl Constraint<'_> {
             return Some(Rule::Range);
         }
         (!self.is_documented(value)).then_some(Rule::Enum)
-    }
-
-    /// Writes what `value`, which breaks `rule`, should have been.
-    pub fn explain(&self, rule: Rule, value: Number, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match rule {
-            Rule::Count => {
-                write!(formatter, "{value} entries in use of an array of {}", self.count.unwrap_or_default())
-            }
-            Rule::Range => {
-                write!(formatter, "{value} is out of range")?;
-                match (self.low, self.high) {
-                    (Some(low), Some(high)) => write!(formatter, ", {low} to {high}"),
-                    (Some(low), None) => write!(formatter, ", {low} or more"),
-                    (None, Some(high)) => write!(formatter, ", at most {high}"),
-                    (None, None) => Ok(()),
-                }
-            }
-            Rule::Enum if self.is_flags => write!(formatter, "{value} has bits that are not documented"),
-            Rule::Enum => write!(formatter, "{value} is not a documented value"),
-            Rule::Nan => formatter.write_str("NaN, which has no meaning here"),
-            Rule::Bound => write!(formatter, "{value} is over the bound"),
-            Rule::Text => formatter.write_str("not UTF-8"),
-        }
     }
 
     fn is_documented(&self, value: Number) -> bool {
@@ -153,7 +131,7 @@ pub enum Rule {
     Enum,
     /// A value lies in its `@range`, unless it is the `@invalid` one.
     Range,
-    /// NaN stands only where the definition gives it a meaning.
+    /// NaN doesn't stand in a field that the definition restricts without a word of NaN.
     Nan,
 }
 
@@ -182,12 +160,27 @@ impl Rule {
         bound: Option<u32>,
         formatter: &mut fmt::Formatter<'_>,
     ) -> fmt::Result {
-        match (constraint, bound) {
-            (Some(constraint), _) => constraint.explain(self, found, formatter)?,
-            (None, Some(bound)) => write!(formatter, "{found} elements or characters where {bound} fit")?,
-            (None, None) if self == Self::Text => write!(formatter, "no UTF-8 from byte {found} on")?,
-            (None, None) => Constraint::NONE.explain(self, found, formatter)?,
-        }
+        let Constraint { low, high, count, is_flags, .. } = *constraint.unwrap_or(&Constraint::NONE);
+        match self {
+            Self::Count => {
+                let length = count.unwrap_or_default();
+                write!(formatter, "{found} entries in use of an array of {length}")
+            }
+            Self::Bound => {
+                write!(formatter, "{found} elements or characters where {} fit", bound.unwrap_or_default())
+            }
+            Self::Text => write!(formatter, "no UTF-8 from byte {found} on"),
+            Self::Enum if is_flags => write!(formatter, "{found} has bits that are not documented"),
+            Self::Enum => write!(formatter, "{found} is not a documented value"),
+            Self::Range => match (low, high) {
+                (Some(low), Some(high)) => write!(formatter, "{found} is out of range, {low} to {high}"),
+                (Some(low), None) => write!(formatter, "{found} is out of range, {low} or more"),
+                (None, high) => {
+                    write!(formatter, "{found} is out of range, at most {}", high.unwrap_or(found))
+                }
+            },
+            Self::Nan => formatter.write_str("NaN, which has no meaning here"),
+        }?;
         write!(formatter, " ({})", self.id())
     }
 }

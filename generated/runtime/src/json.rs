@@ -2,7 +2,9 @@
 //!
 //! A message is an object with each of its fields, in declared order; NaN is `null`, and infinity,
 //! which JSON has no word for, is an error that names the field. PX4's `char[N]` is a string. Reading
-//! takes the fields in any order and refuses missing, repeated and unknown ones.
+//! takes the fields in any order and refuses missing, repeated and unknown ones. Integers are written
+//! without a fraction, and read so: `1.0` is refused, which JSON Schema takes for the integer 1. Sequences
+//! and strings beyond their bounds are read, for [`validate`](crate::Message::validate) to find.
 //!
 //! Fields go out as they do for every format, each as a [`Field`]; reading takes them in any order, by
 //! [`Fields`]. That is far less code than serde's own derive makes, so it compiles faster; and as the

@@ -50,7 +50,9 @@ pub trait Message: Record + Clone + Default + PartialEq {
         Ok(payload)
     }
 
-    /// Everything in it that breaks a rule of its definition.
+    /// Everything in it that breaks a rule of its definition, one rule a value.
+    ///
+    /// A default message may break some, where 0 is no value that a field may have.
     #[cfg(feature = "alloc")]
     fn validate(&self) -> alloc::vec::Vec<Violation> {
         let mut violations = alloc::vec::Vec::new();

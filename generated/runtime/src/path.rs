@@ -9,7 +9,7 @@ const DEPTH: usize = 8;
 
 /// The way from a message to a value in it. Shown as `events[2].id`; the name of the message where it
 /// is the message itself.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy)]
 pub struct Path {
     message: &'static MessageDescriptor,
     /// From the outermost field inwards.
@@ -35,7 +35,22 @@ impl Default for Path {
     }
 }
 
+/// Equal are ways through messages of one name by the same fields and elements.
+impl PartialEq for Path {
+    fn eq(&self, other: &Self) -> bool {
+        self.message.name == other.message.name
+            && self.element == other.element
+            && self.len == other.len
+            && self.steps() == other.steps()
+    }
+}
+
 impl Path {
+    /// The steps so far; behind them may be those of a way that was left.
+    fn steps(&self) -> &[Step] {
+        &self.steps[..usize::from(self.len).min(DEPTH)]
+    }
+
     /// The way to the message itself.
     pub(crate) const fn to(message: &'static MessageDescriptor) -> Self {
         Self { message, steps: [Step { field: 0, element: NONE }; DEPTH], len: 0, element: NONE }
@@ -86,7 +101,7 @@ impl fmt::Display for Path {
             return formatter.write_str(self.message.name);
         }
         let mut message = self.message;
-        for (depth, step) in self.steps.iter().take(self.len.into()).enumerate() {
+        for (depth, step) in self.steps().iter().enumerate() {
             let Some(field) = message.fields.get(usize::from(step.field)) else { break };
             let dot = if depth == 0 { "" } else { "." };
             write!(formatter, "{dot}{}", field.name)?;

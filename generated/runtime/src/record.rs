@@ -132,10 +132,12 @@ pub trait Value: Sized + crate::JsonField {
     ) -> alloc::vec::Vec<Self> {
         let mut values = alloc::vec::Vec::new();
         for index in 0..length {
-            values.push(element(source, index, field));
+            let value = element(source, index, field);
+            // A value that isn't there takes no room.
             if source.has_failed() {
                 break;
             }
+            values.push(value);
         }
         values
     }

@@ -15,7 +15,7 @@ pub struct Violation {
     pub path: Path,
     /// The value: of a sequence or string its length, of text how many of its bytes are UTF-8.
     pub found: Number,
-    /// What was expected of a number; no more than the rule says of all else.
+    /// What the numbers of the field may be, where its type doesn't say all.
     pub constraint: Option<&'static Constraint<'static>>,
     /// The bound of a sequence or string.
     pub bound: Option<u32>,
@@ -113,9 +113,7 @@ impl FieldDescriptor {
     #[inline]
     const fn is_restricted(&self) -> bool {
         match self.element {
-            Element::Scalar(scalar) => {
-                self.constraint.is_some() || scalar.is_float() || matches!(self.shape, Shape::Bounded(_))
-            }
+            Element::Scalar(_) => self.constraint.is_some() || matches!(self.shape, Shape::Bounded(_)),
             Element::String { bound, .. } => bound.is_some() || matches!(self.shape, Shape::Bounded(_)),
             Element::Text | Element::Message(_) => true,
         }

@@ -8,7 +8,7 @@ use quote::quote;
 use super::identifier::{Scope, ident, snake_case, upper_case};
 use super::{Context, documentation, enumeration, types};
 use crate::emit::prose;
-use uavspec_runtime::{Constraint, Number, Scalar};
+use uavspec_runtime::{Number, Scalar};
 
 use crate::schema::{Dialect, Element, Field, Message, MessageId, Restriction, Shape, Special};
 use crate::unit;
@@ -214,9 +214,6 @@ impl Parts<'_> {
     }
 
     fn restriction(&self, field: &Field, restriction: &Restriction) -> TokenStream {
-        if restriction.constraint() == Constraint::NAN {
-            return quote!(&Constraint::NAN);
-        }
         let low = restriction.low.map(|low| {
             let low = number(low);
             quote!(.from(#low))
@@ -237,7 +234,7 @@ impl Parts<'_> {
             let path = types::enumeration(self.context, self.id, reference);
             if restriction.is_flags { quote!(.flags::<#path>()) } else { quote!(.values::<#path>()) }
         });
-        let nan = restriction.allows_nan.then(|| quote!(.nan()));
+        let nan = restriction.forbids_nan.then(|| quote!(.not_nan()));
         quote!(&number() #low #high #special #count #known #nan)
     }
 

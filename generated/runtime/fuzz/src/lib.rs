@@ -52,7 +52,7 @@ uavspec_runtime::record! {
     0 flag: bool = bool("flag", 0);
     1 name: String = string("name", 0).at_most(5);
     2 wide: String = wstring("wide", 0);
-    3 numbers: Vec<f64> = float64("numbers", 0).sequence().within(&Constraint::NAN);
+    3 numbers: Vec<f64> = float64("numbers", 0).sequence();
     4 few: Vec<u16> = uint16("few", 0).bounded(3);
     5 points: Vec<Point> = message::<Point>("points", 0).sequence();
     6 pair: [Point; 2] = message::<Point>("pair", 0).array(2);

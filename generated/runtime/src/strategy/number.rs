@@ -55,7 +55,7 @@ impl Leaf {
         let mut values = fault::values(scalar, constraint, rule);
         if random.once_in(2) {
             // Far from the neighbours too, where chance finds such a number.
-            let whole = Allowed { scalar, constraint: &Constraint::NAN };
+            let whole = Allowed { scalar, constraint: &Constraint::NONE };
             let far = whole.draw(random).filter(|value| constraint.broken_by(*value) == Some(rule));
             values.extend(far);
         } else {
@@ -168,7 +168,7 @@ impl Allowed<'_> {
 
     /// A value that means that there is no data, if JSON can carry it.
     fn special(self, random: &mut Random) -> Option<Number> {
-        let nan = (self.constraint.allows_nan && self.scalar.is_float()).then_some(Number::Float(f64::NAN));
+        let nan = (!self.constraint.forbids_nan && self.scalar.is_float()).then_some(Number::Float(f64::NAN));
         let values: Vec<Number> =
             self.constraint.special.iter().filter_map(|value| self.held(*value)).chain(nan).collect();
         random.pick(&values).copied()
