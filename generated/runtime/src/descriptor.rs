@@ -19,17 +19,6 @@ impl MessageDescriptor {
     /// No message: what stands where none is known yet.
     pub(crate) const NONE: Self = Self { name: "", fields: &[], size: None };
 
-    /// The least number of bytes that it takes in CDR, alignment left out.
-    pub(crate) const fn least_size(&self) -> usize {
-        let mut size: usize = 0;
-        let mut index = 0;
-        while index < self.fields.len() {
-            size = size.saturating_add(self.fields[index].least_size());
-            index += 1;
-        }
-        if self.fields.is_empty() { 1 } else { size }
-    }
-
     /// Its size in memory without the padding at its end; 0 where that varies.
     pub const fn no_padding(&self) -> usize {
         match self.size {
@@ -121,23 +110,6 @@ impl Shape {
 }
 
 impl FieldDescriptor {
-    /// The least number of bytes that it takes in CDR, alignment left out.
-    const fn least_size(&self) -> usize {
-        /// The length before a sequence or string.
-        const LENGTH: usize = 4;
-        let element = match self.element {
-            Element::Scalar(scalar) => scalar.size(),
-            Element::Text => 1,
-            Element::String { .. } => LENGTH,
-            Element::Message(nested) => nested.least_size(),
-        };
-        match self.shape {
-            Shape::Single => element,
-            Shape::Array(length) => element.saturating_mul(length as usize),
-            Shape::Bounded(_) | Shape::Sequence => LENGTH,
-        }
-    }
-
     /// An array of `length` elements.
     #[must_use]
     pub const fn array(mut self, length: u32) -> Self {
