@@ -141,6 +141,11 @@ fn find_end(
     end: usize,
     path: &mut Path,
 ) -> Option<(Fault, usize)> {
+    if message.fields.is_empty() {
+        // A byte stands for a message without fields.
+        *at += 1;
+        return (*at > end).then_some((Fault::Truncated { needed: 1, left: 0 }, end));
+    }
     for (index, field) in message.fields.iter().enumerate() {
         let count = if let Shape::Array(length) = field.shape { length as usize } else { 1 };
         let found = match field.element {
