@@ -194,6 +194,31 @@ fn sizes_are_told() {
     assert_eq!(error.to_string(), "Leaf: expected a message of fixed size, found strings or sequences in it");
 }
 
+/// In words and places that the typed codec has too.
+#[test]
+fn faults_in_messages_of_fixed_size_are_told_by_path_and_byte() {
+    let files = [
+        ("Hollow.msg", "Empty e\nuint8 x\n"),
+        ("Empty.msg", ""),
+        ("Out.msg", "In[2] ins\nbool last\n"),
+        ("In.msg", "uint16 x\nbool[3] flags\n"),
+    ];
+    let (_, schema, _) = support::texts(ROS2, &files);
+    let types = Types::new(&schema);
+    let of = types.find("demo", "Hollow").expect("the type");
+    for (end, expected) in [(4, "e at byte 4"), (5, "x at byte 5")] {
+        let error = of.decode_cdr(&[0, 1, 0, 0, 0, 0][..end]).expect_err("too short");
+        assert_eq!(error.to_string(), format!("{expected}: expected 1 more bytes, found 0"));
+    }
+    let of = types.find("demo", "Out").expect("the type");
+    for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
+        let mut payload = of.default().encode_cdr(order).expect("a payload");
+        payload[14..].fill(9);
+        let error = of.decode_cdr_strict(&payload).expect_err("odd");
+        assert_eq!(error.to_string(), "ins[1].flags[2] at byte 14: expected a bool of 0 or 1, found 9");
+    }
+}
+
 #[test]
 fn json_that_does_not_fit_is_refused_by_path() {
     let schema = schema();

@@ -5,6 +5,8 @@ use std::fs;
 use serde_json::Value as Json;
 use uavspec_codegen::Schema;
 use uavspec_codegen::dynamic::{MessageType, Types};
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::Form;
 use uavspec_runtime::cdr::ByteOrder;
 
 use crate::support::{self, shared};
@@ -25,6 +27,34 @@ fn cdr_of_ros2_is_that_of_other_tools() {
     };
     let (_, schema, _) = support::ros2(&folder);
     assert_eq!(check(&schema, &fs::read_to_string(oracle).expect("an oracle")), 282);
+}
+
+/// No corpus has a `wstring`: the bytes that `rosidl_typesupport_fastrtps` writes, put together by hand.
+#[test]
+fn wide_strings_are_those_of_ros2() {
+    let (_, schema, _) =
+        support::texts(Form::Msg(Dialect::Ros2), &[("Label.msg", "uint8 tag\nwstring wide\n")]);
+    let types = Types::new(&schema);
+    let of = types.find("demo", "Label").expect("the type");
+    let text = r#"{"tag":7,"wide":"a🚁"}"#;
+    for (order, hex) in [
+        (ByteOrder::LittleEndian, "00010000 07000000 03000000 61000000 3dd80000 81de0000"),
+        (ByteOrder::BigEndian, "00000000 07000000 00000003 00000061 0000d83d 0000de81"),
+    ] {
+        let payload = bytes(&hex.replace(' ', ""));
+        let message = of.from_json_text(text).expect("a message");
+        assert_eq!(message.encode_cdr(order).as_deref(), Ok(&*payload));
+        let message = of.decode_cdr(&payload).expect("a message");
+        assert_eq!(message.view().to_json_text().as_deref(), Ok(text));
+        // With a bit turned it is text only where each unit keeps to 16 bits, and both halves to their pair.
+        for at in 12..payload.len() {
+            let mut payload = payload.clone();
+            payload[at] ^= 0x80;
+            let is_text = matches!(order, ByteOrder::LittleEndian) && [12, 13, 16, 20].contains(&at)
+                || matches!(order, ByteOrder::BigEndian) && [14, 15, 19, 23].contains(&at);
+            assert_eq!(of.decode_cdr(&payload).is_ok(), is_text, "{at}");
+        }
+    }
 }
 
 /// Checks all cases of an oracle, and counts them.

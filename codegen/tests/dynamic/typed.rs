@@ -8,7 +8,7 @@ use uavspec::px4::{
     RegisterExtComponentRequest, UnregisterExtComponent,
 };
 use uavspec_codegen::Schema;
-use uavspec_codegen::dynamic::{MessageType, Types};
+use uavspec_codegen::dynamic::{DynamicView, MessageType, Types};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::Form;
 use uavspec_runtime::cdr::ByteOrder;
@@ -229,6 +229,39 @@ fn agree<T: UorbMessage + Serialize + DeserializeOwned>(
     let text = json.to_string();
     agree_on_json::<T>(of, &text)?;
     agree_on_json::<T>(of, &spoil_text(&text, &mut draw))
+}
+
+/// What is read from `payload` is `json`, wherever it lies: eight places have all alignments among them.
+fn check_places(payload: &[u8], json: &str, read: impl Fn(&[u8]) -> String) {
+    for by in 0..8 {
+        let buffer = [&[0xaa; 8][..by], payload].concat();
+        assert_eq!(read(&buffer[by..]), json, "{by} bytes before");
+    }
+}
+
+#[test]
+fn a_payload_is_read_the_same_wherever_it_lies() {
+    let text = |message: DynamicView<'_>| message.to_json_text().expect("JSON");
+    for schema in [px4(), trees()] {
+        let types = Types::new(&schema);
+        for (of, message) in types.iter().zip(&schema.messages) {
+            let value = of.from_json(&Draw(3).message(&schema, message)).expect("a message");
+            let json = text(value.view());
+            for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
+                let payload = value.encode_cdr(order).expect("a payload");
+                check_places(&payload, &json, |bytes| text(of.decode_cdr(bytes).expect("a message").view()));
+                check_places(&payload, &json, |bytes| {
+                    text(of.decode_cdr_strict(bytes).expect("a message").view())
+                });
+            }
+            let Ok(payload) = value.encode_uorb() else { continue };
+            check_places(&payload, &json, |bytes| text(of.decode_uorb(bytes).expect("a message").view()));
+            check_places(&payload, &json, |bytes| text(of.view_uorb(bytes).expect("a message")));
+            check_places(&payload, &json, |bytes| {
+                text(of.decode_uorb_strict(bytes).expect("a message").view())
+            });
+        }
+    }
 }
 
 proptest! {

@@ -3,7 +3,11 @@
 //! A payload starts with four bytes that name the encoding; alignment counts from the byte after
 //! them, and each number is aligned to its size. Arrays of fixed length stand for themselves,
 //! sequences and strings after a `uint32` length, which for a string counts its NUL. A message
-//! without fields takes one byte. Wide strings are UTF-16 without a NUL, their length in code units.
+//! without fields takes one byte.
+//!
+//! Wide strings are UTF-16 without a NUL, their length in code units. Each unit is a `uint32`: so
+//! `rosidl_typesupport_fastrtps`, from which ROS 2 has its form, writes it for the sake of other
+//! implementations of DDS.
 
 use crate::descriptor::{Element, MessageDescriptor, Shape};
 use crate::error::{DecodeError, EncodeError, Fault};
@@ -13,6 +17,9 @@ use crate::{Message, Path};
 
 /// Bytes before the first member.
 pub const HEADER: usize = 4;
+
+/// Bytes that a code unit of a wide string takes.
+pub const WIDE_UNIT: usize = 4;
 
 /// The order of the bytes of a number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -47,6 +54,21 @@ impl ByteOrder {
 /// Whether as many bytes may follow a message that ends at `end`: transports fill up to multiples of 4.
 pub const fn is_filling(end: usize, left: usize) -> bool {
     end + left <= end.next_multiple_of(4)
+}
+
+/// The characters in the bytes of a wide string, and a fault in the place of the first that is none.
+pub fn wide_characters(bytes: &[u8], order: ByteOrder) -> impl Iterator<Item = Result<char, Fault>> {
+    let unit = move |bytes: &[u8]| {
+        u16::try_from(match order {
+            ByteOrder::LittleEndian => u32::read_le(bytes),
+            ByteOrder::BigEndian => u32::read_be(bytes),
+        })
+    };
+    let units = bytes.chunks_exact(WIDE_UNIT).map(unit);
+    // UTF-16 has no place for a number of more than 16 bits, so the text ends before it.
+    let end = units.clone().any(|unit| unit.is_err()).then_some(Err(Fault::NotUnicode));
+    let characters = char::decode_utf16(units.map_while(Result::ok));
+    characters.map(|character| character.map_err(|_| Fault::NotUnicode)).chain(end)
 }
 
 /// Reads a message; in strict mode each `bool` must be 0 or 1.
@@ -119,6 +141,11 @@ fn find_end(
     end: usize,
     path: &mut Path,
 ) -> Option<(Fault, usize)> {
+    if message.fields.is_empty() {
+        // A byte stands for a message without fields.
+        *at += 1;
+        return (*at > end).then_some((Fault::Truncated { needed: 1, left: 0 }, end));
+    }
     for (index, field) in message.fields.iter().enumerate() {
         let count = if let Shape::Array(length) = field.shape { length as usize } else { 1 };
         let found = match field.element {
@@ -272,11 +299,10 @@ impl<const BIG: bool, const STRICT: bool> Source for Reader<'_, BIG, STRICT> {
     #[cfg(feature = "alloc")]
     fn string(&mut self, is_wide: bool, bound: Option<u32>) -> alloc::string::String {
         let start = self.at;
-        let length = self.length(Shape::Sequence, if is_wide { 2 } else { 1 });
+        let length = self.length(Shape::Sequence, if is_wide { WIDE_UNIT } else { 1 });
         let text = if is_wide {
-            let bytes = self.take(length * 2, 1);
-            let units = bytes.chunks_exact(2).map(Packed::<BIG>::read::<u16>);
-            char::decode_utf16(units).collect::<Result<_, _>>().map_err(|_| Fault::NotUnicode)
+            let order = if BIG { ByteOrder::BigEndian } else { ByteOrder::LittleEndian };
+            wide_characters(self.take(length * WIDE_UNIT, 1), order).collect()
         } else {
             self.narrow_string(length)
         };
@@ -465,7 +491,7 @@ impl<const BIG: bool> Sink for Writer<'_, BIG> {
         if is_wide {
             self.length(text.encode_utf16().count(), Shape::Sequence);
             for unit in text.encode_utf16() {
-                self.scalar(unit);
+                self.scalar(u32::from(unit));
             }
         } else if text.as_bytes().contains(&0) {
             self.fail(Fault::Nul);

@@ -37,6 +37,8 @@ sample!(Sample {
 
 sample!(Point { tag: u8, label: String, x: u64 });
 
+sample!(Label { tag: u8, wide: String });
+
 sample!(Empty {});
 
 uavspec_runtime::record! {
@@ -58,6 +60,12 @@ uavspec_runtime::record! {
     0 tag: u8 = uint8("tag", 0);
     1 label: String = string("label", 0);
     2 x: u64 = uint64("x", 0);
+}
+
+uavspec_runtime::record! {
+    Label;
+    0 tag: u8 = uint8("tag", 0);
+    1 wide: String = wstring("wide", 0);
 }
 
 uavspec_runtime::record! {
@@ -144,17 +152,60 @@ proptest! {
     }
 }
 
+/// Most bytes that a byte of a payload makes the message hold. A vector has room for four elements as
+/// soon as it has one, and for less than twice as many as it has from then on; so the most comes from a
+/// list of a single string, of which CDR says in four bytes that its length is 0. A point takes at least
+/// 13 bytes. Numbers take as much room as in CDR, and text less than twice as much.
+const MOST_HELD: usize = {
+    let (string, point) = (4 * size_of::<String>() / 4, (4 * size_of::<Point>()).div_ceil(13));
+    if string > point { string } else { point }
+};
+
+/// Bytes that a message holds apart from its own.
+fn held(sample: &Sample) -> usize {
+    let labels = sample.points.iter().chain(&sample.pair).map(|point| &point.label);
+    let strings = [&sample.name, &sample.wide].into_iter().chain(&sample.names).chain(labels);
+    room(&sample.numbers)
+        + room(&sample.few)
+        + room(&sample.points)
+        + room(&sample.empties)
+        + room(&sample.names)
+        + strings.map(String::capacity).sum::<usize>()
+}
+
+/// Bytes that a vector has room for; those without size take none, of which it has any number.
+fn room<T>(values: &Vec<T>) -> usize {
+    values.capacity().saturating_mul(size_of::<T>())
+}
+
 /// A message that was read is written and read again; an error lies within the bytes.
 fn judge(bytes: &[u8]) {
     match Sample::from_cdr(bytes) {
         Ok(sample) => {
-            let held = sample.numbers.capacity() * 8 + sample.empties.len() + sample.points.len();
-            assert!(held <= 4 * bytes.len(), "{held} bytes for {}", bytes.len());
+            let held = held(&sample);
+            assert!(held <= MOST_HELD * bytes.len(), "{held} bytes for {}", bytes.len());
+            assert!(sample.empties.len() <= bytes.len());
             let again = sample.to_cdr(ByteOrder::LittleEndian).expect("it was read");
             let read = Sample::from_cdr(&again).expect("it was written");
             assert_eq!(read.to_cdr(ByteOrder::LittleEndian), Ok(again));
         }
         Err(error) => assert!(error.offset <= bytes.len(), "{error}"),
+    }
+}
+
+#[test]
+fn a_payload_is_read_and_written_the_same_wherever_it_lies() {
+    for order in ORDERS {
+        let bytes = payload(order);
+        let sample = Sample::from_cdr(&bytes).expect("a payload");
+        for by in 0..8 {
+            let mut buffer = [&[0xaa; 8][..by], &bytes].concat();
+            assert_eq!(Sample::from_cdr(&buffer[by..]).as_ref(), Ok(&sample));
+            assert_eq!(Sample::from_cdr_strict(&buffer[by..]).as_ref(), Ok(&sample));
+            buffer.fill(0xaa);
+            assert_eq!(sample.encode_cdr(order, &mut buffer[by..]), Ok(bytes.len()));
+            assert_eq!(buffer[by..], bytes);
+        }
     }
 }
 
@@ -169,7 +220,7 @@ fn every_cut_is_an_error_that_says_where() {
     }
     let bytes = payload(ByteOrder::LittleEndian);
     let error = Sample::from_cdr(&bytes[..bytes.len() - 1]).expect_err("too short");
-    assert_eq!(error.to_string(), "names[0] at byte 184: expected 3 more bytes, found 2");
+    assert_eq!(error.to_string(), "names[0] at byte 192: expected 3 more bytes, found 2");
 }
 
 #[test]
@@ -216,13 +267,39 @@ fn bounds_hold_both_ways() {
     assert_eq!(error.to_string(), "name at byte 8: expected at most 5, found 6");
 }
 
+/// The bytes that `rosidl_typesupport_fastrtps` writes, put together by hand.
+#[test]
+fn code_units_of_wide_strings_take_four_bytes() {
+    let label = Label { tag: 7, wide: "a\u{1F681}".to_owned() };
+    let little =
+        [[0, 1, 0, 0], [7, 0, 0, 0], [3, 0, 0, 0], [0x61, 0, 0, 0], [0x3d, 0xd8, 0, 0], [0x81, 0xde, 0, 0]];
+    let big =
+        [[0, 0, 0, 0], [7, 0, 0, 0], [0, 0, 0, 3], [0, 0, 0, 0x61], [0, 0, 0xd8, 0x3d], [0, 0, 0xde, 0x81]];
+    for (order, bytes) in ORDERS.into_iter().zip([little, big]) {
+        assert_eq!(label.to_cdr(order).as_deref(), Ok(bytes.as_flattened()));
+        assert_eq!(Label::from_cdr(bytes.as_flattened()).as_ref(), Ok(&label));
+    }
+    // The first half of a pair is no character, and three units are no four.
+    for (count, error) in [
+        (2, "wide at byte 8: expected a string in Unicode, found other bytes"),
+        (4, "wide at byte 12: expected 16 more bytes, found 12"),
+    ] {
+        let mut bytes = little;
+        bytes[2][0] = count;
+        assert_eq!(Label::from_cdr(bytes.as_flattened()).expect_err("no string").to_string(), error);
+    }
+}
+
 #[test]
 fn strings_that_are_none_are_refused() {
     let bytes = payload(ByteOrder::LittleEndian);
     for (at, byte, expected) in [
         (12, 0xff, "name at byte 8: expected a string in Unicode, found other bytes"),
         (13, 0, "name at byte 8: expected one NUL in a string, at its end"),
-        (31, 0xdc, "wide at byte 20: expected a string in Unicode, found other bytes"),
+        (29, 0xdc, "wide at byte 20: expected a string in Unicode, found other bytes"),
+        (33, 0xd8, "wide at byte 20: expected a string in Unicode, found other bytes"),
+        (26, 1, "wide at byte 20: expected a string in Unicode, found other bytes"),
+        (35, 1, "wide at byte 20: expected a string in Unicode, found other bytes"),
     ] {
         let mut bytes = bytes.clone();
         bytes[at] = byte;

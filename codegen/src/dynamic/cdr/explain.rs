@@ -3,7 +3,7 @@
 //! It reads field by field as the typed codec does, and so says the same.
 
 use uavspec_runtime::Fault;
-use uavspec_runtime::cdr::{ByteOrder, HEADER, is_filling};
+use uavspec_runtime::cdr::{ByteOrder, HEADER, WIDE_UNIT, is_filling, wide_characters};
 use uavspec_runtime::record::Primitive as _;
 
 use crate::dynamic::error::{Error, Reason};
@@ -140,8 +140,8 @@ impl<'b> Reader<'b> {
     fn string(&mut self, bounds: Bounds) -> Result<(), Found> {
         let start = self.at.next_multiple_of(4);
         let text = if bounds.is_wide {
-            let length = self.length(None, 2)?;
-            wide_length(self.take(length * 2, 1)?, self.order)
+            let length = self.length(None, WIDE_UNIT)?;
+            wide_length(self.take(length * WIDE_UNIT, 1)?, self.order)
         } else {
             let length = self.length(None, 1)?;
             narrow_length(self.take(length, 1)?)
@@ -166,10 +166,5 @@ fn narrow_length(bytes: &[u8]) -> Result<usize, Fault> {
 
 /// The same of a `wstring`.
 fn wide_length(bytes: &[u8], order: ByteOrder) -> Result<usize, Fault> {
-    let unit = |bytes: &[u8]| match order {
-        ByteOrder::LittleEndian => u16::read_le(bytes),
-        ByteOrder::BigEndian => u16::read_be(bytes),
-    };
-    let mut characters = char::decode_utf16(bytes.chunks_exact(2).map(unit));
-    characters.try_fold(0, |count, character| character.map(|_| count + 1).map_err(|_| Fault::NotUnicode))
+    wide_characters(bytes, order).try_fold(0, |count, character| character.map(|_| count + 1))
 }

@@ -1,6 +1,6 @@
 //! From CDR.
 
-use uavspec_runtime::cdr::{ByteOrder, HEADER, is_filling};
+use uavspec_runtime::cdr::{ByteOrder, HEADER, WIDE_UNIT, is_filling, wide_characters};
 
 use super::explain;
 use crate::dynamic::compile::GROWTH;
@@ -164,12 +164,11 @@ impl<'b, const BIG: bool> Reader<'b, BIG> {
         Some(())
     }
 
-    /// Text of as many 16-bit units.
+    /// Text of as many units of UTF-16.
     fn wide_text(&mut self, length: usize) -> Option<()> {
-        let bytes = self.take(length.checked_mul(2)?, Width::One)?;
-        let unit =
-            |bytes: &[u8; 2]| if BIG { u16::from_be_bytes(*bytes) } else { u16::from_le_bytes(*bytes) };
-        for character in char::decode_utf16(bytes.as_chunks().0.iter().map(unit)) {
+        let bytes = self.take(length.checked_mul(WIDE_UNIT)?, Width::One)?;
+        let order = if BIG { ByteOrder::BigEndian } else { ByteOrder::LittleEndian };
+        for character in wide_characters(bytes, order) {
             let character = character.ok()?;
             self.buffer.extend_from_slice(character.encode_utf8(&mut [0; 4]).as_bytes());
         }

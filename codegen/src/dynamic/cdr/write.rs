@@ -122,6 +122,7 @@ impl<const BIG: bool> Writer<'_, BIG> {
         if bounds.is_wide {
             self.length(text.encode_utf16().count())?;
             for unit in text.encode_utf16() {
+                let unit = u32::from(unit);
                 self.out.extend_from_slice(&if BIG { unit.to_be_bytes() } else { unit.to_le_bytes() });
             }
         } else {

@@ -54,8 +54,9 @@ pub(super) fn grown(before: &[u8], after: &[u8], size: usize, filler: u8) -> Opt
     let (head, rest) = after.split_at_checked(at)?;
     let (length, rest) = rest.split_first_chunk()?;
     let length = u32::from_le_bytes(*length).saturating_add(GROWTH);
-    let elements = vec![filler; size.saturating_mul(GROWTH as usize)];
-    Some([head, &length.to_le_bytes(), &elements, rest].concat())
+    let mut element = vec![0; size];
+    *element.first_mut()? = filler;
+    Some([head, &length.to_le_bytes(), &element.repeat(GROWTH as usize), rest].concat())
 }
 
 fn difference(before: &[u8], after: &[u8]) -> Option<usize> {

@@ -101,7 +101,7 @@ pub(super) enum Change {
     Growth {
         /// Bytes of an element.
         size: usize,
-        /// What all of them are.
+        /// The first byte of each; the others are zero, which makes it a number in little-endian order.
         filler: u8,
     },
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
+use uavspec_runtime::cdr::WIDE_UNIT;
 use uavspec_runtime::{Rule, Scalar};
 
 use super::case::{Change, Sample, Verdict, rule};
@@ -236,7 +237,7 @@ fn strings(is_wide: bool, bound: Option<u32>) -> Vec<Sample> {
         samples.push(Sample::new("multibyte", "characters of several bytes", json, Verdict::VALID));
     }
     if let Some(bound) = bound.filter(|bound| is_fillable(*bound, WIDE)) {
-        let growth = Change::Growth { size: if is_wide { 2 } else { 1 }, filler: b'a' };
+        let growth = Change::Growth { size: if is_wide { WIDE_UNIT } else { 1 }, filler: b'a' };
         samples
             .extend(bounded(bound, "\"\"", growth, |length| format!("\"{}\"", WIDE.repeat(length as usize))));
     }

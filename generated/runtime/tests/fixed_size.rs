@@ -1,0 +1,200 @@
+//! Messages of fixed size, in memory and in CDR, written here as the generator writes them.
+
+use uavspec_runtime::cdr::{ByteOrder, HEADER};
+use uavspec_runtime::{DecodeError, Fault, Message, UorbMessage};
+
+macro_rules! sample {
+    ($type:ident, $cdr:literal { $($field:ident: $field_type:ty),* }) => {
+        #[derive(Clone, Debug, Default, PartialEq)]
+        struct $type {
+            $($field: $field_type,)*
+        }
+
+        impl Message for $type {
+            const PACKAGE: &'static str = "samples";
+            const NAME: &'static str = stringify!($type);
+            const HASH: u32 = 0;
+            const TYPE_HASH: &'static str = "";
+            const CDR_SIZE: Option<usize> = Some($cdr);
+        }
+    };
+}
+
+sample!(Empty, 5 {});
+
+sample!(Hollow, 6 { e: Empty, x: u8 });
+
+sample!(Hollows, 12 { few: [Empty; 3], x: u16, last: Hollow });
+
+sample!(In, 9 { x: u16, flags: [bool; 3] });
+
+sample!(Out, 29 { time: u64, share: f32, last: bool, ins: [In; 2] });
+
+uavspec_runtime::record! {
+    In, InView, 8, 5;
+    0 x: u16 = uint16("x", 0);
+    1 flags: [bool; 3] = bool("flags", 2).array(3);
+}
+
+uavspec_runtime::record! {
+    Out, OutView, 32, 32;
+    0 time: u64 = uint64("time", 0);
+    1 share: f32 = float32("share", 8);
+    2 last: bool = bool("last", 12);
+    3 ins: [In; 2] = message::<In>("ins", 16).array(2);
+}
+
+uavspec_runtime::record! {
+    Empty;
+}
+
+uavspec_runtime::record! {
+    Hollow;
+    0 e: Empty = message::<Empty>("e", 0);
+    1 x: u8 = uint8("x", 0);
+}
+
+uavspec_runtime::record! {
+    Hollows;
+    0 few: [Empty; 3] = message::<Empty>("few", 0).array(3);
+    1 x: u16 = uint16("x", 0);
+    2 last: Hollow = message::<Hollow>("last", 0);
+}
+
+const ORDERS: [ByteOrder; 2] = [ByteOrder::LittleEndian, ByteOrder::BigEndian];
+
+/// The error of a payload of zeros that ends after each number of bytes, from the header on.
+fn cuts<T: Message + std::fmt::Debug>() -> Vec<String> {
+    let size = T::CDR_SIZE.expect("a fixed size");
+    let cut = |order: ByteOrder, end: usize| {
+        let payload = T::default().to_cdr(order).expect("a payload");
+        assert_eq!(payload.len(), size);
+        T::from_cdr(&payload[..end]).expect_err("too short").to_string()
+    };
+    let told = ORDERS.map(|order| (HEADER..size).map(|end| cut(order, end)).collect::<Vec<_>>());
+    assert_eq!(told[0], told[1]);
+    let [told, _] = told;
+    told
+}
+
+#[test]
+fn messages_without_fields_count_where_a_payload_ends_too_soon() {
+    assert_eq!(cuts::<Empty>(), ["Empty at byte 4: expected 1 more bytes, found 0"]);
+    assert_eq!(
+        cuts::<Hollow>(),
+        ["e at byte 4: expected 1 more bytes, found 0", "x at byte 5: expected 1 more bytes, found 0"]
+    );
+    assert_eq!(
+        cuts::<Hollows>(),
+        [
+            "few[0] at byte 4: expected 1 more bytes, found 0",
+            "few[1] at byte 5: expected 1 more bytes, found 0",
+            "few[2] at byte 6: expected 1 more bytes, found 0",
+            "x at byte 7: expected 2 more bytes, found 0",
+            "x at byte 8: expected 2 more bytes, found 0",
+            "x at byte 8: expected 2 more bytes, found 1",
+            "last.e at byte 10: expected 1 more bytes, found 0",
+            "last.x at byte 11: expected 1 more bytes, found 0",
+        ]
+    );
+}
+
+fn out() -> Out {
+    Out {
+        time: 0x0102_0304_0506_0708,
+        share: 0.3,
+        last: true,
+        ins: [In { x: 0x1112, flags: [true, false, true] }, In { x: 0x2122, flags: [false, true, true] }],
+    }
+}
+
+/// A payload where `by` bytes lie before it. All of eight such places have all alignments among them.
+fn shifted(payload: &[u8], by: usize) -> Vec<u8> {
+    [&[0xaa; 8][..by], payload].concat()
+}
+
+#[test]
+fn a_payload_is_read_and_written_the_same_wherever_it_lies() {
+    let out = out();
+    for by in 0..8 {
+        let buffer = shifted(&out.to_uorb(), by);
+        assert_eq!(Out::from_uorb(&buffer[by..]).as_ref(), Ok(&out));
+        assert_eq!(Out::from_uorb_strict(&buffer[by..]).as_ref(), Ok(&out));
+        check_view(&out, &buffer[by..]);
+        for order in ORDERS {
+            let payload = out.to_cdr(order).expect("a payload");
+            let mut buffer = shifted(&payload, by);
+            assert_eq!(Out::from_cdr(&buffer[by..]).as_ref(), Ok(&out));
+            assert_eq!(Out::from_cdr_strict(&buffer[by..]).as_ref(), Ok(&out));
+            buffer.fill(0xaa);
+            assert_eq!(out.encode_cdr(order, &mut buffer[by..]), Ok(payload.len()));
+            assert_eq!(buffer[by..], payload);
+        }
+    }
+}
+
+/// What a view of `payload` shows, field by field, is what `out` holds.
+#[allow(clippy::float_cmp)] // the same bits are what is asked
+fn check_view(out: &Out, payload: &[u8]) {
+    let view = Out::view(payload).expect("a payload");
+    assert_eq!((view.time(), view.share(), view.last()), (out.time, out.share, out.last));
+    assert_eq!(view.ins().len(), out.ins.len());
+    for (seen, held) in view.ins().iter().zip(&out.ins) {
+        assert_eq!(seen.x(), held.x);
+        assert!(seen.flags().iter().eq(held.flags));
+    }
+    assert_eq!(&Out::from_view(view), out);
+}
+
+/// Each `bool` by its path, and its byte in memory and in CDR.
+const BOOLS: [(&str, usize, usize); 7] = [
+    ("last", 12, 16),
+    ("ins[0].flags[0]", 18, 20),
+    ("ins[0].flags[1]", 19, 21),
+    ("ins[0].flags[2]", 20, 22),
+    ("ins[1].flags[0]", 26, 26),
+    ("ins[1].flags[1]", 27, 27),
+    ("ins[1].flags[2]", 28, 28),
+];
+
+/// A byte that is no `bool`, and tells where it lies.
+fn odd(at: usize) -> u8 {
+    2 + u8::try_from(at).expect("few bytes")
+}
+
+#[test]
+fn odd_bools_in_arrays_of_messages_are_told_by_path_and_byte() {
+    for (index, (path, in_memory, in_cdr)) in BOOLS.into_iter().enumerate() {
+        // Of several odd ones it is the first that is told.
+        let after = &BOOLS[index..];
+        let mut payload = out().to_uorb();
+        for (_, at, _) in after {
+            payload[*at] = odd(*at);
+        }
+        check_odd(Out::from_uorb_strict(&payload), path, in_memory);
+        check_true(&Out::from_uorb(&payload), after);
+        for order in ORDERS {
+            let mut payload = out().to_cdr(order).expect("a payload");
+            for (_, _, at) in after {
+                payload[*at] = odd(*at);
+            }
+            check_odd(Out::from_cdr_strict(&payload), path, in_cdr);
+            check_true(&Out::from_cdr(&payload), after);
+        }
+    }
+}
+
+fn check_odd(read: Result<Out, DecodeError>, path: &str, offset: usize) {
+    let error = read.expect_err("an odd bool");
+    assert_eq!((error.path.to_string().as_str(), error.offset), (path, offset));
+    assert_eq!(error.fault, Fault::Bool(odd(offset)));
+}
+
+/// Any byte but 0 is true where nothing is strict; all else is as it was.
+fn check_true(read: &Result<Out, DecodeError>, odd: &[(&str, usize, usize)]) {
+    let mut expected = out();
+    let flags = expected.ins.iter_mut().flat_map(|part| &mut part.flags);
+    let all = [&mut expected.last].into_iter().chain(flags);
+    all.skip(BOOLS.len() - odd.len()).for_each(|flag| *flag = true);
+    assert_eq!(read, &Ok(expected));
+}
