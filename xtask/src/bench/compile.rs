@@ -1,0 +1,77 @@
+//! How long the compiler takes for what is generated from the whole of PX4.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use super::{cargo, derive};
+
+/// How often each compilation is timed; the median is printed.
+const RUNS: usize = 5;
+
+/// The features of the runtime that give messages more impls.
+pub(super) const FEATURES: [&str; 4] = ["defmt", "proptest", "schemars", "serde"];
+
+pub(super) fn run() -> Result<(), String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let generated = root.join("target/bench-compile");
+    let plain = root.join("target/bench-derive");
+    let messages = generate(&root, &generated)?;
+    derive::write(&generated.join("src/px4"), &plain)?;
+    println!("{messages} messages, seconds to check (median of {RUNS}, least to greatest)\n");
+    println!("| features | generated | | plain structs with derives | |\n|---|---|---|---|---|");
+    let all = FEATURES.join(",");
+    for features in [""].into_iter().chain(FEATURES).chain([all.as_str()]) {
+        let of_runtime: Vec<String> =
+            features.split_terminator(',').map(|feature| format!("uavspec-runtime/{feature}")).collect();
+        let ours = time(&generated, &["check", "--quiet", "--features", &of_runtime.join(",")])?;
+        let derived = time(&plain, &["check", "--quiet", "--features", features])?;
+        println!("| {} | {ours} | {derived} |", if features.is_empty() { "none" } else { features });
+    }
+    let release = ["build", "--quiet", "--release", "--features", "uavspec-runtime/serde"];
+    println!("\nbuild --release with serde: {}", time(&generated, &release)?);
+    Ok(())
+}
+
+/// Generates the crate and returns the number of its messages.
+fn generate(root: &Path, folder: &Path) -> Result<usize, String> {
+    let default = root.join("../shared/corpus");
+    let messages = std::env::var_os("UAVSPEC_CORPUS").map_or(default, PathBuf::from).join("px4/main/msg");
+    let messages = fs::canonicalize(&messages).map_err(|error| format!("{}: {error}", messages.display()))?;
+    let at = |error: std::io::Error| format!("{}: {error}", folder.display());
+    fs::create_dir_all(folder.join("src")).map_err(at)?;
+    let runtime = fs::canonicalize(root.join("generated/runtime")).map_err(at)?;
+    let manifest = format!(
+        "[package]\nname = \"px4\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[dependencies]\nuavspec-runtime = {{ \
+         path = \"{}\" }}\n\n[workspace]\n",
+        runtime.display()
+    );
+    fs::write(folder.join("Cargo.toml"), manifest).map_err(at)?;
+    let config = format!(
+        "[output]\nrust = {{ path = \"src\", root = \"lib.rs\" }}\n\n[[package]]\nname = \"px4\"\ndialect = \"px4\"\n\
+         include = [{:?}]\n",
+        format!("{}/*.msg", messages.display())
+    );
+    fs::write(folder.join("uavspec.toml"), config).map_err(at)?;
+    let generated =
+        uavspec_codegen::cli::generate(folder.join("uavspec.toml")).map_err(|failure| failure.to_string())?;
+    Ok(generated.inputs.len() - 1)
+}
+
+/// Times the compilation of a crate alone, without incremental reuse.
+fn time(folder: &Path, arguments: &[&str]) -> Result<String, String> {
+    let at = |error: std::io::Error| format!("{}: {error}", folder.display());
+    cargo(folder, arguments)?;
+    let mut times = Vec::new();
+    for _ in 0..RUNS {
+        let root = folder.join("src/lib.rs");
+        let text = fs::read(&root).map_err(at)?;
+        fs::write(&root, text).map_err(at)?;
+        let started = Instant::now();
+        cargo(folder, arguments)?;
+        times.push(started.elapsed());
+    }
+    times.sort();
+    let seconds = |index: usize| times.get(index).map_or(0.0, Duration::as_secs_f64);
+    Ok(format!("{:.2} | {:.2} to {:.2}", seconds(RUNS / 2), seconds(0), seconds(RUNS - 1)))
+}
