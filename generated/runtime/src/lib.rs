@@ -12,6 +12,40 @@
 //! | `proptest` | strategies for property tests: module `strategy` |
 //! | `schemars` | JSON Schemas of the crate schemars: module `schema` |
 //! | `serde` | JSON, and any other format of serde: module `json` |
+//!
+//! # Measured
+//!
+//! On two cores, medians. `cargo xtask bench codec`, each beside another way for the same bytes in one run:
+//!
+//! | | this crate | beside it |
+//! |---|---|---|
+//! | `FailsafeFlags`, 88 bytes of uORB | read 5.6 ns, written 3.3 ns | copying 88 bytes 3.1 ns |
+//! | `BatteryStatus`, 168 bytes | read 7.7 ns, written 5.0 ns | copying 168 bytes 5.4 ns |
+//! | `ArmingCheckReply`, 232 bytes, five nested messages | read 17.8 ns, written 13.1 ns | copying 232 bytes 5.2 ns |
+//! | three fields of `FailsafeFlags` through its view | 2.7 ns | copying 88 bytes 2.8 ns |
+//! | CDR of `FailsafeFlags` | read 4.6 ns, written 20.9 ns (to a buffer 7.3) | crate cdr 125 and 155 ns, cdr-encoding 126 and 120 ns |
+//! | CDR of `ArmingCheckReply` | read 14 ns (big endian 105), written 31.5 ns (to a buffer 16.1) | cdr 357 and 481 ns, cdr-encoding 293 and 197 ns |
+//! | JSON of `FailsafeFlags`, by serde_json | read 995 ns, written 726 ns | serde's derive 900 and 711 ns |
+//! | JSON of `ArmingCheckReply` | read 2.71 µs, written 1.35 µs | serde's derive 2.43 and 1.34 µs |
+//!
+//! Loads and stores of many values at a time are what remains of a message of fixed size; nested messages
+//! are read one after the other. Reading JSON takes a tenth longer than with serde's derive, mostly to compare
+//! keys, and far less to compile.
+//!
+//! Seconds to check the crate that is generated from PX4's 261 messages (`cargo xtask bench compile`), and plain
+//! structs of the same fields with the derives of the crates and nothing else:
+//!
+//! | features | generated | derives |
+//! |---|---|---|
+//! | none | 2.8 | 0.5 |
+//! | `defmt` | 3.4 | 1.3 |
+//! | `proptest` | 3.0 | 1.1 |
+//! | `schemars` | 3.0 | 1.2 |
+//! | `serde` | 4.2 | 8.9 |
+//! | all four | 5.2 | 10.8 |
+//!
+//! What is there without any feature, codecs, views and descriptions, takes 2.3 s of it. All the rest takes
+//! as long as or less than derives do; for messages in builds of their own, ten milliseconds a message.
 
 #![no_std]
 #![cfg_attr(docsrs, feature(doc_cfg))]
