@@ -71,7 +71,7 @@ fn uorb((_, payload): (MessageType<'_>, Vec<u8>)) -> Vec<u8> {
 }
 
 fn cdr(order: ByteOrder) -> impl Fn((MessageType<'_>, Vec<u8>)) -> Vec<u8> {
-    move |(of, payload)| of.view_uorb(&payload).and_then(|view| view.encode_cdr(order)).expect("a payload")
+    move |(of, payload)| of.view_uorb(&payload).and_then(|view| view.to_cdr(order)).expect("a payload")
 }
 
 const LITTLE: ByteOrder = ByteOrder::LittleEndian;
@@ -81,15 +81,15 @@ pair!(uorb_decode: uorb; T::from_uorb, MessageType::decode_uorb);
 pair!(uorb_view: uorb; T::view, MessageType::view_uorb);
 pair!(uorb_encode: uorb;
     |payload| T::from_uorb(payload).map(|message| message.to_uorb()),
-    |of: MessageType<'static>, payload| of.view_uorb(payload).and_then(DynamicView::encode_uorb));
+    |of: MessageType<'static>, payload| of.view_uorb(payload).and_then(DynamicView::to_uorb));
 pair!(cdr_decode: cdr(LITTLE); T::from_cdr, MessageType::decode_cdr);
 pair!(cdr_decode_big_endian: cdr(BIG); T::from_cdr, MessageType::decode_cdr);
 pair!(cdr_transcode: cdr(LITTLE);
     |payload| T::from_cdr(payload).map(|message| message.to_cdr(BIG)),
-    |of: MessageType<'static>, payload| of.decode_cdr(payload).map(|message| message.encode_cdr(BIG)));
+    |of: MessageType<'static>, payload| of.decode_cdr(payload).map(|message| message.to_cdr(BIG)));
 pair!(cdr_encode_from_uorb: uorb;
     |payload| T::from_uorb(payload).map(|message| message.to_cdr(LITTLE)),
-    |of: MessageType<'static>, payload| of.view_uorb(payload).and_then(|view| view.encode_cdr(LITTLE)));
+    |of: MessageType<'static>, payload| of.view_uorb(payload).and_then(|view| view.to_cdr(LITTLE)));
 pair!(json_from_uorb: uorb;
     |payload| serde_json::to_string(&T::from_uorb(payload).expect("a message")),
     |of: MessageType<'static>, payload| of.view_uorb(payload).and_then(DynamicView::to_json_text));

@@ -12,7 +12,7 @@
 //! let types = Types::new(&schema);
 //! let wind = types.find("px4", "Wind").unwrap();
 //! let message = wind.from_json_text(r#"{"timestamp": 7, "speed": [1.5, null]}"#)?;
-//! let payload = message.encode_cdr(ByteOrder::LittleEndian)?;
+//! let payload = message.to_cdr(ByteOrder::LittleEndian)?;
 //! let message = wind.decode_cdr(&payload)?;
 //! assert_eq!(message.get("speed[0]").unwrap().number().unwrap().to_string(), "1.5");
 //! assert_eq!(message.validate()[0].to_string(), "speed[1]: NaN, which has no meaning here (PX-NAN-01)");
@@ -253,13 +253,13 @@ impl<'t> DynamicMessage<'t> {
     }
 
     /// The payload of uORB, with the padding at its end; an error where the size varies.
-    pub fn encode_uorb(&self) -> Result<Vec<u8>, Error> {
-        self.view().encode_uorb()
+    pub fn to_uorb(&self) -> Result<Vec<u8>, Error> {
+        self.view().to_uorb()
     }
 
     /// The CDR payload.
-    pub fn encode_cdr(&self, order: ByteOrder) -> Result<Vec<u8>, Error> {
-        self.view().encode_cdr(order)
+    pub fn to_cdr(&self, order: ByteOrder) -> Result<Vec<u8>, Error> {
+        self.view().to_cdr(order)
     }
 
     /// The message as JSON; an error where a float is infinite or text isn't UTF-8.
@@ -280,13 +280,13 @@ impl<'t> DynamicMessage<'t> {
 
 impl<'v> DynamicView<'v> {
     /// The payload of uORB, with the padding at its end; an error where the size varies.
-    pub fn encode_uorb(self) -> Result<Vec<u8>, Error> {
+    pub fn to_uorb(self) -> Result<Vec<u8>, Error> {
         self.message_type().check()?;
         uorb::encode(self)
     }
 
     /// The CDR payload.
-    pub fn encode_cdr(self, order: ByteOrder) -> Result<Vec<u8>, Error> {
+    pub fn to_cdr(self, order: ByteOrder) -> Result<Vec<u8>, Error> {
         self.message_type().check()?;
         cdr::encode(self, order)
     }

@@ -182,10 +182,10 @@ fn check_case(ty: MessageType<'_>, case: &Json, expected: &BTreeSet<String>, nam
     }
     if let (Some(meant), Some(json)) = (&meant, case.get("json")) {
         assert!(is_same(&meant.to_json().expect("JSON"), json), "{name}: JSON survives");
-        let encoded = meant.encode_cdr(ByteOrder::LittleEndian).ok();
+        let encoded = meant.to_cdr(ByteOrder::LittleEndian).ok();
         assert_eq!(cdr.as_ref().map(|(_, bytes)| bytes), encoded.as_ref(), "{name}: CDR");
         if let Some((_, bytes)) = &uorb {
-            assert_eq!(bytes, &meant.encode_uorb().expect("a memory form"), "{name}: uORB");
+            assert_eq!(bytes, &meant.to_uorb().expect("a memory form"), "{name}: uORB");
         }
     }
 }

@@ -53,9 +53,9 @@ fn cdr(of: MessageType<'_>, data: &[u8]) {
     let Ok(message) = message else { return };
     assert!(message.size_in_memory() <= 8 * (data.len() - HEADER), "takes too much room");
     for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
-        let payload = message.encode_cdr(order).expect("what was read can be written");
+        let payload = message.to_cdr(order).expect("what was read can be written");
         let again = of.decode_cdr_strict(&payload).expect("what was written can be read");
-        assert_eq!(again.encode_cdr(order).as_ref(), Ok(&payload));
+        assert_eq!(again.to_cdr(order).as_ref(), Ok(&payload));
     }
     use_all(&message);
 }
@@ -64,9 +64,9 @@ fn uorb(of: MessageType<'_>, data: &[u8]) {
     let message = of.decode_uorb(data);
     assert!(message.is_ok() || of.decode_uorb_strict(data).is_err(), "strict is stricter");
     let Ok(message) = message else { return };
-    let payload = message.encode_uorb().expect("what was read can be written");
+    let payload = message.to_uorb().expect("what was read can be written");
     let again = of.decode_uorb_strict(&payload).expect("what was written can be read");
-    assert_eq!(again.encode_uorb().as_ref(), Ok(&payload));
+    assert_eq!(again.to_uorb().as_ref(), Ok(&payload));
     use_all(&message);
 }
 

@@ -34,7 +34,7 @@ fn read(of: MessageType<'_>, bytes: &[u8]) {
         let most = 8 * (bytes.len() - HEADER);
         assert!(message.size_in_memory() <= most, "{} bytes of {}", message.size_in_memory(), bytes.len());
         for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
-            let again = message.encode_cdr(order).expect("what was read can be written");
+            let again = message.to_cdr(order).expect("what was read can be written");
             assert!(of.decode_cdr(&again).is_ok());
         }
         message.validate();
@@ -42,7 +42,7 @@ fn read(of: MessageType<'_>, bytes: &[u8]) {
         let _ = message.to_json();
     }
     if let Ok(message) = of.decode_uorb(bytes) {
-        message.encode_uorb().expect("what was read can be written");
+        message.to_uorb().expect("what was read can be written");
         message.validate();
         let _ = message.to_json();
     }
@@ -59,7 +59,7 @@ fn lengths_are_not_believed() {
         for seed in 0..2 {
             let value = of.from_json(&Draw(seed).message(&schema, message)).expect("a message");
             for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
-                let payload = value.encode_cdr(order).expect("a payload");
+                let payload = value.to_cdr(order).expect("a payload");
                 for at in (0..payload.len().saturating_sub(3)).step_by(4) {
                     for length in [u32::MAX, 1 << 31, 0x00ff_ffff, 7, 0] {
                         let mut payload = payload.clone();
@@ -106,7 +106,7 @@ fn empty_messages_come_in_any_number_that_the_payload_has_bytes_for() {
     let of = types.find("demo", "Many").expect("the type");
     let payload = [&[0, 1, 0, 0, 100, 0, 0, 0][..], &[0; 100]].concat();
     let message = of.decode_cdr(&payload).expect("a message");
-    assert_eq!(message.encode_cdr(ByteOrder::LittleEndian).as_deref(), Ok(&payload[..]));
+    assert_eq!(message.to_cdr(ByteOrder::LittleEndian).as_deref(), Ok(&payload[..]));
     assert!(of.decode_cdr(&payload[..payload.len() - 1]).is_err());
     assert!(of.decode_cdr(&[0, 1, 0, 0, 0xff, 0xff, 0xff, 0xff]).is_err());
 }
@@ -122,7 +122,7 @@ fn large_types_take_no_room_for_small_payloads() {
     assert!(diagnostics.is_empty());
     let types = Types::new(&schema);
     let wide = types.find("demo", "Wide").expect("the type");
-    let payload = wide.default().encode_cdr(ByteOrder::LittleEndian).expect("a payload");
+    let payload = wide.default().to_cdr(ByteOrder::LittleEndian).expect("a payload");
     assert_eq!(payload.len(), HEADER + 4_000_000 + 5);
     assert_eq!(wide.decode_cdr(&payload).expect("a message").size_in_memory(), 8 * (4_000_000 + 1));
     assert!(wide.decode_cdr(&[0, 1, 0, 0, 1, 2, 3]).is_err());
@@ -153,9 +153,9 @@ fn definitions_nest_as_deep_as_the_stack_bears() {
         find(1999).from_json_text("{}").expect_err("refused").to_string(),
         "L1999: nests messages deeper than 32"
     );
-    assert!(find(1999).default().encode_cdr(ByteOrder::LittleEndian).is_err());
+    assert!(find(1999).default().to_cdr(ByteOrder::LittleEndian).is_err());
     let deepest = find(32).default();
-    let payload = deepest.encode_cdr(ByteOrder::BigEndian).expect("a payload");
+    let payload = deepest.to_cdr(ByteOrder::BigEndian).expect("a payload");
     assert!(find(32).decode_cdr(&payload).is_ok());
     let text = deepest.view().to_json_text().expect("JSON");
     assert!(find(32).from_json_text(&text).is_ok());
@@ -212,7 +212,7 @@ fn faults_in_messages_of_fixed_size_are_told_by_path_and_byte() {
     }
     let of = types.find("demo", "Out").expect("the type");
     for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
-        let mut payload = of.default().encode_cdr(order).expect("a payload");
+        let mut payload = of.default().to_cdr(order).expect("a payload");
         payload[14..].fill(9);
         let error = of.decode_cdr_strict(&payload).expect_err("odd");
         assert_eq!(error.to_string(), "ins[1].flags[2] at byte 14: expected a bool of 0 or 1, found 9");
@@ -281,7 +281,7 @@ fn values_without_a_form_are_refused_by_path() {
         "a[1]: -inf, which JSON has no number for"
     );
     let message = of.from_json_text(r#"{"all":[],"names":["ab","abc"]}"#).expect("a message");
-    let error = message.encode_cdr(ByteOrder::LittleEndian).expect_err("refused");
+    let error = message.to_cdr(ByteOrder::LittleEndian).expect_err("refused");
     assert_eq!(error.to_string(), "names[1]: expected at most 2, found 3");
     assert_eq!(
         message.validate()[0].to_string(),

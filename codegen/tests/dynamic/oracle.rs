@@ -43,7 +43,7 @@ fn wide_strings_are_those_of_ros2() {
     ] {
         let payload = bytes(&hex.replace(' ', ""));
         let message = of.from_json_text(text).expect("a message");
-        assert_eq!(message.encode_cdr(order).as_deref(), Ok(&*payload));
+        assert_eq!(message.to_cdr(order).as_deref(), Ok(&*payload));
         let message = of.decode_cdr(&payload).expect("a message");
         assert_eq!(message.view().to_json_text().as_deref(), Ok(text));
         // With a bit turned it is text only where each unit keeps to 16 bits, and both halves to their pair.
@@ -79,11 +79,11 @@ fn check_case(of: MessageType<'_>, case: &Json) {
         let message = of.decode_cdr_strict(&payload).unwrap_or_else(|error| panic!("{what}: {error}"));
         let found = message.to_json().unwrap_or_else(|error| panic!("{what}: {error}"));
         assert!(same(&found, json), "{what}\n{found}\n{json}");
-        assert_eq!(message.encode_cdr(order).as_deref(), Ok(&*payload), "{what}");
-        assert_eq!(from_json.encode_cdr(order).as_deref(), Ok(&*payload), "{what} from JSON");
+        assert_eq!(message.to_cdr(order).as_deref(), Ok(&*payload), "{what}");
+        assert_eq!(from_json.to_cdr(order).as_deref(), Ok(&*payload), "{what} from JSON");
     }
     if of.size().is_some() {
-        let payload = from_json.encode_uorb().unwrap_or_else(|error| panic!("{what}: {error}"));
+        let payload = from_json.to_uorb().unwrap_or_else(|error| panic!("{what}: {error}"));
         let message = of.decode_uorb_strict(&payload).unwrap_or_else(|error| panic!("{what}: {error}"));
         assert!(same(&message.to_json().expect("JSON"), json), "{what} by uORB");
     }

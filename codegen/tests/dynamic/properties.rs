@@ -76,12 +76,12 @@ fn check_json(of: MessageType<'_>, json: &Json) -> Result<(), TestCaseError> {
         message.view().to_json_text().expect("JSON"),
         serde_json::to_string(&message).expect("JSON")
     );
-    let payload = message.encode_cdr(ByteOrder::LittleEndian).expect("a payload");
+    let payload = message.to_cdr(ByteOrder::LittleEndian).expect("a payload");
     let text = json.to_string();
     prop_assert!(message.size_in_memory() <= 8 * text.len(), "{} of {text}", message.size_in_memory());
     for text in [text, turned(json).to_string()] {
         let message = of.from_json_text(&text).map_err(|error| TestCaseError::fail(error.to_string()))?;
-        prop_assert_eq!(message.encode_cdr(ByteOrder::LittleEndian).expect("a payload"), &payload[..]);
+        prop_assert_eq!(message.to_cdr(ByteOrder::LittleEndian).expect("a payload"), &payload[..]);
     }
     Ok(())
 }
@@ -100,14 +100,14 @@ fn turned(json: &Json) -> Json {
 fn check_bytes(of: MessageType<'_>, message: &Message, json: &Json) -> Result<(), TestCaseError> {
     let value = of.from_json(json).expect("a message");
     for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
-        let payload = value.encode_cdr(order).map_err(|error| TestCaseError::fail(error.to_string()))?;
+        let payload = value.to_cdr(order).map_err(|error| TestCaseError::fail(error.to_string()))?;
         let size = payload.len() as u64;
         let least = message.cdr.least;
         prop_assert!(size == least || !message.cdr.is_fixed && size > least);
         for decoded in [of.decode_cdr(&payload), of.decode_cdr_strict(&payload)] {
             let decoded = decoded.map_err(|error| TestCaseError::fail(error.to_string()))?;
             prop_assert_eq!(&decoded.to_json().expect("JSON"), json);
-            prop_assert_eq!(&decoded.encode_cdr(order).expect("a payload"), &payload);
+            prop_assert_eq!(&decoded.to_cdr(order).expect("a payload"), &payload);
             let most = 8 * (payload.len() - HEADER);
             prop_assert!(decoded.size_in_memory() <= most, "{} of {most}", decoded.size_in_memory());
         }
@@ -117,17 +117,17 @@ fn check_bytes(of: MessageType<'_>, message: &Message, json: &Json) -> Result<()
     }
     prop_assert_eq!(of.size().is_some(), message.uorb.is_some());
     let Some(layout) = &message.uorb else {
-        prop_assert!(value.encode_uorb().is_err() && of.decode_uorb(&[]).is_err());
+        prop_assert!(value.to_uorb().is_err() && of.decode_uorb(&[]).is_err());
         return Ok(());
     };
-    let payload = value.encode_uorb().expect("a payload");
+    let payload = value.to_uorb().expect("a payload");
     prop_assert_eq!(payload.len(), layout.size);
     for payload in [&payload[..], &payload[..layout.size_no_padding]] {
         let decoded =
             of.decode_uorb_strict(payload).map_err(|error| TestCaseError::fail(error.to_string()))?;
         prop_assert_eq!(&decoded.to_json().expect("JSON"), json);
         prop_assert_eq!(&of.view_uorb(payload).expect("a message").to_json().expect("JSON"), json);
-        prop_assert_eq!(decoded.encode_uorb().expect("a payload").len(), layout.size);
+        prop_assert_eq!(decoded.to_uorb().expect("a payload").len(), layout.size);
     }
     Ok(())
 }
@@ -146,19 +146,19 @@ fn messages_with_many_parts_are_written_like_those_with_few() {
     let payload = Draw(1).bytes(16 * 3);
     let few = few.decode_uorb(&payload).expect("a message");
     let many = many.decode_uorb(&payload.repeat(100)).expect("a message");
-    let expected = few.encode_uorb().expect("a payload");
+    let expected = few.to_uorb().expect("a payload");
     assert!(expected.chunks(16).all(|pair| pair[8] < 2 && pair[9] < 2 && pair[10..] == [0; 6]));
-    assert_eq!(many.encode_uorb().expect("a payload"), expected.repeat(100));
+    assert_eq!(many.to_uorb().expect("a payload"), expected.repeat(100));
     for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
-        let few = few.encode_cdr(order).expect("a payload");
+        let few = few.to_cdr(order).expect("a payload");
         // What aligns the next pair stands between.
         let filled = [&few[HEADER..], &[0; 6]].concat();
-        let payload = many.encode_cdr(order).expect("a payload");
+        let payload = many.to_cdr(order).expect("a payload");
         let end = HEADER + 99 * filled.len();
         assert_eq!(payload[..end], [&few[..HEADER], &filled.repeat(99)].concat());
         assert_eq!(payload[end..], few[HEADER..]);
         let of = many.message_type();
-        assert_eq!(of.decode_cdr(&payload).expect("a message").encode_uorb(), many.encode_uorb());
+        assert_eq!(of.decode_cdr(&payload).expect("a message").to_uorb(), many.to_uorb());
         assert!(of.decode_cdr(&payload[..payload.len() - 1]).is_err());
     }
 }

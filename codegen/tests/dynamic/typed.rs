@@ -134,9 +134,9 @@ fn agree_on_uorb<T: UorbMessage + Serialize>(
     prop_assert_eq!(told, typed(T::from_uorb_strict(payload)));
     if let (Ok(typed), Ok(message)) = (T::from_uorb(payload), of.decode_uorb(payload)) {
         let payload = typed.to_uorb().as_ref().to_vec();
-        prop_assert_eq!(message.encode_uorb().expect("a payload"), payload);
+        prop_assert_eq!(message.to_uorb().expect("a payload"), payload);
         for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
-            prop_assert_eq!(message.encode_cdr(order).ok(), typed.to_cdr(order).ok());
+            prop_assert_eq!(message.to_cdr(order).ok(), typed.to_cdr(order).ok());
         }
     }
     Ok(())
@@ -152,7 +152,7 @@ fn agree_on_json<T: Message + DeserializeOwned>(
     prop_assert_eq!(typed.is_ok(), message.is_ok(), "{:?} {:?} {}", typed.err(), message.err(), text);
     if let (Ok(typed), Ok(message)) = (typed, message) {
         let order = ByteOrder::LittleEndian;
-        let told = message.encode_cdr(order).map_err(|error| error.to_string());
+        let told = message.to_cdr(order).map_err(|error| error.to_string());
         prop_assert_eq!(told, typed.to_cdr(order).map_err(|error| error.to_string()));
         let violations = message.validate().iter().map(ToString::to_string).collect::<Vec<_>>();
         prop_assert_eq!(violations, typed.validate().iter().map(ToString::to_string).collect::<Vec<_>>());
@@ -222,7 +222,7 @@ fn agree<T: UorbMessage + Serialize + DeserializeOwned>(
     let json = draw.message(schema, message);
     let value = of.from_json(&json).expect("a message");
     for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
-        let mut payload = value.encode_cdr(order).expect("a payload");
+        let mut payload = value.to_cdr(order).expect("a payload");
         spoil(&mut payload, &mut draw);
         agree_on_cdr::<T>(of, &payload)?;
     }
@@ -248,13 +248,13 @@ fn a_payload_is_read_the_same_wherever_it_lies() {
             let value = of.from_json(&Draw(3).message(&schema, message)).expect("a message");
             let json = text(value.view());
             for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
-                let payload = value.encode_cdr(order).expect("a payload");
+                let payload = value.to_cdr(order).expect("a payload");
                 check_places(&payload, &json, |bytes| text(of.decode_cdr(bytes).expect("a message").view()));
                 check_places(&payload, &json, |bytes| {
                     text(of.decode_cdr_strict(bytes).expect("a message").view())
                 });
             }
-            let Ok(payload) = value.encode_uorb() else { continue };
+            let Ok(payload) = value.to_uorb() else { continue };
             check_places(&payload, &json, |bytes| text(of.decode_uorb(bytes).expect("a message").view()));
             check_places(&payload, &json, |bytes| text(of.view_uorb(bytes).expect("a message")));
             check_places(&payload, &json, |bytes| {
@@ -277,7 +277,7 @@ proptest! {
         let json = draw.message(&schema, message);
         let value = of.from_json(&json).expect("a message");
         for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
-            let mut payload = value.encode_cdr(order).expect("a payload");
+            let mut payload = value.to_cdr(order).expect("a payload");
             agree_on_cdr::<Tree>(of, &payload)?;
             for _ in 0..8 {
                 spoil(&mut payload, &mut draw);

@@ -29,14 +29,14 @@ impl<'t> Codec<'t> {
     pub(super) fn encode(&self, json: &str) -> Bytes {
         let Ok(message) = self.message.from_json_text(json) else { return Bytes::default() };
         Bytes {
-            uorb: self.is_uorb.then(|| message.encode_uorb().ok()).flatten(),
-            cdr: message.encode_cdr(ByteOrder::LittleEndian).ok(),
+            uorb: self.is_uorb.then(|| message.to_uorb().ok()).flatten(),
+            cdr: message.to_cdr(ByteOrder::LittleEndian).ok(),
         }
     }
 
     /// The message in CDR, big-endian.
     pub(super) fn big_endian(&self, json: &str) -> Option<Vec<u8>> {
-        self.message.from_json_text(json).ok()?.encode_cdr(ByteOrder::BigEndian).ok()
+        self.message.from_json_text(json).ok()?.to_cdr(ByteOrder::BigEndian).ok()
     }
 }
 
