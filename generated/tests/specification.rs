@@ -58,6 +58,15 @@ fn unknown_codes_are_kept_and_have_a_severity() {
 }
 
 #[test]
+fn messages_show_their_fields() {
+    let request = ArmingCheckRequest { request_id: 7, ..Default::default() };
+    let expected = "ArmingCheckRequest { timestamp: 0, request_id: 7, valid_registrations_mask: 0 }";
+    assert_eq!(format!("{request:?}"), expected);
+    let payload = request.to_uorb();
+    assert_eq!(format!("{:?}", ArmingCheckRequest::view(&payload).expect("a payload")), expected);
+}
+
+#[test]
 fn enums_and_flags_show_their_names() {
     assert_eq!(format!("{:?}", BatteryWarning::CRITICAL), "CRITICAL");
     assert_eq!(
