@@ -215,7 +215,7 @@ fn values_that_programs_stumble_over_are_frequent() {
     frequent(&values, 10, |value| value.single.is_subnormal());
     frequent(&values, 10, |value| value.single >= f32::MAX || value.double <= f64::MIN);
     frequent(&values, 100, |value| value.share.contains(&-1.0));
-    frequent(&values, 100, |value| value.share.contains(&0.1_f32.next_down()));
+    frequent(&values, 100, |value| value.share.contains(&0.1_f32));
     frequent(&values, 20, |value| value.inner.number == i64::MAX);
     frequent(&values, 20, |value| value.inner.number == -5);
     frequent(&values, 20, |value| value.modes.contains(&Mode(9)));

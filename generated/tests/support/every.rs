@@ -64,7 +64,7 @@ record! {
     2 any: Vec<u16> = uint16("any", 0).sequence();
     3 single: f32 = float32("single", 0).within(&number().not_nan());
     4 double: f64 = float64("double", 0);
-    5 share: [f32; 3] = float32("share", 0).array(3).within(&number().from(int(0)).to(float(0.1)).or(&[int(-1)]).not_nan());
+    5 share: [f32; 3] = float32("share", 0).array(3).within(&number().from(int(0)).to(float(0.1_f32 as f64)).or(&[int(-1)]).not_nan());
     6 far: f64 = float64("far", 0).within(&number().from(float(1e10)).to(float(1e10 + 1.0)));
     7 mode: Mode = int8("mode", 0).within(&number().values::<Mode>());
     8 modes: [Mode; 2] = int8("modes", 0).array(2).within(&number().to(int(4)).or(&[int(9)]).values::<Mode>());
