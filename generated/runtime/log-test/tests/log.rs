@@ -43,7 +43,7 @@ fn a_log_shows_names_and_values() {
 
 /// The program and what it writes.
 fn run() -> (Vec<u8>, Vec<u8>) {
-    let repository = fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).expect("a path");
+    let repository = fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../..")).expect("a path");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("log");
     fs::create_dir_all(folder.join("src")).expect("a folder");
     let generated = repository.join("generated");

@@ -1,0 +1,1 @@
+//! Holds the test in `tests/log.rs` and nothing else.
