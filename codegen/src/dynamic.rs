@@ -6,7 +6,8 @@
 //! use uavspec_runtime::cdr::ByteOrder;
 //!
 //! let mut sources = SourceMap::default();
-//! let id = sources.add("Wind.msg", "uint64 timestamp\nfloat32[2] speed\n".into()).unwrap();
+//! let text = "uint64 timestamp\nfloat32[2] speed  # [@range 0, 60] Over ground\n";
+//! let id = sources.add("Wind.msg", text.into()).unwrap();
 //! let (schema, _) = read(&sources, &[PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])]);
 //!
 //! let types = Types::new(&schema);
