@@ -12,6 +12,7 @@
 //! 2 the command can't be carried out: wrong usage, missing input, unwritable output.
 
 mod config;
+mod lint;
 mod load;
 mod output;
 
@@ -48,6 +49,8 @@ pub enum Command {
     Codegen(CodegenArgs),
     /// Print the model of the definitions as JSON.
     Inspect(InspectArgs),
+    /// Find what should be written otherwise in the definitions, and mend what can be.
+    Lint(lint::LintArgs),
 }
 
 /// Arguments of `codegen`.
@@ -185,7 +188,7 @@ impl Generated {
 /// ```
 pub fn generate(config: impl AsRef<Path>) -> Result<Generated, Failure> {
     let config = config.as_ref();
-    let plan = Config::find(Some(config))?.plan();
+    let plan = Config::find(Some(config))?.plan()?;
     let (loaded, schema, diagnostics) = read(&plan)?;
     let rendered = render::render(&diagnostics, &loaded.sources, false);
     if has_errors(&diagnostics) {
@@ -212,6 +215,7 @@ impl Command {
         let result = match self {
             Self::Codegen(args) => codegen(&args),
             Self::Inspect(args) => inspect(&args),
+            Self::Lint(args) => lint::run(&args),
         };
         match result {
             Ok(true) => ExitCode::SUCCESS,
@@ -235,7 +239,7 @@ fn codegen(args: &CodegenArgs) -> Result<bool, Failure> {
             };
             package.plan(out, &args.emit)
         }
-        None => Config::find(args.config.as_deref())?.plan(),
+        None => Config::find(args.config.as_deref())?.plan()?,
     };
     let (loaded, schema, diagnostics) = read(&plan)?;
     report("codegen", &loaded, &diagnostics, "nothing written");
@@ -266,7 +270,7 @@ fn codegen(args: &CodegenArgs) -> Result<bool, Failure> {
 fn inspect(args: &InspectArgs) -> Result<bool, Failure> {
     let plan = match &args.package {
         Some(package) => package.plan(Path::new(""), &[]),
-        None => Config::find(args.config.as_deref())?.plan(),
+        None => Config::find(args.config.as_deref())?.plan()?,
     };
     let (loaded, schema, diagnostics) = read(&plan)?;
     report("inspect", &loaded, &diagnostics, "nothing printed");

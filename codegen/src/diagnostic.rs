@@ -7,13 +7,29 @@ use std::fmt;
 
 use crate::source::Span;
 
-/// How grave a diagnostic is.
+/// How grave a finding is. Diagnostics are errors and warnings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Level {
+    /// Worth a look.
+    Note,
     /// The definition can still be read as meant.
     Warning,
     /// Nothing is generated from a definition that has one.
     Error,
+}
+
+impl Level {
+    /// All levels, from the least.
+    pub const ALL: [Self; 3] = [Self::Note, Self::Warning, Self::Error];
+
+    /// Its name in reports and in `uavspec.toml`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Note => "note",
+            Self::Warning => "warning",
+            Self::Error => "error",
+        }
+    }
 }
 
 /// Something wrong at a place.

@@ -51,9 +51,13 @@
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod diagnostic;
+pub mod directive;
 pub mod dynamic;
 pub mod emit;
+pub mod finding;
+pub mod lint;
 pub mod msg;
+pub mod report;
 pub mod schema;
 pub mod source;
 pub mod table;
@@ -119,12 +123,23 @@ const PX4_ROS_PACKAGE: &str = "px4_msgs";
 /// assert_eq!(schema.messages[0].fields[0].unit.as_deref(), Some("us"));
 /// ```
 pub fn read(sources: &SourceMap, packages: &[PackageInput]) -> (Schema, Vec<Diagnostic>) {
-    let mut diagnostics = Vec::new();
-    let parsed = packages.iter().map(|package| parse(sources, package, &mut diagnostics)).collect();
-    let (schema, mut found) = schema::resolve(parsed);
+    let (parsed, mut diagnostics) = parse_all(sources, packages);
+    let (schema, mut found) = schema::resolve(&parsed);
     diagnostics.append(&mut found);
     diagnostics.sort_by_key(|diagnostic| diagnostic.span);
     (schema, diagnostics)
+}
+
+/// Parses all sources; the packages are sorted by name, as those of the schema will be.
+fn parse_all<'s>(
+    sources: &'s SourceMap,
+    packages: &[PackageInput],
+) -> (Vec<PackageSource<'s>>, Vec<Diagnostic>) {
+    let mut diagnostics = Vec::new();
+    let mut parsed: Vec<PackageSource<'s>> =
+        packages.iter().map(|package| parse(sources, package, &mut diagnostics)).collect();
+    parsed.sort_by(|left, right| left.name.cmp(&right.name));
+    (parsed, diagnostics)
 }
 
 fn parse<'s>(

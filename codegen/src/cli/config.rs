@@ -1,14 +1,17 @@
 //! What to read and what to write: from `uavspec.toml`, or from the command line.
 
+use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
 use clap::ValueEnum;
+use globset::{GlobBuilder, GlobMatcher};
 use serde::Deserialize;
 use toml::Spanned;
 
 use super::Failure;
-use crate::diagnostic::render;
+use crate::diagnostic::{Level, render};
 use crate::emit::{docs, json_schema, vectors};
+use crate::lint::{self, Preset};
 use crate::schema::Form;
 use crate::source::SourceMap;
 
@@ -47,6 +50,86 @@ struct File {
     output: Outputs,
     #[serde(default, rename = "package")]
     packages: Vec<Package>,
+    #[serde(default)]
+    lint: Lint,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Lint {
+    preset: Option<PresetName>,
+    #[serde(default)]
+    levels: BTreeMap<Spanned<String>, LevelName>,
+    #[serde(default, rename = "ignore")]
+    ignores: Vec<Spanned<LintIgnore>>,
+}
+
+/// Findings of a rule that are let stand.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LintIgnore {
+    rule: String,
+    path: Option<String>,
+    reason: String,
+}
+
+/// A set of levels for the rules of `lint`.
+#[derive(Clone, Copy, Debug, Deserialize, ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum PresetName {
+    /// What PX4's documentation standard asks, and whatever makes readers go wrong.
+    Px4,
+    /// All rules.
+    Strict,
+}
+
+impl From<PresetName> for Preset {
+    fn from(name: PresetName) -> Self {
+        match name {
+            PresetName::Px4 => Self::Px4,
+            PresetName::Strict => Self::Strict,
+        }
+    }
+}
+
+/// How grave findings of a rule are.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum LevelName {
+    Off,
+    Note,
+    Warning,
+    Error,
+}
+
+impl LevelName {
+    fn level(self) -> Option<Level> {
+        match self {
+            Self::Off => None,
+            Self::Note => Some(Level::Note),
+            Self::Warning => Some(Level::Warning),
+            Self::Error => Some(Level::Error),
+        }
+    }
+}
+
+/// What `lint` is to do.
+#[derive(Debug, Default)]
+pub(super) struct PlannedLint {
+    pub(super) preset: Option<PresetName>,
+    pub(super) levels: BTreeMap<String, Option<Level>>,
+    pub(super) ignores: Vec<PlannedIgnore>,
+}
+
+/// Findings of a rule that are let stand.
+#[derive(Debug)]
+pub(super) struct PlannedIgnore {
+    pub(super) rule: String,
+    /// Which files, by a pattern below the folder of the configuration file; all, where absent.
+    pub(super) files: Option<GlobMatcher>,
+    pub(super) reason: String,
+    /// Its place in the configuration file.
+    pub(super) range: std::ops::Range<usize>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -130,6 +213,8 @@ pub(super) struct Plan {
     pub(super) outputs: Vec<PlannedOutput>,
     /// The configuration file, which diagnostics may point into: path and text.
     pub(super) config: Option<(String, String)>,
+    /// Rules and what is let stand.
+    pub(super) lint: PlannedLint,
 }
 
 /// A package to be read.
@@ -227,7 +312,7 @@ impl Config {
         Ok(Self { folder, path: shown, text, file })
     }
 
-    pub(super) fn plan(self) -> Plan {
+    pub(super) fn plan(self) -> Result<Plan, Failure> {
         let folder = &self.folder;
         // Definitions in a folder of their own are shown from the folder above: `definitions/px4/…`.
         let root = if folder.ends_with("definitions") { folder.join("..") } else { folder.clone() };
@@ -276,7 +361,37 @@ impl Config {
                 revision: package.revision,
             })
             .collect();
-        Plan { root: normalise(&root), packages, outputs: planned, config: Some((self.path, self.text)) }
+        let lint = self.file.lint.plan(folder, &self.path, &self.text)?;
+        let config = Some((self.path, self.text));
+        Ok(Plan { root: normalise(&root), packages, outputs: planned, config, lint })
+    }
+}
+
+impl Lint {
+    fn plan(self, folder: &Path, path: &str, text: &str) -> Result<PlannedLint, Failure> {
+        let mut levels = BTreeMap::new();
+        for (id, level) in self.levels {
+            if lint::rule(id.get_ref()).is_none() {
+                let message = format!("no rule `{}`", id.get_ref());
+                return Err(misplaced(path, text, id.span(), &message)
+                    .with_hint("`cargo xtask lint --rules` lists all rules"));
+            }
+            levels.insert(id.into_inner(), level.level());
+        }
+        let mut ignores = Vec::new();
+        for ignore in self.ignores {
+            let range = ignore.span();
+            let LintIgnore { rule, path: pattern, reason } = ignore.into_inner();
+            let glob = |pattern: String| {
+                let below = folder.join(&pattern);
+                let glob = GlobBuilder::new(&normalise(&below).to_string_lossy()).literal_separator(true).build();
+                glob.map(|glob| glob.compile_matcher())
+                    .map_err(|error| misplaced(path, text, range.clone(), &format!("`{pattern}`: {}", error.kind())))
+            };
+            let files = pattern.map(glob).transpose()?;
+            ignores.push(PlannedIgnore { rule, files, reason, range });
+        }
+        Ok(PlannedLint { preset: self.preset, levels, ignores })
     }
 }
 
@@ -296,14 +411,18 @@ fn docs_options(title: Option<String>) -> docs::Options {
 
 /// A configuration file that can't be read, shown like any other mistake.
 fn unreadable(path: &str, text: &str, error: &toml::de::Error) -> Failure {
-    let Some(range) = error.span() else { return Failure::new(format!("{path}: {}", error.message())) };
+    match error.span() {
+        Some(range) => misplaced(path, text, range, error.message()),
+        None => Failure::new(format!("{path}: {}", error.message())),
+    }
+}
+
+/// A mistake at a place of the configuration file.
+fn misplaced(path: &str, text: &str, range: std::ops::Range<usize>, message: &str) -> Failure {
     let mut sources = SourceMap::default();
     match sources.add(path, text.as_bytes().to_vec()) {
-        Ok(id) => {
-            let span = sources.span(id).part(range);
-            Failure::new(render::plain(error.message(), span, &sources))
-        }
-        Err(_) => Failure::new(format!("{path}: {}", error.message())),
+        Ok(id) => Failure::new(render::plain(message, sources.span(id).part(range), &sources)),
+        Err(_) => Failure::new(format!("{path}: {message}")),
     }
 }
 
@@ -335,7 +454,7 @@ impl Plan {
             origin: None,
             revision: None,
         };
-        Self { root: PathBuf::new(), packages: vec![package], outputs, config: None }
+        Self { root: PathBuf::new(), packages: vec![package], outputs, config: None, lint: PlannedLint::default() }
     }
 }
 

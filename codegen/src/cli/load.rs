@@ -28,6 +28,10 @@ pub(super) struct Loaded {
     pub(super) diagnostics: Vec<Diagnostic>,
     /// Every file that was read.
     pub(super) files: Vec<PathBuf>,
+    /// The file of each source that could be read.
+    pub(super) paths: BTreeMap<SourceId, PathBuf>,
+    /// The configuration file, which findings may point into.
+    pub(super) config: Option<Span>,
 }
 
 /// Reads all sources of `plan`, and what ROS 2 packages among them refer to beside them.
@@ -39,6 +43,8 @@ pub(super) fn load(plan: &Plan) -> Result<Loaded, Failure> {
             packages: Vec::new(),
             diagnostics: Vec::new(),
             files: Vec::new(),
+            paths: BTreeMap::new(),
+            config: None,
         },
         folders: BTreeMap::new(),
     };
@@ -46,10 +52,11 @@ pub(super) fn load(plan: &Plan) -> Result<Loaded, Failure> {
         Some((path, text)) => loader.loaded.sources.add(path.clone(), text.clone().into_bytes()).ok(),
         None => None,
     };
+    loader.loaded.config = config.map(|config| loader.loaded.sources.span(config));
     for package in &plan.packages {
         let files = files_of(package)?;
         let select = package.select.as_ref().map(|names| {
-            let place = config.map_or_else(Span::default, |config| loader.loaded.sources.span(config));
+            let place = loader.loaded.config.unwrap_or_default();
             names.iter().map(|(name, range)| (name.clone(), place.part(range.clone()))).collect::<Vec<_>>()
         });
         loader.package(package, select.as_deref(), files)?;
@@ -121,7 +128,10 @@ impl Loader<'_> {
             let bytes = fs::read(path).map_err(|error| unreadable(path, &error))?;
             self.loaded.files.push(path.clone());
             match self.loaded.sources.add(shown(path, self.root), bytes) {
-                Ok(id) => sources.push(id),
+                Ok(id) => {
+                    self.loaded.paths.insert(id, path.clone());
+                    sources.push(id);
+                }
                 Err(diagnostic) => self.loaded.diagnostics.push(diagnostic),
             }
         }

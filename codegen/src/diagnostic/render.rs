@@ -1,10 +1,11 @@
-//! Diagnostics as text: path, line, the line itself, a caret and a hint.
+//! Diagnostics and findings as text: path, line, the line itself, a caret and a hint.
 
 use std::fmt::Write as _;
 
 use annotate_snippets::{AnnotationKind, Group, Level as Title, Renderer, Snippet};
 
 use super::{Diagnostic, Level};
+use crate::finding::Finding;
 use crate::source::{SourceMap, Span};
 
 /// How many diagnostics of one source are shown: what stands there is then no definition.
@@ -18,19 +19,29 @@ const MAX_REST_LEN: usize = 200;
 
 /// Renders `diagnostics` in the order of their sources and places, with colours where `styled`.
 pub fn render(diagnostics: &[Diagnostic], sources: &SourceMap, styled: bool) -> String {
+    let mut ordered: Vec<Finding> = diagnostics.iter().map(Finding::from).collect();
+    ordered.sort_by_key(|finding| finding.span);
+    findings(&ordered, sources, styled)
+}
+
+/// Renders `findings` in their order, with colours where `styled`. Those in a row that say the same of one
+/// place in several categories are shown as one.
+pub fn findings(findings: &[Finding], sources: &SourceMap, styled: bool) -> String {
     let renderer = if styled { Renderer::styled() } else { Renderer::plain() };
-    let mut ordered: Vec<&Diagnostic> = diagnostics.iter().collect();
-    ordered.sort_by_key(|diagnostic| diagnostic.span);
     let mut text = String::new();
-    let by_source = |left: &&Diagnostic, right: &&Diagnostic| {
-        sources.source_of(left.span) == sources.source_of(right.span)
+    let is_of_one_source =
+        |left: &Finding, right: &Finding| sources.source_of(left.span) == sources.source_of(right.span);
+    let is_one = |left: &Finding, right: &Finding| {
+        (left.rule, left.span, &left.message) == (right.rule, right.span, &right.message)
+            && left.category.is_some()
     };
-    for of_source in ordered.chunk_by(by_source) {
-        for diagnostic in of_source.iter().take(MAX_PER_SOURCE) {
-            text.push_str(&renderer.render(&[report(diagnostic, sources)]));
+    for of_source in findings.chunk_by(is_of_one_source) {
+        for same in of_source.chunk_by(is_one).take(MAX_PER_SOURCE) {
+            text.push_str(&renderer.render(&[group(same, sources)]));
             text.push('\n');
         }
-        if let Some(more) = of_source.len().checked_sub(MAX_PER_SOURCE).filter(|more| *more > 0) {
+        let count = of_source.chunk_by(is_one).count();
+        if let Some(more) = count.checked_sub(MAX_PER_SOURCE).filter(|more| *more > 0) {
             let path = sources.path(sources.source_of(of_source[0].span));
             let _ = writeln!(text, "… and {more} more in {path}");
         }
@@ -46,17 +57,34 @@ pub(crate) fn plain(message: &str, span: Span, sources: &SourceMap) -> String {
     text.strip_prefix("error: ").map(str::to_owned).unwrap_or(text)
 }
 
-fn report<'a>(diagnostic: &Diagnostic, sources: &'a SourceMap) -> Group<'a> {
-    let title = match diagnostic.level() {
+/// What is shown of findings that say the same of one place.
+fn group<'a>(same: &[Finding], sources: &'a SourceMap) -> Group<'a> {
+    let finding = &same[0];
+    let level = same.iter().map(|finding| finding.level).max().unwrap_or(Level::Note);
+    let title = match level {
         Level::Error => Title::ERROR,
         Level::Warning => Title::WARNING,
+        Level::Note => Title::NOTE,
     };
-    let mut group = title
-        .primary_title(shorten(diagnostic.problem.to_string()))
-        .id(diagnostic.problem.code())
-        .element(quote(diagnostic.span, AnnotationKind::Primary, shorten(diagnostic.hint()), sources));
-    for (span, label) in &diagnostic.related {
+    let title = title.primary_title(shorten(finding.message.clone())).id(finding.rule);
+    let mut group = Group::with_title(title);
+    // In one set of definitions the help stands beside the caret; between two it tells each who is broken.
+    let label = if finding.category.is_none() { shorten(finding.help.clone()) } else { String::new() };
+    match finding.sides {
+        None => group = group.element(quote(finding.span, AnnotationKind::Primary, label, sources)),
+        Some(sides) => {
+            for (side, label) in [(sides.old, "before"), (sides.new, "now")] {
+                let Some(span) = side else { continue };
+                group = group.element(quote(span, AnnotationKind::Primary, label.to_owned(), sources));
+            }
+        }
+    }
+    for (span, label) in &finding.related {
         group = group.element(quote(*span, AnnotationKind::Context, shorten(label.clone()), sources));
+    }
+    for finding in same {
+        let Some(category) = finding.category else { continue };
+        group = group.element(Title::NOTE.with_name(category).message(shorten(finding.help.clone())));
     }
     group
 }

@@ -3,6 +3,7 @@
 use uavspec_runtime::Scalar;
 
 use super::annotation::Note;
+use crate::directive::Directive;
 use crate::source::Span;
 use crate::value::Value;
 
@@ -48,10 +49,19 @@ pub struct Comment<'s> {
     pub span: Span,
     /// Column of the `#`, from 0, in bytes.
     pub column: usize,
-    /// What follows the `#`, white space at the end removed.
+    /// What follows the `#`, without a directive, white space at the end removed.
     pub text: &'s str,
+    /// The directive at its end.
+    pub directive: Option<Directive<'s>>,
     /// The text with its annotations read, where the line declares something.
     pub note: Option<Note<'s>>,
+}
+
+impl Comment<'_> {
+    /// Whether it is a directive and nothing else: such a line stands for nothing in the documentation.
+    pub fn is_directive(&self) -> bool {
+        self.directive.is_some() && self.text.is_empty()
+    }
 }
 
 /// A declaration.

@@ -8,6 +8,7 @@ use super::ast::{
 use super::literal::{self, LiteralError};
 use super::{Dialect, Kind, annotation, characters, is_identifier};
 use crate::diagnostic::{Diagnostic, Problem, has_errors};
+use crate::directive;
 use crate::source::Span;
 use crate::value::Value;
 
@@ -505,14 +506,17 @@ impl<'s> LineParser<'s, '_> {
 
     fn comment(&mut self, item: Option<&Item<'_>>) -> Option<Comment<'s>> {
         let column = self.at;
-        let text = self.rest().strip_prefix('#')?.trim_end();
+        let whole = self.rest().strip_prefix('#')?.trim_end();
+        let found = directive::find(whole, self.span.part(column + 1..column + 1 + whole.len()));
+        let text = found.map_or(whole, |(_, start)| &whole[..start]);
         let span = self.span.part(column + 1..column + 1 + text.len());
         let note = match item {
             Some(Item::Field(_)) => Some(annotation::read(text, span, self.diagnostics)),
             Some(Item::Constant(_)) => Some(annotation::read_with_parameters(text, span, self.diagnostics)),
             None => None,
         };
-        Some(Comment { span: self.span.part(column..column + 1 + text.len()), column, text, note })
+        let span = self.span.part(column..column + 1 + whole.len());
+        Some(Comment { span, column, text, directive: found.map(|(directive, _)| directive), note })
     }
 
     /// Consumes characters as long as they satisfy `take`.

@@ -72,7 +72,7 @@ pub(super) fn read<'s>(part: &Part<'s>, dialect: Dialect) -> Commentary<'s> {
     let header_len = part.lines.iter().take_while(|line| own_comment(line).is_some()).count();
     let (header, body) = part.lines.split_at(header_len);
     let mut header_texts = Vec::new();
-    for comment in header.iter().filter_map(own_comment) {
+    for comment in header.iter().filter_map(own_comment).filter(|comment| !comment.is_directive()) {
         if !reader.topics(comment, dialect) {
             header_texts.push(comment.text);
         }
@@ -115,6 +115,7 @@ impl<'s> Reader<'s> {
             return;
         }
         match own_comment(line) {
+            Some(comment) if comment.is_directive() => return,
             Some(comment) if self.topics(comment, dialect) => {}
             Some(comment) if self.is_after_item && comment.column > 0 => self.continue_comment(comment),
             Some(comment) => {

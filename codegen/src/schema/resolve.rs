@@ -40,13 +40,12 @@ pub struct PackageSource<'s> {
     pub pages: Vec<Page>,
 }
 
-/// Resolves all packages together. Where an error is among the diagnostics, the schema is not
-/// complete, and nothing should be generated from it.
-pub fn resolve(mut packages: Vec<PackageSource<'_>>) -> (Schema, Vec<Diagnostic>) {
-    packages.sort_by(|left, right| left.name.cmp(&right.name));
+/// Resolves all packages together, which are sorted by name. Where an error is among the diagnostics, the
+/// schema is not complete, and nothing should be generated from it.
+pub fn resolve(packages: &[PackageSource<'_>]) -> (Schema, Vec<Diagnostic>) {
     let mut resolver = Resolver::default();
-    resolver.declare(&packages);
-    resolver.lower(&packages);
+    resolver.declare(packages);
+    resolver.lower(packages);
     resolver.tables(packages);
     let order = resolver.order();
     resolver.enums();
@@ -174,8 +173,8 @@ impl<'s> Resolver<'s> {
         self.report(if is_identifier(stem) { diagnostic.with_hint("rename the file") } else { diagnostic });
     }
 
-    fn tables(&mut self, packages: Vec<PackageSource<'s>>) {
-        for (index, source) in packages.into_iter().enumerate() {
+    fn tables(&mut self, packages: &[PackageSource<'s>]) {
+        for (index, source) in packages.iter().enumerate() {
             if source.form == Form::Table {
                 let (tables, mut diagnostics) = error_codes::resolve(&source.pages);
                 self.schema.packages[index].error_tables = tables;

@@ -371,7 +371,7 @@ fn can_hold(scalar: Scalar, value: &Value) -> bool {
 }
 
 /// The topic of a message that lists none: PX4 puts `_` before every capital but the first.
-fn default_topic(name: &str) -> String {
+pub(crate) fn default_topic(name: &str) -> String {
     let mut topic = String::with_capacity(name.len() + 4);
     for (at, character) in name.char_indices() {
         if at > 0 && character.is_ascii_uppercase() {

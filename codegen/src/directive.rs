@@ -1,0 +1,53 @@
+//! Directives in comments: `uavspec:ignore RULE reason` asks [`lint`](crate::lint) to let a finding stand.
+
+use crate::source::Span;
+
+/// What a directive starts with.
+const MARK: &str = "uavspec:ignore";
+
+/// What may open the comment that holds a directive, before it.
+const OPENINGS: [&str; 3] = ["<!--", "//", "#"];
+
+/// A request to let what a rule finds here stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Directive<'s> {
+    /// The id of the rule; empty where none is given.
+    pub rule: &'s str,
+    /// Why; empty where nothing is said.
+    pub reason: &'s str,
+    /// From the mark to the end.
+    pub span: Span,
+}
+
+/// The directive in `text`, which stands at `span`, and where in the text the comment starts that is nothing
+/// but the directive. What follows the mark up to the end of the line belongs to it.
+pub fn find(text: &str, span: Span) -> Option<(Directive<'_>, usize)> {
+    let at = text.find(MARK)?;
+    let words = &text[at + MARK.len()..];
+    if !words.is_empty() && !words.starts_with([' ', '\t']) {
+        return None;
+    }
+    let end = text.find("-->").filter(|end| *end > at).unwrap_or(text.len());
+    let words = text[at + MARK.len()..end].trim();
+    let (rule, reason) = words.split_once([' ', '\t']).unwrap_or((words, ""));
+    let before = text[..at].trim_end();
+    let start = OPENINGS.iter().find_map(|opening| before.strip_suffix(opening)).unwrap_or(before);
+    let directive = Directive { rule, reason: reason.trim(), span: span.part(at..text[..end].trim_end().len()) };
+    Some((directive, start.trim_end().len()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_directive_is_found_at_the_end_of_any_comment() {
+        let found = |text| find(text, Span::default()).map(|(found, at)| (found.rule, found.reason, at));
+        assert_eq!(found(" [m] Height # uavspec:ignore unit-missing as upstream"), Some(("unit-missing", "as upstream", 11)));
+        assert_eq!(found(" uavspec:ignore a-b  why "), Some(("a-b", "why", 0)));
+        assert_eq!(found("| 64 | A | x | <!-- uavspec:ignore a why -->"), Some(("a", "why", 14)));
+        assert_eq!(found("uavspec:ignore"), Some(("", "", 0)));
+        assert_eq!(found("uavspec:ignored a b"), None);
+        assert_eq!(found("nothing"), None);
+    }
+}

@@ -1,0 +1,297 @@
+//! Care for definitions: what can be read, and should still be written otherwise.
+//!
+//! A rule stands in a file of its own, with its purpose, its examples and its check, and in the list
+//! [`RULES`]. What the readers report themselves is a rule too where it is no error, so that its level can be
+//! chosen, that it can be let stand and that it may be mended ([`Check::Reader`]). Errors of the readers are
+//! always reported.
+//!
+//! A finding is let stand by a comment `# uavspec:ignore RULE reason`: behind a declaration or above one for
+//! that line, in the comment at the head of a file for the whole file. In a page the comment is one of the
+//! page's language, `<!-- uavspec:ignore RULE reason -->`.
+
+mod fix;
+mod ignore;
+mod subject;
+
+mod annotation_near_miss;
+mod trailing_white_space;
+mod unit_missing;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+pub use self::fix::apply;
+pub use self::subject::{Subject, Text};
+
+use crate::diagnostic::{Diagnostic, Level, has_errors};
+use crate::finding::{Edit, Finding};
+use crate::schema::{self, Form, Package, PackageSource, Schema};
+use crate::source::{SourceId, SourceMap, Span};
+use crate::{PackageInput, parse_all};
+
+/// Every rule, by id.
+pub const RULES: &[&Rule] = &[
+    &annotation_near_miss::RULE,
+    &ignore::INVALID,
+    &trailing_white_space::RULE,
+    &unit_missing::RULE,
+    &ignore::UNUSED,
+];
+
+/// A rule.
+#[derive(Debug)]
+pub struct Rule {
+    /// Its id, which never changes its meaning and is never used again.
+    pub id: &'static str,
+    /// What it demands, and what comes of it where that isn't kept.
+    pub purpose: &'static str,
+    /// How grave a breach is in each preset; none where the preset leaves the rule out.
+    pub levels: Levels,
+    /// A definition that breaks it.
+    pub bad: Example,
+    /// The same definition without that.
+    pub good: Example,
+    /// What it finds in real definitions, where that was counted.
+    pub measured: Option<Measured>,
+    /// What finds it.
+    pub check: Check,
+}
+
+/// The level of a rule in each preset.
+#[derive(Clone, Copy, Debug)]
+pub struct Levels {
+    /// In [`Preset::Px4`].
+    pub px4: Option<Level>,
+    /// In [`Preset::Strict`].
+    pub strict: Option<Level>,
+}
+
+impl Levels {
+    /// The same level in both presets.
+    pub const fn both(level: Level) -> Self {
+        Self { px4: Some(level), strict: Some(level) }
+    }
+
+    /// Left out by all presets but the strict one.
+    pub const fn strict(level: Level) -> Self {
+        Self { px4: None, strict: Some(level) }
+    }
+
+    /// The level in a preset.
+    pub fn of(self, preset: Preset) -> Option<Level> {
+        match preset {
+            Preset::Px4 => self.px4,
+            Preset::Strict => self.strict,
+        }
+    }
+}
+
+/// A definition that shows what a rule means.
+#[derive(Clone, Copy, Debug)]
+pub struct Example {
+    /// Its file name: the extension says what it is, in the dialect px4 where that matters.
+    pub path: &'static str,
+    /// What it says.
+    pub text: &'static str,
+}
+
+/// What a rule finds in the definitions of PX4 (`px4_msgs` main at a4a9864), and how much of it is right.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured {
+    /// How many findings there are.
+    pub findings: usize,
+    /// How many of them were looked at, taken by chance: all, or thirty.
+    pub sample: usize,
+    /// How many of those are right: whoever knows the definitions would change them.
+    pub right: usize,
+    /// A word on the others; may be empty.
+    pub remark: &'static str,
+}
+
+/// What finds breaches of a rule.
+#[derive(Clone, Copy, Debug)]
+pub enum Check {
+    /// The readers report it under the same id; this mends it, where it can.
+    Reader(fn(&Diagnostic, &SourceMap) -> Vec<Edit>),
+    /// Looks at each source as text.
+    Text(fn(&Text<'_>, &mut Sink<'_>)),
+    /// Looks at each message, parts of services and actions too.
+    Message(fn(&Subject<'_>, &mut Sink<'_>)),
+    /// Looks at the error codes of each package.
+    ErrorCodes(fn(&Package, &SourceMap, &mut Sink<'_>)),
+    /// Looks at everything at once.
+    Schema(fn(&Schema, &mut Sink<'_>)),
+    /// The ignores themselves.
+    Ignores,
+}
+
+/// For rules of the readers that take a person to mend.
+pub(crate) fn no_fix(_: &Diagnostic, _: &SourceMap) -> Vec<Edit> {
+    Vec::new()
+}
+
+/// Takes what a rule finds.
+#[derive(Debug)]
+pub struct Sink<'f> {
+    rule: &'static str,
+    findings: &'f mut Vec<Finding>,
+}
+
+impl Sink<'_> {
+    /// Reports a breach. The level is set for all findings of a rule afterwards.
+    pub fn report(&mut self, span: Span, message: impl Into<String>, help: impl Into<String>) -> &mut Finding {
+        let mut finding = Finding::new(self.rule, Level::Note, span, message);
+        finding.help(help);
+        let at = self.findings.len();
+        self.findings.push(finding);
+        &mut self.findings[at]
+    }
+}
+
+/// Sets of levels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Preset {
+    /// What PX4's documentation standard asks, and whatever makes readers go wrong.
+    #[default]
+    Px4,
+    /// All rules.
+    Strict,
+}
+
+/// Which rules apply, how grave they are, and what is let stand.
+#[derive(Clone, Debug, Default)]
+pub struct Settings {
+    /// The levels to start from.
+    pub preset: Preset,
+    /// Other levels for single rules, by id; none turns the rule off.
+    pub levels: BTreeMap<String, Option<Level>>,
+    /// What is let stand by configuration.
+    pub ignores: Vec<Ignore>,
+}
+
+impl Settings {
+    /// The level of a rule; none where it is off.
+    pub fn level(&self, rule: &Rule) -> Option<Level> {
+        self.levels.get(rule.id).copied().unwrap_or_else(|| rule.levels.of(self.preset))
+    }
+}
+
+/// A request of the configuration to let findings of a rule stand.
+#[derive(Clone, Debug)]
+pub struct Ignore {
+    /// The rule.
+    pub rule: String,
+    /// In which sources; in all, where absent.
+    pub sources: Option<BTreeSet<SourceId>>,
+    /// Why.
+    pub reason: String,
+    /// Where it is asked for.
+    pub span: Span,
+}
+
+/// The rule of an id.
+pub fn rule(id: &str) -> Option<&'static Rule> {
+    RULES.binary_search_by_key(&id, |rule| rule.id).ok().map(|at| RULES[at])
+}
+
+/// Reads `packages` and reports all that is to be said of them, by place.
+///
+/// What other packages only refer to is not judged: of sources without any message that is wanted, only
+/// errors are reported.
+pub fn lint(sources: &SourceMap, packages: &[PackageInput], settings: &Settings) -> Vec<Finding> {
+    let (parsed, mut diagnostics) = parse_all(sources, packages);
+    let (schema, mut resolved) = schema::resolve(&parsed);
+    diagnostics.append(&mut resolved);
+    let linter = Linter { sources, schema: &schema, settings };
+    let mut findings = linter.read(&diagnostics);
+    linter.check(&parsed, &diagnostics, &mut findings);
+    let wanted = wanted(sources, &schema, &parsed);
+    findings.retain(|finding| {
+        finding.level == Level::Error && rule(finding.rule).is_none()
+            || wanted.contains(&sources.source_of(finding.span))
+    });
+    ignore::apply(sources, &parsed, settings, &wanted, &mut findings);
+    findings.sort_by(|left, right| (left.span, left.rule, &left.message).cmp(&(right.span, right.rule, &right.message)));
+    findings
+}
+
+struct Linter<'s> {
+    sources: &'s SourceMap,
+    schema: &'s Schema,
+    settings: &'s Settings,
+}
+
+impl Linter<'_> {
+    /// What the readers say, at the level that is chosen where it is a rule.
+    fn read(&self, diagnostics: &[Diagnostic]) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        for diagnostic in diagnostics {
+            let mut finding = Finding::from(diagnostic);
+            if let Some(rule) = rule(finding.rule) {
+                let Some(level) = self.settings.level(rule) else { continue };
+                finding.level = level;
+                if let Check::Reader(fix) = rule.check {
+                    finding.fix = fix(diagnostic, self.sources);
+                }
+            }
+            findings.push(finding);
+        }
+        findings
+    }
+
+    /// What the rules find. A file with errors is incomplete, and rules on messages would report what comes
+    /// of that.
+    fn check(&self, parsed: &[PackageSource<'_>], diagnostics: &[Diagnostic], findings: &mut Vec<Finding>) {
+        let broken: BTreeSet<SourceId> = diagnostics
+            .iter()
+            .filter(|diagnostic| diagnostic.level() == Level::Error)
+            .map(|diagnostic| self.sources.source_of(diagnostic.span))
+            .collect();
+        let subjects = subject::subjects(self.sources, self.schema, parsed, &broken);
+        let texts = subject::texts(self.sources, parsed);
+        for rule in RULES {
+            let Some(level) = self.settings.level(rule) else { continue };
+            let first = findings.len();
+            let mut sink = Sink { rule: rule.id, findings };
+            match rule.check {
+                Check::Reader(_) | Check::Ignores => {}
+                Check::Text(check) => texts.iter().for_each(|text| check(text, &mut sink)),
+                Check::Message(check) => subjects.iter().for_each(|subject| check(subject, &mut sink)),
+                Check::ErrorCodes(check) => {
+                    let of_tables = |package: &&Package| package.form == Form::Table;
+                    let packages = self.schema.packages.iter().filter(of_tables);
+                    packages.for_each(|package| check(package, self.sources, &mut sink));
+                }
+                Check::Schema(check) if !has_errors(diagnostics) => check(self.schema, &mut sink),
+                Check::Schema(_) => {}
+            }
+            findings[first..].iter_mut().for_each(|finding| finding.level = level);
+        }
+    }
+}
+
+/// The sources that hold anything that is wanted.
+fn wanted(sources: &SourceMap, schema: &Schema, parsed: &[PackageSource<'_>]) -> BTreeSet<SourceId> {
+    let mut wanted = BTreeSet::new();
+    for (package, source) in schema.packages.iter().zip(parsed) {
+        if source.select.is_some() {
+            let messages = package.messages.iter().map(|id| schema.message(*id).span);
+            let spans = messages.chain(package.interfaces.iter().map(|interface| interface.span));
+            wanted.extend(spans.map(|span| sources.source_of(span)));
+        } else {
+            let spans = source.files.iter().map(|(_, _, span, _)| *span);
+            let spans = spans.chain(source.pages.iter().map(|page| page.span));
+            wanted.extend(spans.map(|span| sources.source_of(span)));
+        }
+    }
+    wanted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rules_are_sorted_so_that_they_can_be_looked_up() {
+        assert!(RULES.windows(2).all(|pair| pair[0].id < pair[1].id));
+    }
+}

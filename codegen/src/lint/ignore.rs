@@ -1,0 +1,257 @@
+//! Findings that are let stand, and requests for that which no longer apply.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::{Check, Example, Ignore, Levels, Rule, Settings, Text, rule, subject};
+use crate::diagnostic::Level;
+use crate::directive::{self, Directive};
+use crate::finding::Finding;
+use crate::msg::ast::{Line, Part};
+use crate::schema::{Form, PackageSource};
+use crate::source::{SourceId, SourceMap, Span};
+
+/// Requests that can't be granted.
+pub(super) const INVALID: Rule = Rule {
+    id: "invalid-ignore",
+    purpose: "A request to ignore findings names a rule and says why. One without a reason is granted and \
+              reported; one that names no rule does nothing. Errors of the readers can't be ignored.",
+    levels: Levels::both(Level::Warning),
+    bad: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               float32 sink      # [m/s] Sink rate  # uavspec:ignore unit-mising taken over as it is\n",
+    },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               float32 sink      # Sink rate  # uavspec:ignore unit-missing taken over as it is\n",
+    },
+    measured: None,
+    check: Check::Ignores,
+};
+
+/// Requests that nothing is left to ignore for.
+pub(super) const UNUSED: Rule = Rule {
+    id: "unused-ignore",
+    purpose: "A request to ignore findings that no longer has any to ignore hides the next one that comes. \
+              Requests for rules that are off are left alone.",
+    levels: Levels::both(Level::Warning),
+    bad: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               float32 sink      # [m/s] Sink rate  # uavspec:ignore unit-missing not known yet\n",
+    },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               float32 sink      # [m/s] Sink rate\n",
+    },
+    measured: None,
+    check: Check::Ignores,
+};
+
+/// A request and what it is for.
+struct Request<'s> {
+    rule: &'s str,
+    reason: &'s str,
+    span: Span,
+    scope: Scope,
+    /// What goes when the request goes: its comment, or its whole line.
+    removal: Option<Span>,
+}
+
+enum Scope {
+    /// Findings that start in a line.
+    Line(Span),
+    /// Findings in a source.
+    Source(SourceId),
+    /// Findings in some sources, or in all.
+    Sources(Option<BTreeSet<SourceId>>),
+}
+
+/// Takes out of `findings` what is let stand, and adds what is to be said of the requests.
+pub(super) fn apply(
+    sources: &SourceMap,
+    parsed: &[PackageSource<'_>],
+    settings: &Settings,
+    wanted: &BTreeSet<SourceId>,
+    findings: &mut Vec<Finding>,
+) {
+    let mut requests: Vec<Request<'_>> = settings.ignores.iter().map(of_configuration).collect();
+    for (_, _, span, definition) in parsed.iter().flat_map(|package| &package.files) {
+        let source = sources.source_of(*span);
+        definition.parts.iter().for_each(|part| of_part(part, source, sources, &mut requests));
+    }
+    for text in subject::texts(sources, parsed).iter().filter(|text| text.form == Form::Table) {
+        of_page(text, sources, &mut requests);
+    }
+    requests.retain(|request| match request.scope {
+        Scope::Line(_) | Scope::Source(_) => wanted.contains(&sources.source_of(request.span)),
+        Scope::Sources(_) => true,
+    });
+    let index = Index::new(&requests);
+    let mut used = vec![false; requests.len()];
+    findings.retain(|finding| {
+        let request = rule(finding.rule).and_then(|_| index.granting(finding, sources, &requests));
+        request.inspect(|request| used[*request] = true).is_none()
+    });
+    for (request, used) in requests.iter().zip(used) {
+        findings.extend(request.invalid(settings));
+        if !used {
+            findings.extend(request.unused(settings));
+        }
+    }
+}
+
+fn of_configuration(ignore: &Ignore) -> Request<'_> {
+    let scope = Scope::Sources(ignore.sources.clone());
+    Request { rule: &ignore.rule, reason: &ignore.reason, span: ignore.span, scope, removal: None }
+}
+
+fn of_part<'s>(part: &Part<'s>, source: SourceId, sources: &SourceMap, requests: &mut Vec<Request<'s>>) {
+    let is_comment = |line: &&Line<'_>| line.item.is_none() && line.comment.is_some();
+    let head = part.lines.iter().take_while(is_comment).count();
+    for (at, line) in part.lines.iter().enumerate() {
+        let Some(comment) = &line.comment else { continue };
+        let Some(directive) = comment.directive else { continue };
+        let below = || part.lines[at..].iter().find(|line| line.item.is_some());
+        let scope = if line.item.is_some() {
+            Scope::Line(line.span)
+        } else if at < head {
+            Scope::Source(source)
+        } else {
+            below().map_or(Scope::Source(source), |line| Scope::Line(line.span))
+        };
+        let removal = if comment.is_directive() && line.item.is_none() {
+            whole_line(line.span, sources)
+        } else {
+            // From the end of what stands before it.
+            let text = comment.text.trim_end();
+            let start = if text.is_empty() { 0 } else { 1 + text.len() };
+            comment.span.part(start..start).to(comment.span)
+        };
+        requests.push(Request::of(directive, scope, removal));
+    }
+}
+
+fn of_page<'s>(page: &Text<'s>, sources: &SourceMap, requests: &mut Vec<Request<'s>>) {
+    for (line, span) in page.lines() {
+        let Some((directive, start)) = directive::find(line, span) else { continue };
+        let (scope, removal) = if start == 0 {
+            (Scope::Source(sources.source_of(span)), whole_line(span, sources))
+        } else {
+            let end = if line.ends_with("-->") { line.len() } else { start };
+            (Scope::Line(span), span.part(start..end))
+        };
+        requests.push(Request::of(directive, scope, removal));
+    }
+}
+
+/// A line with its end, where it has one.
+fn whole_line(line: Span, sources: &SourceMap) -> Span {
+    let source = sources.span(sources.source_of(line));
+    let rest = sources.slice(Span { start: line.end, end: source.end });
+    let end = if rest.starts_with("\r\n") { 2 } else { u32::from(rest.starts_with('\n')) };
+    Span { start: line.start, end: line.end + end }
+}
+
+impl<'s> Request<'s> {
+    fn of(directive: Directive<'s>, scope: Scope, removal: Span) -> Self {
+        let Directive { rule, reason, span } = directive;
+        Self { rule, reason, span, scope, removal: Some(removal) }
+    }
+
+    fn invalid(&self, settings: &Settings) -> Option<Finding> {
+        let level = settings.level(&INVALID)?;
+        let report = |message: String, help: String| {
+            let mut finding = Finding::new(INVALID.id, level, self.span, message);
+            finding.help(help);
+            Some(finding)
+        };
+        if self.rule.is_empty() {
+            return report("no rule is named".to_owned(), "write `uavspec:ignore RULE reason`".to_owned());
+        }
+        if rule(self.rule).is_none() {
+            let is_error = crate::diagnostic::Problem::CODES.contains(&self.rule);
+            let help = match similar(self.rule) {
+                _ if is_error => "what can't be read has to be mended".to_owned(),
+                Some(similar) => format!("did you mean `{similar}`?"),
+                None => "the documentation lists all rules".to_owned(),
+            };
+            let what = if is_error { "an error, which can't be ignored" } else { "no rule" };
+            return report(format!("`{}` is {what}", self.rule), help);
+        }
+        if self.reason.is_empty() {
+            let help = "say why, so that others can tell when it no longer holds".to_owned();
+            return report(format!("no reason is given for ignoring `{}`", self.rule), help);
+        }
+        None
+    }
+
+    fn unused(&self, settings: &Settings) -> Option<Finding> {
+        let level = settings.level(&UNUSED)?;
+        settings.level(rule(self.rule)?)?;
+        let message = format!("nothing is left here that `{}` would report", self.rule);
+        let mut finding = Finding::new(UNUSED.id, level, self.span, message);
+        finding.help("remove the request");
+        if let Some(removal) = self.removal {
+            finding.edit(removal, "");
+        }
+        Some(finding)
+    }
+}
+
+/// The rule whose id is closest to `id`, where any is close.
+fn similar(id: &str) -> Option<&'static str> {
+    let distances = super::RULES.iter().map(|rule| (strsim::damerau_levenshtein(rule.id, id), rule.id));
+    // Ids are short: what is much longer is none, and comparing takes the product of the lengths.
+    distances.filter(|(distance, known)| id.len() < 60 && *distance <= 1 + known.len() / 5).min().map(|(_, known)| known)
+}
+
+/// Requests by what they are for.
+struct Index<'s> {
+    /// By rule and start of the line.
+    lines: BTreeMap<(&'s str, u32), usize>,
+    sources: BTreeMap<(&'s str, SourceId), usize>,
+    /// Of the configuration: few.
+    others: Vec<usize>,
+}
+
+impl<'s> Index<'s> {
+    fn new(requests: &[Request<'s>]) -> Self {
+        let mut index = Self { lines: BTreeMap::new(), sources: BTreeMap::new(), others: Vec::new() };
+        for (at, request) in requests.iter().enumerate() {
+            match request.scope {
+                Scope::Line(line) => {
+                    index.lines.entry((request.rule, line.start)).or_insert(at);
+                }
+                Scope::Source(source) => {
+                    index.sources.entry((request.rule, source)).or_insert(at);
+                }
+                Scope::Sources(_) => index.others.push(at),
+            }
+        }
+        index
+    }
+
+    /// The request that lets `finding` stand.
+    fn granting(&self, finding: &Finding, sources: &SourceMap, requests: &[Request<'_>]) -> Option<usize> {
+        let source = sources.source_of(finding.span);
+        let of_line = || {
+            let before = self.lines.range((finding.rule, 0)..=(finding.rule, finding.span.start));
+            let (_, request) = before.last()?;
+            let Scope::Line(line) = requests[*request].scope else { return None };
+            (finding.span.start <= line.end).then_some(*request)
+        };
+        let of_source = || self.sources.get(&(finding.rule, source)).copied();
+        let of_others = || {
+            let covers = |request: &&usize| match &requests[**request].scope {
+                Scope::Sources(Some(only)) => only.contains(&source),
+                _ => true,
+            };
+            let is_of_rule = |request: &&usize| requests[**request].rule == finding.rule;
+            self.others.iter().filter(is_of_rule).find(covers).copied()
+        };
+        of_line().or_else(of_source).or_else(of_others)
+    }
+}

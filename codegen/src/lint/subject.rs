@@ -1,0 +1,109 @@
+//! What rules look at: messages with the lines that declare them, and sources as text.
+
+use std::collections::{BTreeSet, HashMap};
+
+use crate::msg::ast::{Definition, Line, Part};
+use crate::msg::{Dialect, Kind};
+use crate::schema::{Constant, Field, Form, Message, PackageSource, Schema};
+use crate::source::{SourceId, SourceMap, Span};
+
+/// A message, or a part of a service or action, with its lines.
+#[derive(Debug)]
+pub struct Subject<'a> {
+    /// All texts.
+    pub sources: &'a SourceMap,
+    /// All messages.
+    pub schema: &'a Schema,
+    /// How it is written.
+    pub dialect: Dialect,
+    /// The message.
+    pub message: &'a Message,
+    /// Its lines.
+    pub part: &'a Part<'a>,
+}
+
+impl<'a> Subject<'a> {
+    /// Whether it is a message of PX4, neither of ROS 2 nor a part of a service.
+    pub fn is_px4_message(&self) -> bool {
+        self.dialect == Dialect::Px4 && self.message.kind == Kind::Message
+    }
+
+    /// The place to name where the matter is the message as a whole: its first line.
+    pub fn head(&self) -> Span {
+        self.part.lines.first().map_or(self.message.span.part(0..0), |line| line.span)
+    }
+
+    /// Its fields with their lines.
+    pub fn fields(&self) -> impl Iterator<Item = (&'a Field, &'a Line<'a>)> {
+        self.message.fields.iter().filter_map(|field| Some((field, self.line(field.span)?)))
+    }
+
+    /// Its constants with their lines.
+    pub fn constants(&self) -> impl Iterator<Item = (&'a Constant, &'a Line<'a>)> {
+        self.message.constants.iter().filter_map(|constant| Some((constant, self.line(constant.span)?)))
+    }
+
+    /// The line that holds `span`.
+    pub fn line(&self, span: Span) -> Option<&'a Line<'a>> {
+        let after = self.part.lines.partition_point(|line| line.span.start <= span.start);
+        self.part.lines.get(after.checked_sub(1)?)
+    }
+}
+
+/// A source as text.
+#[derive(Debug)]
+pub struct Text<'a> {
+    /// What it says.
+    pub text: &'a str,
+    /// Where.
+    pub span: Span,
+    /// What it holds.
+    pub form: Form,
+}
+
+impl<'a> Text<'a> {
+    /// Its lines without their ends, each with its place.
+    pub fn lines(&self) -> impl Iterator<Item = (&'a str, Span)> {
+        let span = self.span;
+        self.text.split_inclusive('\n').scan(0, move |at, raw| {
+            let line = raw.strip_suffix('\n').unwrap_or(raw);
+            let line = line.strip_suffix('\r').unwrap_or(line);
+            let place = span.part(*at..*at + line.len());
+            *at += raw.len();
+            Some((line, place))
+        })
+    }
+}
+
+/// All messages that could be read wholly.
+pub(super) fn subjects<'a>(
+    sources: &'a SourceMap,
+    schema: &'a Schema,
+    parsed: &'a [PackageSource<'a>],
+    broken: &BTreeSet<SourceId>,
+) -> Vec<Subject<'a>> {
+    let files: HashMap<(Span, Kind), &(&str, Kind, Span, Definition<'_>)> =
+        parsed.iter().flat_map(|package| &package.files).map(|file| ((file.2, file.1), file)).collect();
+    let subject = |message: &'a Message| {
+        let Form::Msg(dialect) = parsed[message.package].form else { return None };
+        let (stem, kind, _, definition) = files.get(&(message.span, message.kind))?;
+        let suffix = message.name.strip_prefix(stem)?;
+        let part = kind.part_suffixes().iter().position(|known| *known == suffix)?;
+        Some(Subject { sources, schema, dialect, message, part: definition.parts.get(part)? })
+    };
+    let is_whole = |message: &&Message| !broken.contains(&sources.source_of(message.span));
+    schema.messages.iter().filter(is_whole).filter_map(subject).collect()
+}
+
+/// All sources.
+pub(super) fn texts<'a>(sources: &'a SourceMap, parsed: &[PackageSource<'a>]) -> Vec<Text<'a>> {
+    let mut texts = Vec::new();
+    for package in parsed {
+        let files = package.files.iter().map(|(_, _, span, _)| *span);
+        for span in files.chain(package.pages.iter().map(|page| page.span)) {
+            let text = sources.text(sources.source_of(span));
+            texts.push(Text { text, span, form: package.form });
+        }
+    }
+    texts
+}

@@ -1,0 +1,36 @@
+//! `trailing-white-space`: blanks and tabs before the end of a line.
+
+use super::{Check, Example, Levels, Rule, Sink, Text};
+use crate::diagnostic::Level;
+use crate::schema::Form;
+
+pub(super) const RULE: Rule = Rule {
+    id: "trailing-white-space",
+    purpose: "No line ends with white space: nobody sees it, and editors remove it in changes that are about \
+              something else.",
+    levels: Levels::both(Level::Note),
+    bad: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start \n",
+    },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n",
+    },
+    measured: None,
+    check: Check::Text(check),
+};
+
+fn check(text: &Text<'_>, sink: &mut Sink<'_>) {
+    // In pages two blanks at the end break a line.
+    if text.form == Form::Table {
+        return;
+    }
+    for (line, span) in text.lines() {
+        let kept = line.trim_end_matches([' ', '\t']).len();
+        if kept < line.len() {
+            let place = span.part(kept..line.len());
+            sink.report(place, "white space at the end of the line", "remove it").edit(place, "");
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! Findings as other programs take them: one value, several formats.
+//!
+//! Whatever judges, definitions here or outputs of an implementation in the conformance suite, makes a
+//! [`Report`]; the formats know nothing of spans or rules.
+
+mod github;
+mod json;
+
+use crate::diagnostic::Level;
+use crate::finding::Finding;
+use crate::source::{Position, SourceMap, Span};
+
+/// Where the documentation has a page for each rule.
+pub const RULES_URL: &str = "https://uavspec.dev/docs/rules/";
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Report {
+    /// What judged: `lint`, `breaking`.
+    pub command: &'static str,
+    /// All rules that were applied, by id.
+    pub rules: Vec<RuleInfo>,
+    /// What they found, in the order in which it is to be shown.
+    pub entries: Vec<Entry>,
+}
+
+/// A rule, as far as a report tells it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RuleInfo {
+    /// Its id.
+    pub id: &'static str,
+    /// What it demands, in Markdown.
+    pub purpose: &'static str,
+    /// How grave a breach is.
+    pub level: Level,
+}
+
+/// Something that a rule found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// The id of the rule.
+    pub rule: &'static str,
+    /// Whom it breaks, where rules tell that.
+    pub category: Option<&'static str>,
+    /// How grave it is.
+    pub level: Level,
+    /// What is the matter.
+    pub message: String,
+    /// What to do about it, or what comes of it; may be empty.
+    pub help: String,
+    /// Where.
+    pub place: Place,
+    /// Where it was, and where it is, where two sets were compared.
+    pub sides: Option<(Option<Place>, Option<Place>)>,
+    /// Other places that have to do with it, each with a word on how.
+    pub related: Vec<(Place, String)>,
+    /// Whether it can be mended without a person.
+    pub is_fixable: bool,
+}
+
+/// A range in a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The file, with `/` on every system.
+    pub path: String,
+    /// Its first character.
+    pub start: Position,
+    /// The position after its last character.
+    pub end: Position,
+}
+
+/// A format of reports.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// A JSON list of findings.
+    Json,
+    /// Annotations of a workflow on GitHub.
+    Github,
+}
+
+impl Place {
+    /// Of a span.
+    pub fn of(span: Span, sources: &SourceMap) -> Self {
+        let path = sources.path(sources.source_of(span)).to_owned();
+        let end = Span { start: span.end, end: span.end };
+        Self { path, start: sources.position(span), end: sources.position(end) }
+    }
+}
+
+impl Entry {
+    /// Of a finding in definitions.
+    pub fn of(finding: &Finding, sources: &SourceMap) -> Self {
+        let place = |span: Span| Place::of(span, sources);
+        Self {
+            rule: finding.rule,
+            category: finding.category,
+            level: finding.level,
+            message: finding.message.clone(),
+            help: finding.help.clone(),
+            place: place(finding.span),
+            sides: finding.sides.map(|sides| (sides.old.map(place), sides.new.map(place))),
+            related: finding.related.iter().map(|(span, label)| (place(*span), label.clone())).collect(),
+            is_fixable: !finding.fix.is_empty(),
+        }
+    }
+
+    /// The page of the documentation on its rule.
+    pub fn url(&self) -> String {
+        rule_url(self.rule)
+    }
+}
+
+/// The page of the documentation on a rule.
+pub fn rule_url(rule: &str) -> String {
+    format!("{RULES_URL}{rule}.html")
+}
+
+impl Report {
+    /// The report as text of a format, with a newline at the end where it isn't empty.
+    pub fn to_text(&self, format: Format) -> String {
+        match format {
+            Format::Json => json::write(self),
+            Format::Github => github::write(self),
+        }
+    }
+}
