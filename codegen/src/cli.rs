@@ -11,10 +11,12 @@
 //! Exit status: 0 all is well; 1 mistakes in the definitions, or stale output with `--check`;
 //! 2 the command can't be carried out: wrong usage, missing input, unwritable output.
 
+mod breaking;
 mod config;
 mod lint;
 mod load;
 mod output;
+mod revision;
 
 use std::fmt;
 use std::io::Write as _;
@@ -51,6 +53,8 @@ pub enum Command {
     Inspect(InspectArgs),
     /// Find what should be written otherwise in the definitions, and mend what can be.
     Lint(lint::LintArgs),
+    /// Compare the definitions with an earlier state, and say what breaks whom.
+    Breaking(breaking::BreakingArgs),
 }
 
 /// Arguments of `codegen`.
@@ -216,6 +220,7 @@ impl Command {
             Self::Codegen(args) => codegen(&args),
             Self::Inspect(args) => inspect(&args),
             Self::Lint(args) => lint::run(&args),
+            Self::Breaking(args) => breaking::run(&args),
         };
         match result {
             Ok(true) => ExitCode::SUCCESS,

@@ -88,7 +88,7 @@ impl Levels {
 /// A definition that shows what a rule means.
 #[derive(Clone, Copy, Debug)]
 pub struct Example {
-    /// Its file name: the extension says what it is, in the dialect px4 where that matters.
+    /// Its file name: the extension says what it is. A `.msg` file is of PX4, in a folder of ROS 2.
     pub path: &'static str,
     /// What it says.
     pub text: &'static str,
@@ -138,7 +138,12 @@ pub struct Sink<'f> {
 
 impl Sink<'_> {
     /// Reports a breach. The level is set for all findings of a rule afterwards.
-    pub fn report(&mut self, span: Span, message: impl Into<String>, help: impl Into<String>) -> &mut Finding {
+    pub fn report(
+        &mut self,
+        span: Span,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> &mut Finding {
         let mut finding = Finding::new(self.rule, Level::Note, span, message);
         finding.help(help);
         let at = self.findings.len();
@@ -210,7 +215,9 @@ pub fn lint(sources: &SourceMap, packages: &[PackageInput], settings: &Settings)
             || wanted.contains(&sources.source_of(finding.span))
     });
     ignore::apply(sources, &parsed, settings, &wanted, &mut findings);
-    findings.sort_by(|left, right| (left.span, left.rule, &left.message).cmp(&(right.span, right.rule, &right.message)));
+    findings.sort_by(|left, right| {
+        (left.span, left.rule, &left.message).cmp(&(right.span, right.rule, &right.message))
+    });
     findings
 }
 

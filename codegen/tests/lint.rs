@@ -89,7 +89,11 @@ fn check_examples(rule: &Rule) -> Vec<String> {
 #[test]
 fn each_rule_finds_its_bad_example_and_not_its_good_one() {
     let failures: Vec<String> = RULES.iter().flat_map(|rule| check_examples(rule)).collect();
-    assert!(failures.is_empty(), "{}\nUAVSPEC_UPDATE_FIXTURES=1 takes what is said for expected", failures.join("\n"));
+    assert!(
+        failures.is_empty(),
+        "{}\nUAVSPEC_UPDATE_FIXTURES=1 takes what is said for expected",
+        failures.join("\n")
+    );
 }
 
 /// The rule that a folder is named after. Ids may start with other ids: the longest counts.

@@ -215,6 +215,8 @@ pub(super) struct Plan {
     pub(super) config: Option<(String, String)>,
     /// Rules and what is let stand.
     pub(super) lint: PlannedLint,
+    /// The revision that its sources come from; that of the working tree, where absent.
+    pub(super) revision: Option<String>,
 }
 
 /// A package to be read.
@@ -299,7 +301,8 @@ impl Config {
         Self::read(found.strip_prefix(&current).unwrap_or(&found))
     }
 
-    fn read(path: &Path) -> Result<Self, Failure> {
+    /// Reads the file at `path`.
+    pub(super) fn read(path: &Path) -> Result<Self, Failure> {
         let shown = path.display().to_string();
         let text =
             std::fs::read_to_string(path).map_err(|error| Failure::new(format!("{shown}: {error}")))?;
@@ -310,6 +313,22 @@ impl Config {
         }
         let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
         Ok(Self { folder, path: shown, text, file })
+    }
+
+    /// The file that was read.
+    pub(super) fn file(&self) -> &Path {
+        Path::new(&self.path)
+    }
+
+    /// The file in `folder`, where there is one.
+    pub(super) fn in_folder(folder: &Path) -> Option<PathBuf> {
+        FILE_NAMES.iter().map(|name| folder.join(name)).find(|path| path.is_file())
+    }
+
+    /// The same for definitions in another folder.
+    pub(super) fn moved_to(mut self, folder: PathBuf) -> Self {
+        self.folder = folder;
+        self
     }
 
     pub(super) fn plan(self) -> Result<Plan, Failure> {
@@ -363,7 +382,7 @@ impl Config {
             .collect();
         let lint = self.file.lint.plan(folder, &self.path, &self.text)?;
         let config = Some((self.path, self.text));
-        Ok(Plan { root: normalise(&root), packages, outputs: planned, config, lint })
+        Ok(Plan { root: normalise(&root), packages, outputs: planned, config, lint, revision: None })
     }
 }
 
@@ -384,9 +403,11 @@ impl Lint {
             let LintIgnore { rule, path: pattern, reason } = ignore.into_inner();
             let glob = |pattern: String| {
                 let below = folder.join(&pattern);
-                let glob = GlobBuilder::new(&normalise(&below).to_string_lossy()).literal_separator(true).build();
-                glob.map(|glob| glob.compile_matcher())
-                    .map_err(|error| misplaced(path, text, range.clone(), &format!("`{pattern}`: {}", error.kind())))
+                let glob =
+                    GlobBuilder::new(&normalise(&below).to_string_lossy()).literal_separator(true).build();
+                glob.map(|glob| glob.compile_matcher()).map_err(|error| {
+                    misplaced(path, text, range.clone(), &format!("`{pattern}`: {}", error.kind()))
+                })
             };
             let files = pattern.map(glob).transpose()?;
             ignores.push(PlannedIgnore { rule, files, reason, range });
@@ -454,7 +475,14 @@ impl Plan {
             origin: None,
             revision: None,
         };
-        Self { root: PathBuf::new(), packages: vec![package], outputs, config: None, lint: PlannedLint::default() }
+        Self {
+            root: PathBuf::new(),
+            packages: vec![package],
+            outputs,
+            config: None,
+            lint: PlannedLint::default(),
+            revision: None,
+        }
     }
 }
 
