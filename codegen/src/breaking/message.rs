@@ -53,14 +53,26 @@ pub struct Kept {
     pub old: usize,
     /// Its index in the new one.
     pub new: usize,
-    /// Whether it holds the same scalar, string or message, in whatever number.
-    pub is_same_element: bool,
-    /// Whether the message that it holds has other bytes in CDR.
-    pub is_nested_cdr_changed: bool,
-    /// Whether the message that it holds has other bytes in memory.
-    pub is_nested_uorb_changed: bool,
+    /// What became of the type of its elements.
+    pub held: Held,
     /// Whether it has to move so that the fields that are kept stand in the old order.
     pub is_moved: bool,
+}
+
+/// What became of that which a field holds, in whatever number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Held {
+    /// It is the same.
+    Same,
+    /// It is the same message, but that has other bytes.
+    Changed {
+        /// In CDR.
+        cdr: bool,
+        /// In memory.
+        uorb: bool,
+    },
+    /// It is another scalar, string or message.
+    Other,
 }
 
 /// A constant of two sets, or of one.
@@ -99,7 +111,7 @@ impl<'a> Pair<'a> {
             FieldChange::Kept(kept) => {
                 let (old, new) = (&self.old.fields[kept.old], &self.new.fields[kept.new]);
                 old.name != new.name
-                    || !kept.is_same_element
+                    || kept.held == Held::Other
                     || old.ty.shape != new.ty.shape
                     || old.default != new.default
                     || kept.is_moved
@@ -206,22 +218,16 @@ impl<'a> PairOf<'a, '_> {
 
     fn kept(&self, old: &Message, new: &Message, (before, after): (usize, usize), is_moved: bool) -> Kept {
         let elements = (old.fields[before].ty.element, new.fields[after].ty.element);
-        let is_same_element = self.is_same(elements.0, elements.1);
-        let (cdr, uorb) = match elements {
-            (Element::Message(left), Element::Message(right)) if is_same_element => (
-                self.old_signatures.cdr(left) != self.new_signatures.cdr(right),
-                self.old_signatures.uorb(left) != self.new_signatures.uorb(right),
-            ),
-            _ => (false, false),
+        let held = match elements {
+            (old, new) if !self.is_same(old, new) => Held::Other,
+            (Element::Message(old), Element::Message(new)) => {
+                let cdr = self.old_signatures.cdr(old) != self.new_signatures.cdr(new);
+                let uorb = self.old_signatures.uorb(old) != self.new_signatures.uorb(new);
+                if cdr || uorb { Held::Changed { cdr, uorb } } else { Held::Same }
+            }
+            _ => Held::Same,
         };
-        Kept {
-            old: before,
-            new: after,
-            is_same_element,
-            is_nested_cdr_changed: cdr,
-            is_nested_uorb_changed: uorb,
-            is_moved,
-        }
+        Kept { old: before, new: after, held, is_moved }
     }
 
     fn is_same(&self, old: Element, new: Element) -> bool {
