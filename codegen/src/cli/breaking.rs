@@ -6,11 +6,11 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 
 use super::config::{Config, Inputs, Plan};
-use super::lint::{DenyLevel, FormatName, print, summary};
+use super::lint::{DenyLevel, FormatName, print};
 use super::load::{Loaded, load, load_beside};
 use super::revision::Checkout;
-use super::{Failure, PackageArgs};
-use crate::breaking::{Between, RULES, breaking};
+use super::{Failure, PackageArgs, plural};
+use crate::breaking::{Between, Category, RULES, breaking};
 use crate::diagnostic::{Diagnostic, Level, has_errors, render};
 use crate::finding::Finding;
 use crate::report::RuleInfo;
@@ -91,9 +91,14 @@ pub(super) fn run(args: &BreakingArgs) -> Result<bool, Failure> {
         let level = rule.breaks.iter().map(|(_, level)| *level).max().unwrap_or(Level::Note);
         RuleInfo { id: rule.id, purpose: rule.purpose, level }
     });
-    let summary = summary("breaking", &findings, &new, started);
     print("breaking", rules.collect(), &findings, &new, args.format);
-    anstream::eprintln!("{summary}");
+    let files = plural(new.files.len(), "file");
+    let elapsed = started.elapsed().as_millis();
+    anstream::eprintln!(
+        "breaking: {files} compared with {}: {} ({elapsed} ms)",
+        old.files.len(),
+        summary(&findings)
+    );
     Ok(!findings.iter().any(|finding| finding.level >= args.deny.into()))
 }
 
@@ -155,6 +160,27 @@ fn plan_of_folder(args: &BreakingArgs, new: &Plan, folder: &Path) -> Result<Plan
         package.inputs = Inputs::Paths(vec![folder.to_path_buf()]);
     }
     Ok(Plan { root: PathBuf::new(), config: None, ..plan })
+}
+
+/// How many changes there are, and how many of them break each category.
+fn summary(findings: &[Finding]) -> String {
+    let is_one = |left: &Finding, right: &Finding| {
+        (left.rule, left.span, &left.message) == (right.rule, right.span, &right.message)
+    };
+    let changes = findings.chunk_by(is_one).count();
+    if changes == 0 {
+        return "nothing changed that anybody would notice".to_owned();
+    }
+    let broken = |category: Category| {
+        let is_broken =
+            |finding: &&Finding| finding.category == Some(category.name()) && finding.level > Level::Note;
+        let count = findings.iter().filter(is_broken).count();
+        (count > 0).then(|| format!("{} {count}", category.name()))
+    };
+    let broken: Vec<String> = Category::ALL.into_iter().filter_map(broken).collect();
+    let broken =
+        if broken.is_empty() { "break nobody".to_owned() } else { format!("break {}", broken.join(", ")) };
+    format!("{}; they {broken}", plural(changes, "change"))
 }
 
 fn read(sources: &SourceMap, loaded: &mut Loaded) -> (Schema, Vec<Diagnostic>) {
