@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::order::{align, likeness};
+use super::order::{MAX_COMPARISONS, align, likeness};
 use super::signature::OfSet;
 use super::{Between, order};
 use crate::finding::Sides;
@@ -182,6 +182,7 @@ impl<'a> PairOf<'a, '_> {
         let is_taken: BTreeSet<usize> = twin_of.values().copied().collect();
         let gone = gaps(&old.fields, |at| twin_of.contains_key(&at));
         let come = gaps(&new.fields, |at| is_taken.contains(&at));
+        let mut budget = MAX_COMPARISONS;
         for (anchor, gone) in &gone {
             let Some(come) = come.get(anchor) else { continue };
             let field = |at: usize| &old.fields[gone[at]];
@@ -196,7 +197,7 @@ impl<'a> PairOf<'a, '_> {
             };
             let alike =
                 |left: usize, right: usize| likeness(&field(left).name, &new.fields[come[right]].name);
-            let renamed = align(gone.len(), come.len(), can_match, alike);
+            let renamed = align(gone.len(), come.len(), &mut budget, can_match, alike);
             twin_of.extend(renamed.into_iter().map(|(left, right)| (gone[left], come[right])));
         }
         let positions: Vec<usize> = twin_of.values().copied().collect();
