@@ -63,9 +63,9 @@ struct Source {
 impl Source {
     /// Number of the line, from 0, that holds a position, and where it starts.
     fn line(&self, at: usize) -> (usize, usize) {
-        let starts = self.lines.get_or_init(|| {
-            self.text.match_indices('\n').map(|(newline, _)| offset(newline + 1)).collect()
-        });
+        let starts = self
+            .lines
+            .get_or_init(|| self.text.match_indices('\n').map(|(newline, _)| offset(newline + 1)).collect());
         let line = starts.partition_point(|start| *start as usize <= at);
         (line, line.checked_sub(1).map_or(0, |before| starts[before] as usize))
     }

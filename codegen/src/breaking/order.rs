@@ -35,12 +35,14 @@ pub(super) fn align(
     can_match: impl Fn(usize, usize) -> bool,
     likeness: impl Fn(usize, usize) -> f64,
 ) -> Vec<(usize, usize)> {
-    let Some(left) = budget.checked_sub(old.saturating_mul(new)).filter(|_| old > 0 && new > 0) else {
+    let comparisons = old.saturating_mul(new);
+    if comparisons == 0 || comparisons > *budget {
         return (0..old.min(new))
             .map(|at| (at, at))
             .filter(|(left, right)| can_match(*left, *right))
             .collect();
     }
+    *budget -= comparisons;
     // best[i][j]: pairs and their likeness that the ends from i and j on can have.
     let mut best = vec![vec![(0_usize, 0.0_f64); new + 1]; old + 1];
     let matched = |best: &[Vec<(usize, f64)>], left: usize, right: usize| {
