@@ -147,7 +147,7 @@ fn address(text: &str) -> Option<&str> {
 }
 
 /// Controls and direction marks, which could make a text look other than it is, become U+FFFD.
-fn visible(character: char) -> char {
+pub(crate) fn visible(character: char) -> char {
     let is_harmless = !character.is_control()
         && !matches!(character, '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{61c}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}');
     if is_harmless { character } else { '\u{fffd}' }

@@ -42,6 +42,21 @@ impl Page {
         }
     }
 
+    /// Lines as they are, set apart from all others. What can't be seen or shown comes out as U+FFFD.
+    pub(super) fn listing(&mut self, text: &str) {
+        let longest = text.split(|character| character != '`').map(str::len).max().unwrap_or(0);
+        let fence = "`".repeat(longest.max(2) + 1);
+        self.put(format_args!("\n{fence}text\n"));
+        for line in text.lines() {
+            let line = line
+                .chars()
+                .map(|character| if character == '\t' { '\t' } else { prose::visible(character) });
+            self.text.extend(line);
+            self.gap();
+        }
+        self.put(format_args!("{fence}\n"));
+    }
+
     /// An item of a list, given as Markdown.
     pub(super) fn item(&mut self, depth: usize, markdown: &str) {
         self.put(format_args!("{:depth$}- {markdown}\n", "", depth = 2 * depth));
@@ -161,6 +176,28 @@ pub(super) fn inline(text: &str) -> String {
     if escaped.contains('{') { escaped.replace('{', "&#123;") } else { escaped }
 }
 
+/// A text of uavspec's own on one line, in which code stands between backticks.
+pub(super) fn with_code(text: &str) -> String {
+    let parts: Vec<&str> = text.split('`').collect();
+    if parts.len() % 2 == 0 {
+        // A backtick without its partner is text.
+        return inline(text);
+    }
+    let mut markdown = String::with_capacity(text.len());
+    for (index, part) in parts.into_iter().enumerate() {
+        if index % 2 == 1 {
+            markdown.push_str(&code(part));
+            continue;
+        }
+        // Blanks beside code count, and lines are trimmed.
+        let (start, end) = (part.len() - part.trim_start().len(), part.trim_end().len());
+        markdown.push_str(if start > 0 { " " } else { "" });
+        markdown.push_str(&inline(part));
+        markdown.push_str(if start < end && end < part.len() { " " } else { "" });
+    }
+    markdown.trim().to_owned()
+}
+
 /// A text that stays on one line, given as Markdown.
 pub(super) fn unbroken(markdown: &str) -> String {
     markdown.replace(' ', "&nbsp;")
@@ -244,6 +281,23 @@ mod tests {
         ] {
             assert_eq!(href(from, to, anchor), expected, "{from} to {to}");
         }
+    }
+
+    #[test]
+    fn code_between_backticks_stays_code() {
+        assert_eq!(
+            with_code("`a|b` is *no* `{c}`, but `d`"),
+            r"<code>a&#124;b</code> is \*no\* <code>&#123;c&#125;</code>, but `d`"
+        );
+        assert_eq!(with_code("a ` b"), r"a \` b");
+        assert_eq!(with_code("`a` `b`"), "`a` `b`");
+    }
+
+    #[test]
+    fn a_listing_ends_only_at_its_end() {
+        let mut page = Page::new("p.md", "P");
+        page.listing("a\n```\n\tb \u{7}\n");
+        assert!(page.finish().text.ends_with("\n````text\na\n```\n\tb \u{fffd}\n````\n"));
     }
 
     #[test]
