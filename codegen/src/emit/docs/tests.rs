@@ -241,7 +241,7 @@ fn a_page_of_a_rule_says_what_the_rule_says() {
         "\n- Mended by: `cargo xtask lint --fix`\n",
         "(@range 0, 1) How far the flaps are out\n```\n\nWhat is said of it:\n\n```text\nwarning[annotation-near-miss]: ",
         "\n## Not found\n\n`Glider.msg`\n",
-        "write `# uavspec:ignore annotation-near-miss reason` behind the line",
+        "write `# uavspec:ignore annotation-near-miss reason` behind its line. It may stand above the line, too. ",
     ] {
         assert!(page.contains(expected), "{expected}\nis not in\n{page}");
     }
@@ -259,8 +259,8 @@ fn errors_of_the_readers_are_on_one_page() {
     let files = rules();
     let page = text_of(&files, "rules/reading.md");
     for expected in [
-        "\n## `invalid-utf8`\n\nerror: the byte 0x&#123;byte} is not UTF-8.\n\nWhat to do: save the file as UTF-8.\n",
-        "\n## `missing-name`\n\nerror: <code>&#123;type name&#125;</code> stands alone.\n",
+        "\n## `invalid-utf8`\n\n- error: the byte 0x&#123;byte} is not UTF-8\n- help: save the file as UTF-8\n",
+        "\n## `missing-name`\n\n- error: <code>&#123;type name&#125;</code> stands alone\n",
         "\n- [`annotation-near-miss`](annotation-near-miss.md)\n",
     ] {
         assert!(page.contains(expected), "{expected}\nis not in\n{page}");

@@ -127,15 +127,18 @@ fn letting_stand(rule: &Rule) -> Vec<String> {
     if matches!(rule.check, Check::Ignores) {
         return vec![off];
     }
-    let request = match form(rule.bad.path) {
-        Form::Table => format!("<!-- uavspec:ignore {id} reason -->"),
-        Form::Msg(_) => format!("# uavspec:ignore {id} reason"),
+    let (request, whole) = match form(rule.bad.path) {
+        Form::Table => (format!("<!-- uavspec:ignore {id} reason -->"), "On a line of its own"),
+        Form::Msg(_) => (
+            format!("# uavspec:ignore {id} reason"),
+            "It may stand above the line, too. In the comment at the head",
+        ),
     };
     let stand = format!(
-        "To let a finding stand, write {} behind the line, or above all others for the whole file. {off}",
+        "To let a finding stand, write {} behind its line. {whole} it is for the whole file.",
         code(&request)
     );
-    vec![stand]
+    vec![stand, off]
 }
 
 fn files(example: Example) -> Vec<(String, String)> {

@@ -30,8 +30,9 @@ pub(super) fn page() -> OutputFile {
     for kind in others {
         // The heading is the place that addresses lead to: GitHub and mdBook make it of the text.
         page.heading(2, &code(kind.code));
-        page.block(&format!("{}: {}.", kind.level.name(), with_code(&template(kind.message))));
-        page.block(&format!("What to do: {}.", with_code(&template(kind.hint)).trim_end_matches('.')));
+        page.gap();
+        page.item(0, &format!("{}: {}", kind.level.name(), with_code(&template(kind.message))));
+        page.item(0, &format!("help: {}", with_code(&template(kind.hint))));
     }
     page.heading(2, "Warnings");
     page.gap();
