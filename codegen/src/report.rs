@@ -92,7 +92,7 @@ pub enum Format {
     Github,
     /// SARIF 2.1.0, which code scanners exchange.
     Sarif,
-    /// The results of tests, as JUnit writes them and CI systems show them.
+    /// The results of tests, as `JUnit` writes them and CI systems show them.
     #[cfg(feature = "junit")]
     Junit,
 }

@@ -84,7 +84,7 @@ pub(super) enum FormatName {
     Github,
     /// SARIF 2.1.0, for code scanning.
     Sarif,
-    /// JUnit, for CI systems that show tests.
+    /// Results of tests as XML, for CI systems that show them.
     Junit,
 }
 

@@ -1,4 +1,4 @@
-//! Results of tests as JUnit writes them, which GitLab, Jenkins and others show.
+//! Results of tests as `JUnit` writes them, which GitLab, Jenkins and others show.
 //!
 //! Each finding is a case that failed, of the class `command.rule`: Jenkins groups by class and GitLab shows
 //! the class as the suite. Its name says file and message but no line, since both recognise a case by class

@@ -179,7 +179,7 @@ pub(super) fn inline(text: &str) -> String {
 /// A text of uavspec's own on one line, in which code stands between backticks.
 pub(super) fn with_code(text: &str) -> String {
     let parts: Vec<&str> = text.split('`').collect();
-    if parts.len() % 2 == 0 {
+    if parts.len().is_multiple_of(2) {
         // A backtick without its partner is text.
         return inline(text);
     }

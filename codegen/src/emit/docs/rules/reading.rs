@@ -36,7 +36,9 @@ pub(super) fn page() -> OutputFile {
     }
     page.heading(2, "Warnings");
     page.gap();
-    rules.iter().for_each(|kind| page.item(0, &rule_link(&path, kind.code)));
+    for kind in rules {
+        page.item(0, &rule_link(&path, kind.code));
+    }
     page.finish()
 }
 
