@@ -48,8 +48,8 @@ pub use self::comparison::{CodeChange, Comparison, MessageChange, Named};
 pub use self::message::{ConstantChange, FieldChange, Held, Kept, Pair};
 
 use crate::diagnostic::Level;
+pub use crate::example::Example;
 use crate::finding::{Finding, Sides};
-use crate::lint::Example;
 use crate::schema::{Field, Schema};
 use crate::source::{SourceMap, Span};
 

@@ -55,6 +55,7 @@ pub mod diagnostic;
 pub mod directive;
 pub mod dynamic;
 pub mod emit;
+pub mod example;
 pub mod finding;
 pub mod lint;
 pub mod msg;

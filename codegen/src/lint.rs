@@ -23,6 +23,7 @@ pub use self::fix::apply;
 pub use self::subject::{Subject, Text};
 
 use crate::diagnostic::{Diagnostic, Level, has_errors};
+pub use crate::example::Example;
 use crate::finding::{Edit, Finding};
 use crate::schema::{self, Form, Package, PackageSource, Schema};
 use crate::source::{SourceId, SourceMap, Span};
@@ -83,15 +84,6 @@ impl Levels {
             Preset::Strict => self.strict,
         }
     }
-}
-
-/// A definition that shows what a rule means.
-#[derive(Clone, Copy, Debug)]
-pub struct Example {
-    /// Its file name: the extension says what it is. A `.msg` file is of PX4, in a folder of ROS 2.
-    pub path: &'static str,
-    /// What it says.
-    pub text: &'static str,
 }
 
 /// What a rule finds in the definitions of PX4 (`px4_msgs` main at a4a9864), and how much of it is right.

@@ -13,13 +13,12 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 use uavspec_codegen::breaking::{Between, RULES, Rule, breaking};
 use uavspec_codegen::diagnostic::{Level, has_errors, render};
+use uavspec_codegen::example::{Example, packages};
 use uavspec_codegen::finding::Finding;
-use uavspec_codegen::lint::Example;
-use uavspec_codegen::msg::{Dialect, Kind};
-use uavspec_codegen::schema::{Form, Schema};
-use uavspec_codegen::{PackageInput, SourceMap, read};
+use uavspec_codegen::schema::Schema;
+use uavspec_codegen::{SourceMap, read};
 
-use support::{files_below, package, shared};
+use support::{files_below, shared};
 
 /// Files as they are shown, and their texts.
 type Files = Vec<(String, String)>;
@@ -29,19 +28,8 @@ fn fixtures() -> PathBuf {
 }
 
 fn schema_of(sources: &mut SourceMap, side: &str, files: &Files) -> Schema {
-    let mut packages: Vec<PackageInput> = Vec::new();
-    for (path, text) in files {
-        let (name, form) = match path.split_once('/') {
-            _ if Kind::of(path).is_none() => ("pages", Form::Table),
-            Some((folder, _)) => (folder, Form::Msg(Dialect::Ros2)),
-            None => ("demo", Form::Msg(Dialect::Px4)),
-        };
-        let id = sources.add(format!("{side}/{path}"), text.clone().into_bytes()).expect("a text");
-        match packages.iter_mut().find(|package| package.name == name) {
-            Some(package) => package.sources.push(id),
-            None => packages.push(PackageInput { sources: vec![id], ..package(name, form) }),
-        }
-    }
+    let files = files.iter().map(|(path, text)| (path.as_str(), text.as_str()));
+    let packages = packages(files, side, sources);
     let (schema, diagnostics) = read(sources, &packages);
     assert!(!has_errors(&diagnostics), "{}", render::render(&diagnostics, sources, false));
     schema

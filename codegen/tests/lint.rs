@@ -11,14 +11,13 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use uavspec_codegen::SourceMap;
 use uavspec_codegen::diagnostic::render;
+use uavspec_codegen::example::{Example, packages};
 use uavspec_codegen::finding::Finding;
-use uavspec_codegen::lint::{Example, Preset, RULES, Rule, Settings, apply, lint};
-use uavspec_codegen::msg::{Dialect, Kind};
-use uavspec_codegen::schema::Form;
-use uavspec_codegen::{PackageInput, SourceMap};
+use uavspec_codegen::lint::{Preset, RULES, Rule, Settings, apply, lint};
 
-use support::{files_below, package};
+use support::files_below;
 
 fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/lint")
@@ -31,14 +30,9 @@ fn strict() -> Settings {
 /// What all rules say of some files: paths and texts.
 fn judge(files: &[(String, String)]) -> (SourceMap, Vec<Finding>) {
     let mut sources = SourceMap::default();
-    let mut messages = package("demo", Form::Msg(Dialect::Px4));
-    let mut pages = package("pages", Form::Table);
-    for (path, text) in files {
-        let id = sources.add(path.as_str(), text.clone().into_bytes()).expect("a text");
-        let package: &mut PackageInput = if Kind::of(path).is_some() { &mut messages } else { &mut pages };
-        package.sources.push(id);
-    }
-    let findings = lint(&sources, &[messages, pages], &strict());
+    let files = files.iter().map(|(path, text)| (path.as_str(), text.as_str()));
+    let packages = packages(files, "", &mut sources);
+    let findings = lint(&sources, &packages, &strict());
     (sources, findings)
 }
 

@@ -3,6 +3,7 @@
 //! These pages are about uavspec, not about anybody's definitions. Each command that has rules describes them
 //! as a [`Chapter`]; what they have in common is written here.
 
+mod breaking;
 mod lint;
 mod reading;
 
@@ -53,9 +54,9 @@ pub(super) struct Rules {
 }
 
 impl Rules {
-    /// All that there are. The rules of `breaking` become a chapter of their own here.
+    /// All that there are.
     pub(super) fn new() -> Self {
-        Self { chapters: vec![lint::chapter()] }
+        Self { chapters: vec![lint::chapter(), breaking::chapter()] }
     }
 
     fn rule_pages(&self) -> impl Iterator<Item = &RulePage> {
@@ -89,7 +90,9 @@ fn rule_link(from: &str, id: &str) -> String {
 fn overview(chapters: &[Chapter]) -> OutputFile {
     let mut page = Page::new(OVERVIEW, TITLE);
     let reading = link("errors of the readers", &href(OVERVIEW, &reading::path(), ""));
-    page.block(&format!("What uavspec finds in definitions that can be read. What can't be read gives {reading}."));
+    page.block(&format!(
+        "What uavspec finds in definitions that can be read. What can't be read gives {reading}."
+    ));
     for chapter in chapters {
         page.heading(2, &inline(chapter.title));
         page.block(&chapter.about);

@@ -4,12 +4,12 @@
 use super::{Chapter, OVERVIEW, RulePage, Shown, rule_link};
 use crate::diagnostic::{Level, render};
 use crate::emit::docs::markdown::{Table, code, gist, number_column, text_column, with_code};
+use crate::example::{Example, packages};
 use crate::finding::Finding;
-use crate::lint::{Check, Example, Levels, Measured, Preset, RULES, Rule, Settings, lint};
+use crate::lint::{Check, Levels, Measured, Preset, RULES, Rule, Settings, lint};
 use crate::msg::{Dialect, Kind};
 use crate::schema::Form;
 use crate::source::SourceMap;
-use crate::{PackageInput, SourceId};
 
 /// How a level is shown that a preset doesn't give.
 const OFF: &str = "off";
@@ -153,13 +153,11 @@ fn form(path: &str) -> Form {
 /// What a rule finds in its bad example, at the level that it has where it is on.
 fn judge(rule: &Rule) -> (SourceMap, Vec<Finding>) {
     let mut sources = SourceMap::default();
-    let Example { path, text } = rule.bad;
-    let example: Vec<SourceId> = sources.add(path, text.as_bytes().to_vec()).into_iter().collect();
-    let package = PackageInput::new("demo", form(path), example);
+    let packages = packages([rule.bad.file()], "", &mut sources);
     let level = rule.levels.px4.or(rule.levels.strict).unwrap_or(Level::Warning);
     let levels = [(rule.id.to_owned(), Some(level))].into();
     let settings = Settings { preset: Preset::Strict, levels, ignores: Vec::new() };
-    let mut findings = lint(&sources, &[package], &settings);
+    let mut findings = lint(&sources, &packages, &settings);
     findings.retain(|finding| finding.rule == rule.id);
     (sources, findings)
 }
