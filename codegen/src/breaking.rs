@@ -9,30 +9,30 @@ mod message;
 mod order;
 mod signature;
 
-mod array_length;
+mod array_length_changed;
 mod constant_added;
 mod constant_removed;
 mod constant_renamed;
 mod constant_reused;
-mod constant_type;
-mod constant_value;
-mod error_code_abbreviation;
+mod constant_type_changed;
+mod constant_value_changed;
+mod error_code_abbreviation_changed;
 mod error_code_added;
-mod error_code_meaning;
+mod error_code_meaning_changed;
 mod error_code_removed;
 mod error_code_renumbered;
 mod error_code_reused;
 mod field_added;
-mod field_default;
-mod field_enum;
-mod field_frame;
-mod field_invalid;
+mod field_default_changed;
+mod field_enum_changed;
+mod field_frame_changed;
+mod field_invalid_changed;
 mod field_moved;
-mod field_range;
+mod field_range_changed;
 mod field_removed;
 mod field_renamed;
-mod field_type;
-mod field_unit;
+mod field_type_changed;
+mod field_unit_changed;
 mod message_added;
 mod message_removed;
 mod message_renamed;
@@ -40,7 +40,7 @@ mod message_version;
 mod message_version_needless;
 mod message_version_removed;
 mod nested_changed;
-mod queue_length;
+mod queue_length_changed;
 mod topic_added;
 mod topic_removed;
 
@@ -55,30 +55,30 @@ use crate::source::{SourceMap, Span};
 
 /// Every rule, by id.
 pub const RULES: &[&Rule] = &[
-    &array_length::RULE,
+    &array_length_changed::RULE,
     &constant_added::RULE,
     &constant_removed::RULE,
     &constant_renamed::RULE,
     &constant_reused::RULE,
-    &constant_type::RULE,
-    &constant_value::RULE,
-    &error_code_abbreviation::RULE,
+    &constant_type_changed::RULE,
+    &constant_value_changed::RULE,
+    &error_code_abbreviation_changed::RULE,
     &error_code_added::RULE,
-    &error_code_meaning::RULE,
+    &error_code_meaning_changed::RULE,
     &error_code_removed::RULE,
     &error_code_renumbered::RULE,
     &error_code_reused::RULE,
     &field_added::RULE,
-    &field_default::RULE,
-    &field_enum::RULE,
-    &field_frame::RULE,
-    &field_invalid::RULE,
+    &field_default_changed::RULE,
+    &field_enum_changed::RULE,
+    &field_frame_changed::RULE,
+    &field_invalid_changed::RULE,
     &field_moved::RULE,
-    &field_range::RULE,
+    &field_range_changed::RULE,
     &field_removed::RULE,
     &field_renamed::RULE,
-    &field_type::RULE,
-    &field_unit::RULE,
+    &field_type_changed::RULE,
+    &field_unit_changed::RULE,
     &message_added::RULE,
     &message_removed::RULE,
     &message_renamed::RULE,
@@ -86,7 +86,7 @@ pub const RULES: &[&Rule] = &[
     &message_version_needless::RULE,
     &message_version_removed::RULE,
     &nested_changed::RULE,
-    &queue_length::RULE,
+    &queue_length_changed::RULE,
     &topic_added::RULE,
     &topic_removed::RULE,
 ];

@@ -16,6 +16,7 @@ mod config;
 mod lint;
 mod load;
 mod output;
+mod report;
 mod revision;
 
 use std::fmt;

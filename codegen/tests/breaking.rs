@@ -12,9 +12,10 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 use uavspec_codegen::breaking::{Between, RULES, Rule, breaking};
-use uavspec_codegen::diagnostic::{Level, has_errors, render};
+use uavspec_codegen::diagnostic::{Level, Problem, has_errors, render};
 use uavspec_codegen::example::{Example, packages};
 use uavspec_codegen::finding::Finding;
+use uavspec_codegen::lint;
 use uavspec_codegen::schema::Schema;
 use uavspec_codegen::{SourceMap, read};
 
@@ -159,7 +160,7 @@ fn check_edit(folder: &Path) -> Vec<String> {
     let is_needless = |finding: &Finding| finding.rule == "message-version-needless";
     expect("version needless", has(&is_needless), expected["version_bump_needless"] == true);
     let changed = strings(&expected["constants_changed"]);
-    let found = named(&findings, &["constant-value", "queue-length"]);
+    let found = named(&findings, &["constant-value-changed", "queue-length-changed"]);
     expect("renumbered constants", changed.is_subset(&found), true);
     let removed = strings(&expected["constants_removed"]);
     let found = named(&findings, &["constant-removed", "constant-renamed", "constant-reused"]);
@@ -186,8 +187,14 @@ fn check_reverse(old: &Files, new: &Files) {
     let (_, back) = compare(new, old, Between::Releases);
     let count = |findings: &[Finding], rule: &str| findings.iter().filter(|found| found.rule == rule).count();
     let pairs = [("field-added", "field-removed"), ("topic-added", "topic-removed")];
-    let same =
-        ["array-length", "field-renamed", "field-type", "field-unit", "constant-value", "queue-length"];
+    let same = [
+        "array-length-changed",
+        "field-renamed",
+        "field-type-changed",
+        "field-unit-changed",
+        "constant-value-changed",
+        "queue-length-changed",
+    ];
     for (one, other) in pairs.into_iter().chain(same.map(|rule| (rule, rule))) {
         assert_eq!(count(&forth, one), count(&back, other), "{one} and {other}");
         assert_eq!(count(&forth, other), count(&back, one), "{one} and {other}");
@@ -205,4 +212,17 @@ fn releases_compared_both_ways_say_the_same() {
     check_reverse(&releases[0], &releases[1]);
     check_reverse(&releases[1], &releases[2]);
     check_reverse(&releases[0], &releases[2]);
+}
+
+#[test]
+fn no_id_stands_for_two_rules() {
+    let mut ids: Vec<&str> = RULES.iter().map(|rule| rule.id).collect();
+    ids.extend(lint::RULES.iter().map(|rule| rule.id));
+    let count = ids.len();
+    ids.sort_unstable();
+    ids.dedup();
+    assert_eq!(ids.len(), count);
+    for rule in RULES {
+        assert!(!Problem::CODES.contains(&rule.id), "{} is what the readers report", rule.id);
+    }
 }

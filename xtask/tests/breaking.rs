@@ -103,7 +103,7 @@ fn findings_are_a_list_of_json_with_both_places() {
         findings.iter().map(|finding| finding["category"].as_str().expect("a category")).collect();
     assert_eq!(categories, ["source", "cdr", "uorb"], "floats of both widths are the same in JSON");
     for finding in findings {
-        assert_eq!(finding["rule"], "field-type");
+        assert_eq!(finding["rule"], "field-type-changed");
         assert_eq!(finding["level"], "error");
         assert_eq!(finding["message"], "`Wind.speed` is float64, and was float32");
         assert_eq!(

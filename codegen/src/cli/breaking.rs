@@ -7,8 +7,8 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 
 use super::config::{Config, Inputs, Plan};
-use super::lint::{DenyLevel, FormatName, print};
 use super::load::{load, load_beside};
+use super::report::ReportArgs;
 use super::revision::Checkout;
 use super::{Failure, PackageArgs, plural};
 use crate::breaking::{Between, Category, RULES, breaking};
@@ -40,12 +40,8 @@ pub struct BreakingArgs {
     config: Option<PathBuf>,
     #[command(flatten)]
     package: Option<PackageArgs>,
-    /// The least level that makes the command fail.
-    #[arg(long, value_name = "LEVEL", default_value = "error")]
-    deny: DenyLevel,
-    /// How to report.
-    #[arg(long, default_value = "text")]
-    format: FormatName,
+    #[command(flatten)]
+    report: ReportArgs,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -95,7 +91,7 @@ pub(super) fn run(args: &BreakingArgs) -> Result<bool, Failure> {
         let level = rule.breaks.iter().map(|(_, level)| *level).max().unwrap_or(Level::Note);
         RuleInfo { id: rule.id, purpose: rule.purpose, level }
     });
-    print("breaking", rules.collect(), &findings, &new, args.format);
+    let is_fine = args.report.show("breaking", rules.collect(), &findings, &new.sources);
     let files = plural(new.files.len(), "file");
     let elapsed = started.elapsed().as_millis();
     anstream::eprintln!(
@@ -103,7 +99,7 @@ pub(super) fn run(args: &BreakingArgs) -> Result<bool, Failure> {
         old.files.len(),
         summary(&findings)
     );
-    Ok(!findings.iter().any(|finding| finding.level >= args.deny.into()))
+    Ok(is_fine)
 }
 
 fn new_plan(args: &BreakingArgs) -> Result<Plan, Failure> {

@@ -10,11 +10,12 @@ use clap::Args;
 
 use super::config::{Config, Plan, PresetName};
 use super::load::{self, Loaded};
+use super::report::ReportArgs;
 use super::{Failure, PackageArgs, plural};
-use crate::diagnostic::{Level, render};
+use crate::diagnostic::Level;
 use crate::finding::Finding;
 use crate::lint::{Ignore, Preset, RULES, Settings, apply, lint};
-use crate::report::{Entry, Format, Report, RuleInfo};
+use crate::report::RuleInfo;
 use crate::source::SourceId;
 
 /// How often mending is tried again: a fix may leave room for the next.
@@ -41,64 +42,11 @@ pub struct LintArgs {
     /// Mend all that can be mended without a doubt, and report what is left.
     #[arg(long)]
     fix: bool,
-    /// The least level that makes the command fail.
-    #[arg(long, value_name = "LEVEL", default_value = "error")]
-    deny: DenyLevel,
-    /// How to report.
-    #[arg(long, default_value = "text")]
-    format: FormatName,
+    #[command(flatten)]
+    report: ReportArgs,
     /// List all rules with their levels, and look at nothing.
     #[arg(long)]
     rules: bool,
-}
-
-/// A level.
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-pub(super) enum DenyLevel {
-    /// Anything.
-    Note,
-    /// Warnings and errors.
-    Warning,
-    /// Errors.
-    Error,
-}
-
-impl From<DenyLevel> for Level {
-    fn from(level: DenyLevel) -> Self {
-        match level {
-            DenyLevel::Note => Self::Note,
-            DenyLevel::Warning => Self::Warning,
-            DenyLevel::Error => Self::Error,
-        }
-    }
-}
-
-/// A format of reports.
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-pub(super) enum FormatName {
-    /// For people: each finding with its line.
-    Text,
-    /// A JSON list.
-    Json,
-    /// Annotations of a workflow on GitHub.
-    Github,
-    /// SARIF 2.1.0, for code scanning.
-    Sarif,
-    /// Results of tests as XML, for CI systems that show them.
-    Junit,
-}
-
-impl FormatName {
-    /// The format of the report; none for people.
-    fn format(self) -> Option<Format> {
-        match self {
-            Self::Text => None,
-            Self::Json => Some(Format::Json),
-            Self::Github => Some(Format::Github),
-            Self::Sarif => Some(Format::Sarif),
-            Self::Junit => Some(Format::Junit),
-        }
-    }
 }
 
 pub(super) fn run(args: &LintArgs) -> Result<bool, Failure> {
@@ -140,9 +88,9 @@ pub(super) fn run(args: &LintArgs) -> Result<bool, Failure> {
         let level = settings(&plan, &loaded, args.preset).level(rule)?;
         Some(RuleInfo { id: rule.id, purpose: rule.purpose, level })
     });
-    print("lint", rules.collect(), &findings, &loaded, args.format);
+    let is_fine = args.report.show("lint", rules.collect(), &findings, &loaded.sources);
     anstream::eprintln!("{summary}{fixes}");
-    Ok(!findings.iter().any(|finding| finding.level >= args.deny.into()))
+    Ok(is_fine)
 }
 
 fn list_rules() {
@@ -174,25 +122,6 @@ fn judge(plan: &Plan, loaded: &Loaded, preset: Option<PresetName>) -> Vec<Findin
     let mut findings: Vec<Finding> = loaded.diagnostics.iter().map(Finding::from).collect();
     findings.extend(lint(&loaded.sources, &loaded.packages, &settings(plan, loaded, preset)));
     findings
-}
-
-/// Prints findings: those in text to standard error, as all commands do, others to standard output.
-pub(super) fn print(
-    command: &'static str,
-    rules: Vec<RuleInfo>,
-    findings: &[Finding],
-    loaded: &Loaded,
-    format: FormatName,
-) {
-    let sources = &loaded.sources;
-    let Some(format) = format.format() else {
-        let _ = write!(anstream::stderr(), "{}", render::findings(findings, sources, true));
-        return;
-    };
-    let entries = findings.iter().map(|finding| Entry::of(finding, sources)).collect();
-    let text = Report { command, rules, entries }.to_text(format);
-    // A reader that has seen enough closes the pipe: that is no failure.
-    let _ = std::io::stdout().write_all(text.as_bytes());
 }
 
 /// How many findings of each level there are.
