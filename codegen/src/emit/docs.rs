@@ -53,8 +53,12 @@ impl Default for Options {
 pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<OutputFile> {
     let site = Site::new(schema, sources);
     let rules = options.rules.then(Rules::new);
-    let mut files =
-        vec![book::config(options), book::style(), book::summary(&site, rules.as_ref()), index::overview(&site, options)];
+    let mut files = vec![
+        book::config(options),
+        book::style(),
+        book::summary(&site, rules.as_ref()),
+        index::overview(&site, options),
+    ];
     for package in site.packages() {
         files.push(index::package(&site, package));
         for id in &package.messages {

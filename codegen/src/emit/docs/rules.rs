@@ -89,7 +89,9 @@ fn rule_link(from: &str, id: &str) -> String {
 fn overview(chapters: &[Chapter]) -> OutputFile {
     let mut page = Page::new(OVERVIEW, TITLE);
     let reading = link("errors of the readers", &href(OVERVIEW, &reading::path(), ""));
-    page.block(&format!("What uavspec finds in definitions that can be read. What can't be read gives {reading}."));
+    page.block(&format!(
+        "What uavspec finds in definitions that can be read. What can't be read gives {reading}."
+    ));
     for chapter in chapters {
         page.heading(2, &inline(chapter.title));
         page.block(&chapter.about);
