@@ -57,6 +57,7 @@ pub mod dynamic;
 pub mod emit;
 pub mod finding;
 pub mod lint;
+pub mod format;
 pub mod msg;
 pub mod report;
 pub mod schema;

@@ -21,7 +21,7 @@ pub(super) fn split(line: &str) -> Vec<Range<usize>> {
 }
 
 /// The cells of a row on one line, with or without pipes at its ends.
-pub(super) fn cells(line: &str) -> Vec<Range<usize>> {
+pub(crate) fn cells(line: &str) -> Vec<Range<usize>> {
     let mut parts = split(line);
     let is_blank =
         |part: Option<&Range<usize>>| part.is_some_and(|part| line[part.clone()].trim().is_empty());
