@@ -65,7 +65,8 @@ fn cells(path: &str, text: &str) -> Vec<Vec<String>> {
     let mut sources = SourceMap::default();
     let id = sources.add(path, text.as_bytes().to_vec()).expect("a text");
     let (page, _) = table::parse(&sources, id);
-    let rows = page.tables.iter().flat_map(|table| table.rows.iter().map(|row| &row.cells).chain([&table.header]));
+    let rows =
+        page.tables.iter().flat_map(|table| table.rows.iter().map(|row| &row.cells).chain([&table.header]));
     rows.map(|row| row.iter().map(|cell| cell.text.as_str().to_owned()).collect()).collect()
 }
 
@@ -120,7 +121,8 @@ fn fixtures() -> PathBuf {
 fn check_fixture(folder: &Path) -> Option<String> {
     let is_ros2 = fs::read_to_string(folder.join("dialect")).is_ok_and(|dialect| dialect.trim() == "ros2");
     let file = |name: &str| {
-        let mut entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
+        let mut entries =
+            fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
         entries.find(|path| path.file_stem().is_some_and(|stem| stem == name))
     };
     let input = file("in").expect("a file `in`");
@@ -215,6 +217,7 @@ fn our_own_definitions_are_laid_out() {
 
 #[test]
 fn mistakes_are_reported_all_at_once() {
-    let diagnostics = laid_out("A.msg", "uint8 A = 300\nuint8[0] b\n", Form::Msg(Dialect::Px4)).expect_err("two mistakes");
+    let diagnostics =
+        laid_out("A.msg", "uint8 A = 300\nuint8[0] b\n", Form::Msg(Dialect::Px4)).expect_err("two mistakes");
     assert!(has_errors(&diagnostics) && diagnostics.len() == 2, "{diagnostics:?}");
 }

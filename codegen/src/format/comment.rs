@@ -135,7 +135,9 @@ fn spelled(text: &str, annotation: &Annotation<'_>) -> String {
         Statement::Flags(_) => format!("[@flags {}]", single_spaced(argument(content, "flags"))),
         Statement::Range { .. } => format!("[@range {}]", range(argument(content, "range"))),
         Statement::Invalid(_) => format!("[@invalid {}]", special(argument(content, "invalid"))),
-        Statement::Uncontrolled(_) => format!("[@uncontrolled {}]", special(argument(content, "uncontrolled"))),
+        Statement::Uncontrolled(_) => {
+            format!("[@uncontrolled {}]", special(argument(content, "uncontrolled")))
+        }
     }
 }
 

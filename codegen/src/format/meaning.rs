@@ -61,7 +61,11 @@ pub(super) fn of_page(path: &str, text: &str, page: &Page) -> Vec<String> {
     let mut said = vec![format!("{form:?}")];
     said.extend(page.headings.iter().map(|Heading { level, text }| format!("{level} {:?}", text.as_str())));
     for Table { heading, title, header, rows, .. } in &page.tables {
-        said.push(format!("{heading:?} {:?} {}", title.as_ref().map(|title| title.as_str()), of_cells(header)));
+        said.push(format!(
+            "{heading:?} {:?} {}",
+            title.as_ref().map(|title| title.as_str()),
+            of_cells(header)
+        ));
         said.extend(rows.iter().map(|Row { cells, .. }| of_cells(cells)));
     }
     if form == Form::Markdown {

@@ -131,7 +131,9 @@ impl<'m> Reader<'m> {
         match topics {
             Some(topics) if column == 0 => {
                 let topics = topics.split(BLANKS).filter(|topic| !topic.is_empty());
-                return Row::Topics(topics.fold(TOPICS.trim_end().to_owned(), |line, topic| line + " " + topic));
+                return Row::Topics(
+                    topics.fold(TOPICS.trim_end().to_owned(), |line, topic| line + " " + topic),
+                );
             }
             _ if self.is_after_declaration && column > 0 => return Row::Continued(comment::continued(text)),
             _ => self.is_after_declaration = false,

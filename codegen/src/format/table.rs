@@ -11,7 +11,9 @@ pub(super) fn lay_out(path: &str, text: &str, page: &Page) -> String {
     let text = text.replace("\r\n", "\n");
     let laid_out = match Form::of(path, &text) {
         Form::Markdown => markdown::lay_out(&text, page),
-        Form::AsciiDoc | Form::Flattened => text.split('\n').map(|line| trimmed(line).to_owned() + "\n").collect(),
+        Form::AsciiDoc | Form::Flattened => {
+            text.split('\n').map(|line| trimmed(line).to_owned() + "\n").collect()
+        }
     };
     match laid_out.trim_end_matches(['\n', ' ', '\t']) {
         "" => String::new(),

@@ -1,6 +1,5 @@
 //! Markdown.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 use pulldown_cmark::{Alignment, Event, Parser, Tag, TagEnd};
@@ -22,12 +21,21 @@ pub(super) fn lay_out(text: &str, page: &Page) -> String {
             written[line].clone_into(&mut lines[line]);
         }
     }
+    let mut tables = Vec::new();
     for (found, table) in structure.tables.iter().zip(&page.tables) {
         let Some(code) = error_code::code_column(table).filter(|_| found.is_outermost) else { continue };
         let first = line_of(found.range.start);
         let end = first + text[found.range.clone()].trim_end().split('\n').count();
-        if let Some(laid_out) = table_lines(&written[first..end], &found.alignments, code) {
-            lines.splice(first..end, laid_out);
+        if let [header, _, rows @ ..] = &written[first..end] {
+            let rows = [header].into_iter().chain(rows).map(|line| cells(line)).collect();
+            tables.push(Codes { first, rows, alignments: &found.alignments, code });
+        }
+    }
+    for table in &tables {
+        let alike = tables.iter().filter(|other| other.rows[0] == table.rows[0]);
+        let columns = table.columns(alike);
+        for (line, laid_out) in (table.first..).zip(table.lines(&columns)) {
+            lines[line] = laid_out;
         }
     }
     lines.join("\n")
@@ -84,19 +92,15 @@ impl Structure {
     }
 }
 
-/// The lines of a table laid out. Its first line is the header, its second divides that from the rows.
-fn table_lines(lines: &[&str], alignments: &[Alignment], code: usize) -> Option<Vec<String>> {
-    let (header, rows) = (lines.first()?, lines.get(2..)?);
-    let rows: Vec<Vec<&str>> = [header].into_iter().chain(rows).map(|line| cells(line)).collect();
-    let columns = columns(&rows, alignments, code);
-    let mut laid_out: Vec<String> = rows.iter().map(|row| row_line(row, &columns)).collect();
-    laid_out.insert(1, divider(&columns));
-    Some(laid_out)
-}
-
-fn cells(line: &str) -> Vec<&str> {
-    let line = line.trim();
-    pipe::cells(line).into_iter().map(|cell| line[cell].trim()).collect()
+/// A table of error codes.
+struct Codes<'s> {
+    /// Its first line, from 0. The second divides the header from the rows.
+    first: usize,
+    /// The cells of its header, and of all rows.
+    rows: Vec<Vec<&'s str>>,
+    alignments: &'s [Alignment],
+    /// The column of the codes.
+    code: usize,
 }
 
 struct Column {
@@ -104,20 +108,42 @@ struct Column {
     width: usize,
 }
 
-/// Codes stand to the right. All columns are as wide as their widest cell, but for the last.
-fn columns(rows: &[Vec<&str>], alignments: &[Alignment], code: usize) -> BTreeMap<usize, Column> {
-    let width_of = |row: &Vec<&str>, column: usize| row.get(column).map_or(0, |cell| cell.chars().count());
-    let column = |(index, alignment): (usize, &Alignment)| {
-        let aligned = if index + 1 == alignments.len() && index != code { &rows[..1] } else { rows };
-        let widths = aligned.iter().map(|row| width_of(row, index)).filter(|width| *width <= ALIGNED_WITHIN);
-        let alignment = if index == code { Alignment::Right } else { *alignment };
-        (index, Column { alignment, width: widths.max().unwrap_or(0).max(1) })
-    };
-    alignments.iter().enumerate().map(column).collect()
+impl<'s> Codes<'s> {
+    /// Codes stand to the right. A column is as wide as its widest cell in all tables that are `alike`, so
+    /// that the tables of a page look the same; the last is left as it is.
+    fn columns<'c>(&self, alike: impl Iterator<Item = &'c Codes<'s>>) -> Vec<Column>
+    where
+        's: 'c,
+    {
+        let mut widths = vec![1; self.alignments.len()];
+        for rows in alike.map(|table| &table.rows) {
+            for (index, row) in rows.iter().enumerate() {
+                for (column, (width, cell)) in widths.iter_mut().zip(row).enumerate() {
+                    let is_aligned = index == 0 || column == self.code || column + 1 < self.alignments.len();
+                    let len = cell.chars().count();
+                    *width = if is_aligned && len <= ALIGNED_WITHIN { len.max(*width) } else { *width };
+                }
+            }
+        }
+        let alignment = |index| if index == self.code { Alignment::Right } else { self.alignments[index] };
+        let column = |(index, width)| Column { alignment: alignment(index), width };
+        widths.into_iter().enumerate().map(column).collect()
+    }
+
+    fn lines(&self, columns: &[Column]) -> Vec<String> {
+        let mut lines: Vec<String> = self.rows.iter().map(|row| row_line(row, columns)).collect();
+        lines.insert(1, divider(columns));
+        lines
+    }
 }
 
-fn row_line(cells: &[&str], columns: &BTreeMap<usize, Column>) -> String {
-    let cell = |(index, cell): (usize, &&str)| match columns.get(&index) {
+fn cells(line: &str) -> Vec<&str> {
+    let line = line.trim();
+    pipe::cells(line).into_iter().map(|cell| line[cell].trim()).collect()
+}
+
+fn row_line(cells: &[&str], columns: &[Column]) -> String {
+    let cell = |(index, cell): (usize, &&str)| match columns.get(index) {
         Some(Column { alignment: Alignment::Right, width }) => format!(" {cell:>width$} |"),
         Some(Column { width, .. }) if index + 1 < columns.len() => format!(" {cell:width$} |"),
         _ => format!(" {cell} |"),
@@ -125,7 +151,7 @@ fn row_line(cells: &[&str], columns: &BTreeMap<usize, Column>) -> String {
     String::from("|") + &cells.iter().enumerate().map(cell).collect::<String>()
 }
 
-fn divider(columns: &BTreeMap<usize, Column>) -> String {
+fn divider(columns: &[Column]) -> String {
     let cell = |Column { alignment, width }: &Column| {
         let (left, right) = match alignment {
             Alignment::None => ("-", "-"),
@@ -135,5 +161,5 @@ fn divider(columns: &BTreeMap<usize, Column>) -> String {
         };
         format!("{left}{}{right}|", "-".repeat(*width))
     };
-    String::from("|") + &columns.values().map(cell).collect::<String>()
+    String::from("|") + &columns.iter().map(cell).collect::<String>()
 }
