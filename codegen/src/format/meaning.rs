@@ -41,7 +41,8 @@ fn of_line(sources: &SourceMap, line: &Line<'_>) -> String {
     };
     let comment = line.comment.as_deref().map(|Comment { text, note, .. }| match note {
         Some(note) => of_note(note),
-        None => text.trim().to_owned(),
+        // Blanks count in documentation alone, and of that the commentary has all.
+        None => text.split_whitespace().collect::<Vec<_>>().join(" "),
     });
     format!("{item} {comment:?}")
 }
@@ -81,8 +82,8 @@ fn of_cells(cells: &[Cell]) -> String {
 
 /// What a reader of a Markdown page sees, apart from the alignment of columns.
 fn shown(text: &str) -> Vec<String> {
-    // An end of line has no other meaning for being written in two characters.
-    let text = text.replace("\r\n", "\n");
+    // An end of line has no other meaning for being written in two characters, nor has the last for being there.
+    let text = text.trim_end_matches(['\r', '\n', ' ', '\t']).replace("\r\n", "\n") + "\n";
     let mut is_in_cell = false;
     let mut shown = Vec::new();
     for event in TextMergeStream::new(Parser::new_ext(&text, markdown::OPTIONS)) {

@@ -5,8 +5,8 @@ use crate::msg::ast::{Comment, Definition, Item, Line};
 use crate::msg::{Dialect, is_separator};
 use crate::source::{SourceId, SourceMap};
 
-/// What starts a line that lists topics.
-const TOPICS: &str = "# TOPICS ";
+/// What starts a comment that lists topics, after its mark.
+const TOPICS: &str = " TOPICS ";
 
 /// What divides words.
 const BLANKS: [char; 2] = [' ', '\t'];
@@ -127,13 +127,11 @@ impl<'m> Reader<'m> {
     /// A comment on a line of its own whose `#` stands in `column`, from 0. It becomes a list of topics, or
     /// ceases to be one, in no case.
     fn own(&mut self, text: &str, column: usize) -> Row {
-        let topics = text.strip_prefix(&TOPICS[1..]).filter(|_| self.dialect == Dialect::Px4);
+        let topics = text.strip_prefix(TOPICS).filter(|_| self.dialect == Dialect::Px4);
         match topics {
             Some(topics) if column == 0 => {
                 let topics = topics.split(BLANKS).filter(|topic| !topic.is_empty());
-                return Row::Topics(
-                    topics.fold(TOPICS.trim_end().to_owned(), |line, topic| line + " " + topic),
-                );
+                return Row::Topics(topics.fold(String::from("# TOPICS"), |line, topic| line + " " + topic));
             }
             _ if self.is_after_declaration && column > 0 => return Row::Continued(comment::continued(text)),
             _ => self.is_after_declaration = false,
@@ -141,7 +139,7 @@ impl<'m> Reader<'m> {
         let laid_out = comment::own(text);
         Row::Apart(match topics {
             Some(_) => format!(" {laid_out}"),
-            None if self.dialect == Dialect::Px4 && laid_out.starts_with(TOPICS) => format!("#{text}"),
+            None if self.dialect == Dialect::Px4 && laid_out[1..].starts_with(TOPICS) => format!("#{text}"),
             None => laid_out,
         })
     }

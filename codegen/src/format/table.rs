@@ -21,6 +21,8 @@ pub(super) fn lay_out(path: &str, text: &str, page: &Page) -> String {
     }
 }
 
+/// The line without white space at its end. After a backslash that says that the line doesn't break there.
 fn trimmed(line: &str) -> &str {
-    line.trim_end_matches([' ', '\t'])
+    let trimmed = line.trim_end_matches([' ', '\t']);
+    if trimmed.ends_with('\\') { line } else { trimmed }
 }
