@@ -254,6 +254,7 @@ fn most_generated_definitions_have_no_mistakes() {
 /// Lines of pages: tables of error codes with odd spacing among all that Markdown has.
 const PAGE_LINES: &[&str] = &[
     "# Page",
+    "# Page *b*\t",
     "## Warnings (codes 64-127)",
     "Warnings\n--------",
     "|Code|Abbr|Description|\n|-|-|-|",

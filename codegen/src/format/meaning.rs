@@ -84,17 +84,18 @@ fn of_cells(cells: &[Cell]) -> String {
 fn shown(text: &str) -> Vec<String> {
     // An end of line has no other meaning for being written in two characters, nor has the last for being there.
     let text = text.trim_end_matches(['\r', '\n', ' ', '\t']).replace("\r\n", "\n") + "\n";
-    let mut is_in_cell = false;
+    // White space at the ends of a heading or cell isn't shown. What they say was compared already.
+    let mut is_trimmed = false;
     let mut shown = Vec::new();
     for event in TextMergeStream::new(Parser::new_ext(&text, markdown::OPTIONS)) {
         match &event {
-            Event::Start(Tag::TableCell) => is_in_cell = true,
-            Event::End(TagEnd::TableCell) => is_in_cell = false,
+            Event::Start(Tag::TableCell | Tag::Heading { .. }) => is_trimmed = true,
+            Event::End(TagEnd::TableCell | TagEnd::Heading(_)) => is_trimmed = false,
             _ => {}
         }
         shown.push(match event {
             Event::Start(Tag::Table(_)) => "table".to_owned(),
-            Event::Text(text) if is_in_cell => format!("{:?}", text.trim()),
+            Event::Text(text) if is_trimmed => format!("{:?}", text.trim()),
             event => format!("{event:?}"),
         });
     }
