@@ -3,7 +3,7 @@
 //! What a table defines is not decided here: [`error_code`] and its siblings know their tables by the
 //! header. A table keeps the rows that were written, also those with too few or too many cells.
 
-mod asciidoc;
+pub(crate) mod asciidoc;
 pub mod error_code;
 mod flattened;
 pub(crate) mod markdown;

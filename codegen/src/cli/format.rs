@@ -63,7 +63,7 @@ pub(super) fn run(args: &FmtArgs) -> Result<bool, Failure> {
     };
     let read = plural(loaded.files.len(), "file");
     anstream::eprintln!("fmt: {read} read, {result} ({} ms)", started.elapsed().as_millis());
-    Ok(loaded.diagnostics.is_empty() && !(args.check && !changes.is_empty()))
+    Ok(loaded.diagnostics.is_empty() && (changes.is_empty() || !args.check))
 }
 
 /// What the layout of the files would change. Of files with mistakes, what is loaded has the diagnostics.

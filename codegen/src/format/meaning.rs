@@ -8,7 +8,7 @@ use crate::msg::annotation::{Note, Statement};
 use crate::msg::ast::{Comment, Constant, Definition, Field, Item, Line, Part};
 use crate::schema::documentation::{self, Commentary, ItemDocs};
 use crate::source::SourceMap;
-use crate::table::{Cell, Form, Heading, Page, Row, Table, markdown};
+use crate::table::{Cell, Form, Heading, Page, Row, Table, Text, markdown};
 
 /// What a definition says: its declarations and comments, and what becomes documentation.
 pub(super) fn of_definition(
@@ -62,11 +62,7 @@ pub(super) fn of_page(path: &str, text: &str, page: &Page) -> Vec<String> {
     let mut said = vec![format!("{form:?}")];
     said.extend(page.headings.iter().map(|Heading { level, text }| format!("{level} {:?}", text.as_str())));
     for Table { heading, title, header, rows, .. } in &page.tables {
-        said.push(format!(
-            "{heading:?} {:?} {}",
-            title.as_ref().map(|title| title.as_str()),
-            of_cells(header)
-        ));
+        said.push(format!("{heading:?} {:?} {}", title.as_ref().map(Text::as_str), of_cells(header)));
         said.extend(rows.iter().map(|Row { cells, .. }| of_cells(cells)));
     }
     if form == Form::Markdown {

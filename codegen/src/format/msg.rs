@@ -1,5 +1,7 @@
 //! `.msg`, `.srv` and `.action` files.
 
+use std::fmt::Write as _;
+
 use super::{ALIGNED_WITHIN, comment};
 use crate::msg::ast::{Comment, Definition, Item, Line};
 use crate::msg::{Dialect, is_separator};
@@ -186,9 +188,11 @@ fn print(block: &[Row], text: &mut String) {
             Row::Apart(line) | Row::Topics(line) => text.push_str(line),
             Row::Declared { declaration, comment: None } => text.push_str(declaration),
             Row::Declared { declaration, comment: Some(comment) } => {
-                text.push_str(&format!("{declaration:widest$}  {comment}"));
+                let _ = write!(text, "{declaration:widest$}  {comment}");
             }
-            Row::Continued(comment) => text.push_str(&format!("{:widest$}  {comment}", "")),
+            Row::Continued(comment) => {
+                let _ = write!(text, "{:widest$}  {comment}", "");
+            }
         }
         text.push('\n');
     }

@@ -7,7 +7,7 @@ use super::text::{TextBuilder, trim};
 use crate::source::Span;
 
 /// The parts of `line` before, between and after its pipes. A pipe after a backslash is text.
-pub(super) fn split(line: &str) -> Vec<Range<usize>> {
+pub(crate) fn split(line: &str) -> Vec<Range<usize>> {
     let mut parts = Vec::new();
     let mut start = 0;
     for (at, _) in line.match_indices('|') {

@@ -9,13 +9,13 @@ use crate::format::ALIGNED_WITHIN;
 use crate::table::markdown::OPTIONS;
 use crate::table::{Page, error_code, pipe};
 
-/// The page laid out. `page` was read from the same text, but for the ends of lines.
-pub(super) fn lay_out(text: &str, page: &Page) -> String {
+/// The page laid out. `written` are the lines of `text`; `page` was read from the same text, but for the ends
+/// of lines.
+pub(super) fn lay_out(text: &str, written: &[&str], page: &Page) -> String {
     let structure = Structure::of(text);
     let starts = line_starts(text);
     let line_of = |at: usize| starts.partition_point(|start| *start <= at) - 1;
-    let mut lines: Vec<String> = text.split('\n').map(|line| trimmed(line).to_owned()).collect();
-    let written: Vec<&str> = text.split('\n').collect();
+    let mut lines: Vec<String> = written.iter().map(|line| trimmed(line).to_owned()).collect();
     for range in structure.verbatim.iter().filter(|range| !range.is_empty()) {
         for line in line_of(range.start)..=line_of(range.end - 1) {
             written[line].clone_into(&mut lines[line]);
