@@ -4,12 +4,10 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 
 use super::meaning;
+use crate::directive;
 use crate::msg::annotation::{self, Annotation, Note, Statement, split_word};
 use crate::schema::documentation::is_ruler;
 use crate::source::Span;
-
-/// What starts a request to the linter at the end of a comment. It stays as it is, and where it is.
-const DIRECTIVE: &str = "uavspec:ignore";
 
 /// A comment on a line of its own; `text` is what follows the `#`. All blanks after the first are part of
 /// what it says.
@@ -25,17 +23,28 @@ pub(super) fn continued(text: &str) -> String {
     if indent.contains('\t') { own(rest) } else { own(text) }
 }
 
-/// The comment of a declaration, with its annotations in order and spelled right.
+/// The comment of a declaration, with its annotations in order and spelled right. A directive at its end stays
+/// as it is, and where it is.
 pub(super) fn trailing(text: &str, is_constant: bool) -> String {
-    let laid_out = with_mark(text, &body(text, is_constant));
-    let read = |text| {
-        meaning::of_note(&if is_constant {
-            annotation::read_with_parameters(text, Span::default(), &mut Vec::new())
-        } else {
-            annotation::read(text, Span::default(), &mut Vec::new())
-        })
+    let (said, directive) = split_directive(text);
+    let with_directive = |said: String| match directive {
+        "" => said,
+        directive => format!("{said} {directive}"),
     };
-    if read(&laid_out[1..]) == read(text) { laid_out } else { with_mark(text, text.trim()) }
+    let laid_out = with_directive(with_mark(text, &body(said, is_constant)));
+    let is_same = read(&laid_out[1..], is_constant) == read(text, is_constant);
+    if is_same { laid_out } else { with_directive(with_mark(text, said.trim())) }
+}
+
+/// What a comment says, and the directive at its end.
+fn read(text: &str, is_constant: bool) -> (String, &str) {
+    let (said, directive) = split_directive(text);
+    let note = if is_constant {
+        annotation::read_with_parameters(said, Span::default(), &mut Vec::new())
+    } else {
+        annotation::read(said, Span::default(), &mut Vec::new())
+    };
+    (meaning::of_note(&note), directive)
 }
 
 /// `body` after its `#`, where `text` is what was written there.
@@ -50,23 +59,20 @@ fn is_drawn(text: &str) -> bool {
     text.starts_with('#') || is_ruler(&text[..len])
 }
 
+/// Parts a comment from the directive at its end.
+pub(super) fn split_directive(text: &str) -> (&str, &str) {
+    let (said, directive) =
+        text.split_at(directive::find(text, Span::default()).map_or(text.len(), |(_, start)| start));
+    (said, directive.trim_start())
+}
+
 fn body(text: &str, is_constant: bool) -> String {
-    let (text, directive) = split_directive(text);
     let mut body = String::new();
     match bars(text).filter(|_| is_constant) {
         Some(bars) => with_parameters(text, &bars, &mut body),
         None => note(text, &mut body),
     }
-    body.push_str(if body.is_empty() { directive.trim_start() } else { directive });
     body
-}
-
-/// Parts a comment from the directive at its end, the blanks before that and the mark that may open it.
-fn split_directive(text: &str) -> (&str, &str) {
-    let Some(at) = text.find(DIRECTIVE) else { return (text, "") };
-    let before = text[..at].trim_end();
-    let before = before.strip_suffix('#').unwrap_or(before);
-    text.split_at(before.trim_end().len())
 }
 
 /// Where the pipes between the parameters of a command stand, if there are as many as there have to be.

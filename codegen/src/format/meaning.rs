@@ -3,6 +3,7 @@
 use pulldown_cmark::{Event, Parser, Tag, TagEnd, TextMergeStream};
 
 use super::comment::rank;
+use crate::directive::Directive;
 use crate::msg::Dialect;
 use crate::msg::annotation::{Note, Statement};
 use crate::msg::ast::{Comment, Constant, Definition, Field, Item, Line, Part};
@@ -39,12 +40,17 @@ fn of_line(sources: &SourceMap, line: &Line<'_>) -> String {
         }
         Some(Item::Constant(Constant { ty, name, value, .. })) => format!("{ty:?} {} = {value:?}", name.text),
     };
-    let comment = line.comment.as_deref().map(|Comment { text, note, .. }| match note {
+    format!("{item} {:?}", line.comment.as_deref().map(of_comment))
+}
+
+fn of_comment(comment: &Comment<'_>) -> String {
+    let text = match &comment.note {
         Some(note) => of_note(note),
         // Blanks count in documentation alone, and of that the commentary has all.
-        None => text.split_whitespace().collect::<Vec<_>>().join(" "),
-    });
-    format!("{item} {comment:?}")
+        None => comment.text.split_whitespace().collect::<Vec<_>>().join(" "),
+    };
+    let directive = comment.directive.map(|Directive { rule, reason, .. }| (rule, reason));
+    format!("{text} {directive:?}")
 }
 
 /// What a comment says of its declaration. The order of annotations says nothing where they differ in kind.

@@ -18,8 +18,8 @@ enum Row {
     Blank,
     /// `---`, or a comment of its own, which ends a block.
     Apart(String),
-    /// Topics, which a block may have in its midst.
-    Topics(String),
+    /// Topics or a directive, which a block may have in its midst.
+    Aside(String),
     Declared {
         declaration: String,
         comment: Option<String>,
@@ -84,7 +84,7 @@ impl<'m> Reader<'m> {
                 self.is_after_declaration = true;
                 self.declared(line, item, comment)
             }
-            (None, Some(comment)) => self.own(self.written(line, comment), comment.column),
+            (None, Some(comment)) => self.own(comment, self.written(line, comment)),
             (None, None) => {
                 self.is_after_declaration = false;
                 Row::Blank
@@ -126,22 +126,29 @@ impl<'m> Reader<'m> {
         Row::Declared { declaration, comment }
     }
 
-    /// A comment on a line of its own whose `#` stands in `column`, from 0. It becomes a list of topics, or
+    /// A comment on a line of its own, of which `written` follows the `#`. It becomes a list of topics, or
     /// ceases to be one, in no case.
-    fn own(&mut self, text: &str, column: usize) -> Row {
-        let topics = text.strip_prefix(TOPICS).filter(|_| self.dialect == Dialect::Px4);
+    fn own(&mut self, comment: &Comment<'_>, written: &str) -> Row {
+        let topics = comment.text.strip_prefix(TOPICS).filter(|_| self.dialect == Dialect::Px4);
+        let is_indented = comment.column > 0;
         match topics {
-            Some(topics) if column == 0 => {
-                let topics = topics.split(BLANKS).filter(|topic| !topic.is_empty());
-                return Row::Topics(topics.fold(String::from("# TOPICS"), |line, topic| line + " " + topic));
+            Some(topics) if !is_indented => {
+                let (_, directive) = comment::split_directive(written);
+                let words = topics.split(BLANKS).chain([directive]).filter(|word| !word.is_empty());
+                return Row::Aside(words.fold("# TOPICS".to_owned(), |line, word| line + " " + word));
             }
-            _ if self.is_after_declaration && column > 0 => return Row::Continued(comment::continued(text)),
+            _ if self.is_after_declaration && is_indented => {
+                return Row::Continued(comment::continued(written));
+            }
+            _ if comment.is_directive() => return Row::Aside(comment::own(written)),
             _ => self.is_after_declaration = false,
         }
-        let laid_out = comment::own(text);
+        let laid_out = comment::own(written);
         Row::Apart(match topics {
             Some(_) => format!(" {laid_out}"),
-            None if self.dialect == Dialect::Px4 && laid_out[1..].starts_with(TOPICS) => format!("#{text}"),
+            None if self.dialect == Dialect::Px4 && laid_out[1..].starts_with(TOPICS) => {
+                format!("#{written}")
+            }
             None => laid_out,
         })
     }
@@ -170,7 +177,7 @@ fn tidy(rows: Vec<Row>) -> Vec<Row> {
 fn is_comment(row: &Row) -> bool {
     match row {
         Row::Apart(line) => line.trim_start().starts_with('#'),
-        Row::Topics(_) => true,
+        Row::Aside(_) => true,
         Row::Blank | Row::Declared { .. } | Row::Continued(_) => false,
     }
 }
@@ -185,7 +192,7 @@ fn print(block: &[Row], text: &mut String) {
     for row in block {
         match row {
             Row::Blank => {}
-            Row::Apart(line) | Row::Topics(line) => text.push_str(line),
+            Row::Apart(line) | Row::Aside(line) => text.push_str(line),
             Row::Declared { declaration, comment: None } => text.push_str(declaration),
             Row::Declared { declaration, comment: Some(comment) } => {
                 let _ = write!(text, "{declaration:widest$}  {comment}");
