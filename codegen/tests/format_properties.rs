@@ -217,7 +217,7 @@ fn check_definition(dialect: Dialect, path: &str, text: &str) -> Result<(), Test
 }
 
 proptest! {
-    #![proptest_config(config(8))]
+    #![proptest_config(config(4))]
 
     #[test]
     fn px4_definitions_say_the_same_as_before((path, text) in definition(Dialect::Px4)) {
@@ -348,7 +348,7 @@ fn check_page(path: &str, text: &str) -> Result<(), TestCaseError> {
 }
 
 proptest! {
-    #![proptest_config(config(8))]
+    #![proptest_config(config(4))]
 
     #[test]
     fn markdown_says_the_same_as_before(text in page(PAGE_LINES)) {

@@ -19,12 +19,11 @@ use crate::source::{SourceId, SourceMap};
 /// Arguments of `fmt`.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
-  cargo xtask fmt                     lay out all files that uavspec.toml names
-  cargo xtask fmt --check             write nothing; show what would change, and fail if anything would
+  cargo xtask fmt                 lay out all files that uavspec.toml names
+  cargo xtask fmt --check         write nothing; print a patch, and fail if there is one
   cargo xtask fmt --package px4 --dialect px4 --input msg srv/Arm.srv
 
-Only white space, the order and spelling of annotations and the columns of error-code tables change, never what
-a definition says. A file with mistakes is left as it is. The differences that --check prints are a patch.")]
+White space changes, the order and spelling of annotations, and the columns of error-code tables; never what a definition says. A file with mistakes is left as it is.")]
 pub struct FmtArgs {
     /// Write nothing; print what differs and fail if anything does.
     #[arg(long)]
