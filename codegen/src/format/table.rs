@@ -30,3 +30,13 @@ fn trimmed(line: &str) -> &str {
     let trimmed = line.trim_end_matches([' ', '\t']);
     if trimmed.ends_with('\\') { line } else { trimmed }
 }
+
+/// Where each line starts.
+fn line_starts(text: &str) -> Vec<usize> {
+    std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect()
+}
+
+/// The line, from 0, that holds the position `at`.
+fn line_of(starts: &[usize], at: usize) -> usize {
+    starts.partition_point(|start| *start <= at).saturating_sub(1)
+}

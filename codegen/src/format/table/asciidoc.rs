@@ -1,6 +1,6 @@
 //! `AsciiDoc`.
 
-use super::trimmed;
+use super::{line_of, line_starts, trimmed};
 use crate::table::asciidoc::has_specifier;
 use crate::table::{Page, Table, error_code, pipe};
 
@@ -10,9 +10,9 @@ const OTHER_FORMS: [&str; 2] = ["separator", "format"];
 /// The page laid out. `page` was read from `text`; `lines` are its lines without their ends.
 pub(super) fn lay_out(text: &str, lines: &[&str], page: &Page) -> String {
     let mut laid_out: Vec<Vec<String>> = lines.iter().map(|line| vec![trimmed(line).to_owned()]).collect();
+    let starts = line_starts(text);
     for table in page.tables.iter().filter(|table| is_plain(table)) {
-        let before = (table.span.start - page.span.start) as usize;
-        let fence = text.get(..before).map_or(0, |before| before.matches('\n').count());
+        let fence = line_of(&starts, (table.span.start - page.span.start) as usize);
         let Some((header, rows)) = body(lines, fence, table) else { continue };
         let first = rows.start;
         for line in rows.clone() {

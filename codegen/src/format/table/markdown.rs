@@ -1,10 +1,11 @@
 //! Markdown.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use pulldown_cmark::{Alignment, Event, Parser, Tag, TagEnd};
 
-use super::trimmed;
+use super::{line_of, line_starts, trimmed};
 use crate::format::ALIGNED_WITHIN;
 use crate::table::markdown::OPTIONS;
 use crate::table::{Page, error_code, pipe};
@@ -14,7 +15,7 @@ use crate::table::{Page, error_code, pipe};
 pub(super) fn lay_out(text: &str, written: &[&str], page: &Page) -> String {
     let structure = Structure::of(text);
     let starts = line_starts(text);
-    let line_of = |at: usize| starts.partition_point(|start| *start <= at) - 1;
+    let line_of = |at: usize| line_of(&starts, at);
     let mut lines: Vec<String> = written.iter().map(|line| trimmed(line).to_owned()).collect();
     for range in structure.verbatim.iter().filter(|range| !range.is_empty()) {
         for line in line_of(range.start)..=line_of(range.end - 1) {
@@ -31,19 +32,14 @@ pub(super) fn lay_out(text: &str, written: &[&str], page: &Page) -> String {
             tables.push(Codes { first, rows, alignments: &found.alignments, code });
         }
     }
+    let widths = widths(&tables);
     for table in &tables {
-        let alike = tables.iter().filter(|other| other.rows[0] == table.rows[0]);
-        let columns = table.columns(alike);
+        let columns = table.columns(widths.get(&table.rows[0]).map_or(&[], Vec::as_slice));
         for (line, laid_out) in (table.first..).zip(table.lines(&columns)) {
             lines[line] = laid_out;
         }
     }
     lines.join("\n")
-}
-
-/// Where each line starts.
-fn line_starts(text: &str) -> Vec<usize> {
-    std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect()
 }
 
 /// What of a page has to be known before lines are touched.
@@ -108,26 +104,14 @@ struct Column {
     width: usize,
 }
 
-impl<'s> Codes<'s> {
-    /// Codes stand to the right. A column is as wide as its widest cell in all tables that are `alike`, so
-    /// that the tables of a page look the same; the last is left as it is.
-    fn columns<'c>(&self, alike: impl Iterator<Item = &'c Codes<'s>>) -> Vec<Column>
-    where
-        's: 'c,
-    {
-        let mut widths = vec![1; self.alignments.len()];
-        for rows in alike.map(|table| &table.rows) {
-            for (index, row) in rows.iter().enumerate() {
-                for (column, (width, cell)) in widths.iter_mut().zip(row).enumerate() {
-                    let is_aligned = index == 0 || column == self.code || column + 1 < self.alignments.len();
-                    let len = cell.chars().count();
-                    *width = if is_aligned && len <= ALIGNED_WITHIN { len.max(*width) } else { *width };
-                }
-            }
-        }
+impl Codes<'_> {
+    /// Codes stand to the right; the other columns as they are, in these widths.
+    fn columns(&self, widths: &[usize]) -> Vec<Column> {
         let alignment = |index| if index == self.code { Alignment::Right } else { self.alignments[index] };
-        let column = |(index, width)| Column { alignment: alignment(index), width };
-        widths.into_iter().enumerate().map(column).collect()
+        let width = |index| widths.get(index).copied().unwrap_or(1);
+        (0..self.alignments.len())
+            .map(|index| Column { alignment: alignment(index), width: width(index) })
+            .collect()
     }
 
     fn lines(&self, columns: &[Column]) -> Vec<String> {
@@ -135,6 +119,24 @@ impl<'s> Codes<'s> {
         lines.insert(1, divider(columns));
         lines
     }
+}
+
+/// The widths of columns in all tables with the same header, so that the tables of a page look alike: those of
+/// the widest cell, and for the last column that of the header.
+fn widths<'s>(tables: &[Codes<'s>]) -> BTreeMap<Vec<&'s str>, Vec<usize>> {
+    let mut widths = BTreeMap::new();
+    for table in tables {
+        let widths: &mut Vec<usize> =
+            widths.entry(table.rows[0].clone()).or_insert_with(|| vec![1; table.alignments.len()]);
+        for (index, row) in table.rows.iter().enumerate() {
+            for (column, (width, cell)) in widths.iter_mut().zip(row).enumerate() {
+                let is_aligned = index == 0 || column == table.code || column + 1 < table.alignments.len();
+                let len = cell.chars().count();
+                *width = if is_aligned && len <= ALIGNED_WITHIN { len.max(*width) } else { *width };
+            }
+        }
+    }
+    widths
 }
 
 fn cells(line: &str) -> Vec<&str> {
