@@ -292,6 +292,7 @@ const PAGE_LINES: &[&str] = &[
     "```",
     "    code  ",
     "---",
+    "---\t",
     "title: x  ",
     "&amp; ",
     "",

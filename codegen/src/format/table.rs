@@ -25,10 +25,11 @@ pub(super) fn lay_out(path: &str, written: &str, page: &Page) -> String {
     }
 }
 
-/// The line without white space at its end. After a backslash that says that the line doesn't break there.
+/// The line without white space at its end, unless that says something: after a backslash, that the line doesn't
+/// break there; after three dashes, that they enclose no front matter.
 fn trimmed(line: &str) -> &str {
     let trimmed = line.trim_end_matches([' ', '\t']);
-    if trimmed.ends_with('\\') { line } else { trimmed }
+    if trimmed.ends_with('\\') || trimmed == "---" { line } else { trimmed }
 }
 
 /// Where each line starts.
