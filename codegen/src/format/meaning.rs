@@ -3,6 +3,7 @@
 use pulldown_cmark::{Event, Parser, Tag, TagEnd, TextMergeStream};
 
 use super::comment::rank;
+use super::table::without_blank_end;
 use crate::directive::Directive;
 use crate::msg::Dialect;
 use crate::msg::annotation::{Note, Statement};
@@ -85,7 +86,7 @@ fn of_cells(cells: &[Cell]) -> String {
 /// What a reader of a Markdown page sees, apart from the alignment of columns.
 fn shown(text: &str) -> Vec<String> {
     // An end of line has no other meaning for being written in two characters, nor has the last for being there.
-    let text = text.trim_end_matches(['\r', '\n', ' ', '\t']).replace("\r\n", "\n") + "\n";
+    let text = without_blank_end(text).replace("\r\n", "\n") + "\n";
     // White space at the ends of a heading or cell isn't shown. What they say was compared already.
     let mut is_trimmed = false;
     let mut shown = Vec::new();

@@ -19,10 +19,17 @@ pub(super) fn lay_out(path: &str, written: &str, page: &Page) -> String {
         Form::AsciiDoc => asciidoc::lay_out(written, &lines, page),
         Form::Flattened => lines.iter().map(|line| trimmed(line).to_owned() + "\n").collect(),
     };
-    match laid_out.trim_end_matches(['\n', ' ', '\t']) {
+    match without_blank_end(&laid_out) {
         "" => String::new(),
         laid_out => laid_out.to_owned() + "\n",
     }
+}
+
+/// The text up to the end of its last line that isn't blank.
+pub(super) fn without_blank_end(text: &str) -> &str {
+    let end = text.trim_end_matches([' ', '\t', '\r', '\n']).len();
+    let line = text[end..].find(['\r', '\n']).map_or(text.len(), |len| end + len);
+    if end == 0 { "" } else { &text[..line] }
 }
 
 /// The line without white space at its end, unless that says something: after a backslash, that the line doesn't
