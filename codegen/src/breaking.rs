@@ -44,8 +44,8 @@ mod queue_length;
 mod topic_added;
 mod topic_removed;
 
-pub use self::comparison::{CodeChange, Comparison, MessageChange};
-pub use self::message::{ConstantChange, FieldChange, Pair};
+pub use self::comparison::{CodeChange, Comparison, MessageChange, Named};
+pub use self::message::{ConstantChange, FieldChange, Held, Kept, Pair};
 
 use crate::diagnostic::Level;
 use crate::finding::{Finding, Sides};
@@ -100,7 +100,7 @@ pub enum Category {
     Json,
     /// Peers over DDS or ROS 2, whose messages are CDR.
     Cdr,
-    /// Peers in uORB, readers of its logs (ULog) and of shared memory.
+    /// Peers in uORB, readers of its logs (`ULog`) and of shared memory.
     Uorb,
     /// Whoever relies on PX4's rule that a versioned message says when it changes.
     Version,

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use quick_junit::{Report as Junit, TestCase, TestCaseStatus};
 use serde_json::Value as Json;
 use tempfile::TempDir;
 
@@ -255,6 +256,116 @@ fn inspect_prints_the_model() {
     assert_eq!(wind["topics"], serde_json::json!(["wind"]));
 }
 
+/// A workspace with findings of each level: no unit, a blank at the end of a line, and a type that is none.
+fn careless() -> TempDir {
+    let folder = workspace();
+    write(
+        &folder,
+        "msg/Gust.msg",
+        "uint64 timestamp  # [us] Since start \nfloat32 peak  # 50%, the strongest\n",
+    );
+    write(&folder, "msg/Sail trim.msg", "Wnd wind\n");
+    folder
+}
+
+/// Rule, level, file and line of what [`careless`] has, with the level of notes in the word of a format. Other
+/// rules may find more.
+const fn expected(note: &'static str) -> [(&'static str, &'static str, &'static str, u64); 4] {
+    [
+        ("trailing-white-space", note, "msg/Gust.msg", 1),
+        ("unit-missing", "warning", "msg/Gust.msg", 2),
+        ("message-name", "error", "msg/Sail trim.msg", 1),
+        ("unknown-type", "error", "msg/Sail trim.msg", 1),
+    ]
+}
+
+/// What `lint` reports in a format. That goes to standard output alone, and the summary to standard error.
+#[track_caller]
+fn lint(folder: &TempDir, format: &str, status: i32) -> String {
+    let output = xtask(folder.path(), &["lint", "--format", format]);
+    let errors = String::from_utf8(output.stderr).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(status), "{errors}");
+    assert!(errors.starts_with("lint: ") && errors.lines().count() == 1, "{errors}");
+    String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+#[test]
+fn lint_reports_json() {
+    let list: Json = serde_json::from_str(&lint(&careless(), "json", 1)).expect("JSON");
+    let list = list.as_array().expect("a list");
+    for (rule, level, file, line) in expected("note") {
+        let found =
+            list.iter().find(|found| found["rule"] == rule).unwrap_or_else(|| panic!("{rule}: {list:?}"));
+        assert_eq!((&found["level"], &found["file"]), (&level.into(), &file.into()));
+        assert_eq!(found["start"]["line"], line);
+        assert_eq!(found["fixable"], rule == "trailing-white-space");
+    }
+}
+
+#[test]
+fn lint_reports_sarif() {
+    let log: Json = serde_json::from_str(&lint(&careless(), "sarif", 1)).expect("JSON");
+    let run = &log["runs"][0];
+    let results = run["results"].as_array().expect("results");
+    for (rule, level, file, line) in expected("note") {
+        let result = results.iter().find(|result| result["ruleId"] == rule);
+        let result = result.unwrap_or_else(|| panic!("{rule}: {results:?}"));
+        let at = &result["locations"][0]["physicalLocation"];
+        assert_eq!(result["level"], level);
+        assert_eq!(at["artifactLocation"]["uri"], file.replace(' ', "%20"));
+        assert_eq!(at["region"]["startLine"], line);
+        let index = result["ruleIndex"].as_u64().and_then(|index| usize::try_from(index).ok());
+        assert_eq!(run["tool"]["driver"]["rules"][index.expect("an index")]["id"], rule);
+    }
+}
+
+#[test]
+fn lint_reports_junit() {
+    let read = |text: String| Junit::deserialize_from_str(&text).expect("JUnit");
+    let report = read(lint(&careless(), "junit", 1));
+    let cases = &report.test_suites[0].test_cases;
+    for (rule, level, file, _) in expected("note") {
+        let class = format!("lint.{rule}");
+        let case = cases.iter().find(|case| case.classname.as_deref() == Some(&class));
+        let case = case.unwrap_or_else(|| panic!("{rule}: {cases:?}"));
+        assert!(case.name.starts_with(file), "{case:?}");
+        assert_eq!(matches!(case.status, TestCaseStatus::NonSuccess { .. }), level != "note", "{case:?}");
+    }
+    let failed = cases.iter().filter(|case| matches!(case.status, TestCaseStatus::NonSuccess { .. })).count();
+    assert_eq!((report.tests, report.failures), (cases.len(), failed));
+    let report = read(lint(&workspace(), "junit", 0));
+    let cases = &report.test_suites[0].test_cases;
+    let passed = cases.iter().find(|case| case.classname.as_deref() == Some("lint.unit-missing"));
+    let is_success = |case: &TestCase| matches!(case.status, TestCaseStatus::Success { .. });
+    assert!(passed.is_some_and(is_success), "a rule that found nothing is a test that passed: {cases:?}");
+}
+
+#[test]
+fn lint_reports_workflow_commands() {
+    let text = lint(&careless(), "github", 1);
+    for (rule, level, file, line) in expected("notice") {
+        let title = format!(",title={rule}::");
+        let command = text.lines().find(|command| command.contains(&title));
+        let command = command.unwrap_or_else(|| panic!("{rule}: {text}"));
+        assert!(command.starts_with(&format!("::{level} file={file},line={line},")), "{command}");
+    }
+    assert!(text.lines().all(|line| line.starts_with("::")), "a command a line: {text}");
+}
+
+#[test]
+fn pages_of_the_rules_are_written_where_they_are_asked_for() {
+    let folder = workspace();
+    run(&folder, &["codegen"], 0);
+    assert!(!folder.path().join("out/docs/rules").exists());
+    let docs = "docs = { path = \"out/docs\", rules = true }";
+    write(&folder, "uavspec.toml", &CONFIG.replace("docs = \"out/docs\"", docs));
+    run(&folder, &["codegen"], 0);
+    assert!(folder.path().join("out/docs/rules/README.md").exists());
+    write(&folder, "uavspec.toml", CONFIG);
+    run(&folder, &["codegen"], 0);
+    assert!(!folder.path().join("out/docs/rules/README.md").exists());
+}
+
 #[test]
 fn ros2_packages_beside_the_input_are_found() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -374,7 +485,7 @@ fn fmt_keeps_permissions_and_links() {
 #[test]
 fn every_command_has_help_with_an_example() {
     let folder = workspace();
-    for command in ["codegen", "fmt", "inspect", "bench"] {
+    for command in ["codegen", "fmt", "inspect", "lint", "bench"] {
         let output = xtask(folder.path(), &[command, "--help"]);
         let help = String::from_utf8(output.stdout).expect("UTF-8");
         assert!(output.status.success() && help.contains("cargo xtask "), "{help}");

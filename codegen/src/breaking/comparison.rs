@@ -6,11 +6,12 @@ use super::Between;
 use super::message::{Pair, PairOf};
 use super::order::likeness;
 use super::signature::Signatures;
-use crate::schema::{ErrorCode, Kind, Message, MessageId, Package, Schema, Type};
+use crate::schema::{ErrorCode, Interface, Kind, Message, MessageId, Package, Schema, Type};
 use crate::source::Span;
 
-/// Beyond this many comparisons of messages that are in one set only, renamed ones are not looked for.
-const MAX_COMPARISONS: usize = 250_000;
+/// Beyond this many comparisons of fields in messages that are in one set only, renamed messages are not
+/// looked for.
+const MAX_COMPARISONS: usize = 1_000_000;
 
 /// Two sets of definitions, matched.
 #[derive(Debug)]
@@ -138,7 +139,11 @@ impl<'a> Matcher<'a> {
         old: &BTreeMap<&'a str, MessageId>,
         new: &BTreeMap<&'a str, MessageId>,
     ) -> Vec<(&'a str, &'a str)> {
-        if old.len().saturating_mul(new.len()) > MAX_COMPARISONS {
+        let count = |schema: &Schema, ids: &BTreeMap<&str, MessageId>| -> usize {
+            ids.values().map(|id| schema.message(*id).fields.len() + 1).sum()
+        };
+        let comparisons = count(self.old, old).saturating_mul(new.len());
+        if comparisons.saturating_add(count(self.new, new).saturating_mul(old.len())) > MAX_COMPARISONS {
             return Vec::new();
         }
         let fields = |schema: &'a Schema, id: MessageId| -> BTreeSet<(&'a str, String)> {
@@ -179,32 +184,21 @@ impl<'a> Matcher<'a> {
     }
 
     fn interfaces(&mut self, old: Option<&'a Package>, new: Option<&'a Package>) {
-        let interfaces =
-            |package: Option<&'a Package>| package.into_iter().flat_map(|package| &package.interfaces);
-        for before in interfaces(old) {
-            let is_twin = |after: &&_| {
-                let after: &crate::schema::Interface = after;
-                (after.kind, &after.name) == (before.kind, &before.name)
-            };
-            match interfaces(new).find(is_twin) {
+        let by_name = |package: Option<&'a Package>| -> BTreeMap<(Kind, &'a str), &'a Interface> {
+            let interfaces = package.into_iter().flat_map(|package| &package.interfaces);
+            interfaces.map(|found| ((found.kind, found.name.as_str()), found)).collect()
+        };
+        let named = |found: &'a Interface| Named { kind: found.kind, name: &found.name, span: found.span };
+        let mut added = by_name(new);
+        for (name, before) in by_name(old) {
+            match added.remove(&name) {
                 Some(after) => {
                     self.twins.extend(before.parts.iter().copied().zip(after.parts.iter().copied()));
                 }
-                None => self.changes.push(MessageChange::Removed(Named {
-                    kind: before.kind,
-                    name: &before.name,
-                    span: before.span,
-                })),
+                None => self.changes.push(MessageChange::Removed(named(before))),
             }
         }
-        for after in interfaces(new) {
-            let is_known =
-                interfaces(old).any(|before| (after.kind, &after.name) == (before.kind, &before.name));
-            if !is_known {
-                let named = Named { kind: after.kind, name: &after.name, span: after.span };
-                self.changes.push(MessageChange::Added(named));
-            }
-        }
+        self.changes.extend(added.into_values().map(|after| MessageChange::Added(named(after))));
     }
 
     fn codes(&mut self, old: Option<&'a Package>, new: Option<&'a Package>) {
@@ -221,13 +215,17 @@ impl<'a> Matcher<'a> {
                 None => gone.push(old),
             }
         }
+        let mut by_abbreviation: BTreeMap<&str, Vec<&'a ErrorCode>> = BTreeMap::new();
+        for code in after.values() {
+            by_abbreviation.entry(code.abbreviation.as_deref().unwrap_or("")).or_default().push(code);
+        }
         for old in gone {
-            // The nearest number is the likeliest, and of the same severity where there is one.
-            let twins = after.values().filter(|new| new.abbreviation == old.abbreviation);
+            // Of the same severity, where there is one, and the nearest.
+            let twins = old.abbreviation.as_deref().and_then(|text| by_abbreviation.get(text));
+            let twins = twins.into_iter().flatten().filter(|twin| after.contains_key(&twin.code));
             let twin =
                 twins.min_by_key(|new| (new.severity() != old.severity(), new.code.abs_diff(old.code)));
-            let twin = twin.filter(|_| old.abbreviation.is_some()).map(|new| new.code);
-            self.codes.push(match twin.and_then(|twin| after.remove(&twin)) {
+            self.codes.push(match twin.map(|twin| twin.code).and_then(|code| after.remove(&code)) {
                 Some(new) => CodeChange::Renumbered(old, new),
                 None => CodeChange::Removed(old),
             });

@@ -37,7 +37,8 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
     for change in &pair.fields {
         let FieldChange::Added(at) = *change else { continue };
         let field = &pair.new.fields[at];
-        let last = pair.new.fields.len() - pair.fields.iter().rev().take_while(is_added).count();
+        let last = pair.new.fields.len()
+            - pair.fields.iter().rev().take_while(|change| matches!(change, FieldChange::Added(_))).count();
         let cdr = if at >= last {
             "messages are longer: readers of before refuse what is left over, new ones miss it in old messages"
         } else {
@@ -53,10 +54,6 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
             change.breaks(Category::Uorb, uorb(pair));
         }
     }
-}
-
-fn is_added(change: &&FieldChange) -> bool {
-    matches!(change, FieldChange::Added(_))
 }
 
 /// What becomes of the layout in memory.

@@ -1,7 +1,7 @@
 //! `field-type`: a field of another type.
 
 use super::field_added::uorb;
-use super::message::both;
+use super::message::{Held, both};
 use super::{Category, Check, Example, Pair, Rule, Sink};
 use crate::diagnostic::Level;
 use crate::schema::Element;
@@ -34,7 +34,7 @@ pub(super) const RULE: Rule = Rule {
 };
 
 fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
-    for kept in pair.kept().filter(|kept| !kept.is_same_element) {
+    for kept in pair.kept().filter(|kept| kept.held == Held::Other) {
         let (old, new) = (&pair.old.fields[kept.old], &pair.new.fields[kept.new]);
         if is_same_string(old.ty.element, new.ty.element) {
             continue;

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::order::{align, likeness};
+use super::order::{MAX_COMPARISONS, align, likeness};
 use super::signature::OfSet;
 use super::{Between, order};
 use crate::finding::Sides;
@@ -53,14 +53,26 @@ pub struct Kept {
     pub old: usize,
     /// Its index in the new one.
     pub new: usize,
-    /// Whether it holds the same scalar, string or message, in whatever number.
-    pub is_same_element: bool,
-    /// Whether the message that it holds has other bytes in CDR.
-    pub is_nested_cdr_changed: bool,
-    /// Whether the message that it holds has other bytes in memory.
-    pub is_nested_uorb_changed: bool,
+    /// What became of the type of its elements.
+    pub held: Held,
     /// Whether it has to move so that the fields that are kept stand in the old order.
     pub is_moved: bool,
+}
+
+/// What became of that which a field holds, in whatever number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Held {
+    /// It is the same.
+    Same,
+    /// It is the same message, but that has other bytes.
+    Changed {
+        /// In CDR.
+        cdr: bool,
+        /// In memory.
+        uorb: bool,
+    },
+    /// It is another scalar, string or message.
+    Other,
 }
 
 /// A constant of two sets, or of one.
@@ -99,7 +111,7 @@ impl<'a> Pair<'a> {
             FieldChange::Kept(kept) => {
                 let (old, new) = (&self.old.fields[kept.old], &self.new.fields[kept.new]);
                 old.name != new.name
-                    || !kept.is_same_element
+                    || kept.held == Held::Other
                     || old.ty.shape != new.ty.shape
                     || old.default != new.default
                     || kept.is_moved
@@ -170,6 +182,7 @@ impl<'a> PairOf<'a, '_> {
         let is_taken: BTreeSet<usize> = twin_of.values().copied().collect();
         let gone = gaps(&old.fields, |at| twin_of.contains_key(&at));
         let come = gaps(&new.fields, |at| is_taken.contains(&at));
+        let mut budget = MAX_COMPARISONS;
         for (anchor, gone) in &gone {
             let Some(come) = come.get(anchor) else { continue };
             let field = |at: usize| &old.fields[gone[at]];
@@ -184,7 +197,7 @@ impl<'a> PairOf<'a, '_> {
             };
             let alike =
                 |left: usize, right: usize| likeness(&field(left).name, &new.fields[come[right]].name);
-            let renamed = align(gone.len(), come.len(), can_match, alike);
+            let renamed = align(gone.len(), come.len(), &mut budget, can_match, alike);
             twin_of.extend(renamed.into_iter().map(|(left, right)| (gone[left], come[right])));
         }
         let positions: Vec<usize> = twin_of.values().copied().collect();
@@ -206,22 +219,16 @@ impl<'a> PairOf<'a, '_> {
 
     fn kept(&self, old: &Message, new: &Message, (before, after): (usize, usize), is_moved: bool) -> Kept {
         let elements = (old.fields[before].ty.element, new.fields[after].ty.element);
-        let is_same_element = self.is_same(elements.0, elements.1);
-        let (cdr, uorb) = match elements {
-            (Element::Message(left), Element::Message(right)) if is_same_element => (
-                self.old_signatures.cdr(left) != self.new_signatures.cdr(right),
-                self.old_signatures.uorb(left) != self.new_signatures.uorb(right),
-            ),
-            _ => (false, false),
+        let held = match elements {
+            (old, new) if !self.is_same(old, new) => Held::Other,
+            (Element::Message(old), Element::Message(new)) => {
+                let cdr = self.old_signatures.cdr(old) != self.new_signatures.cdr(new);
+                let uorb = self.old_signatures.uorb(old) != self.new_signatures.uorb(new);
+                if cdr || uorb { Held::Changed { cdr, uorb } } else { Held::Same }
+            }
+            _ => Held::Same,
         };
-        Kept {
-            old: before,
-            new: after,
-            is_same_element,
-            is_nested_cdr_changed: cdr,
-            is_nested_uorb_changed: uorb,
-            is_moved,
-        }
+        Kept { old: before, new: after, held, is_moved }
     }
 
     fn is_same(&self, old: Element, new: Element) -> bool {

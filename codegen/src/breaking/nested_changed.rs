@@ -1,7 +1,7 @@
 //! `nested-changed`: a field whose message changed.
 
 use super::field_added::uorb;
-use super::message::both;
+use super::message::{Held, both};
 use super::{Category, Check, Example, Pair, Rule, Sink};
 use crate::diagnostic::Level;
 use crate::schema::Element;
@@ -36,20 +36,21 @@ const GLIDER: Example = Example {
 };
 
 fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
-    for kept in pair.kept().filter(|kept| kept.is_nested_cdr_changed || kept.is_nested_uorb_changed) {
+    for kept in pair.kept() {
+        let Held::Changed { cdr, uorb: memory } = kept.held else { continue };
         let (old, new) = (&pair.old.fields[kept.old], &pair.new.fields[kept.new]);
         let Element::Message(id) = new.ty.element else { continue };
         let nested = pair.new_schema.message(id);
         let message = format!("`{}.{}` holds `{}`, which changed", pair.name(), new.name, nested.name);
         let mut change = sink.change(new.span, both(old.span, new.span), message);
         change.relate(nested.span.part(0..0), "this changed");
-        if kept.is_nested_cdr_changed {
+        if cdr {
             change.breaks(
                 Category::Cdr,
                 "readers of before take its bytes, and those after it, for other fields",
             );
         }
-        if kept.is_nested_uorb_changed && pair.is_uorb() {
+        if memory && pair.is_uorb() {
             change.breaks(Category::Uorb, uorb(pair));
         }
         let is_silent = pair.old.version.is_some() && pair.old.version == pair.new.version;

@@ -23,23 +23,26 @@ pub(super) fn moved(positions: &[usize]) -> Vec<bool> {
     moved
 }
 
-/// Beyond this many comparisons the likeness of names is not asked any more.
-const MAX_COMPARISONS: usize = 10_000;
+/// How many comparisons of names all gaps of a message may take; beyond that they are matched in their order.
+pub(super) const MAX_COMPARISONS: usize = 20_000;
 
 /// Matches two sequences without crossings: as many pairs as possible of those that `can_match`, and among
-/// these the most alike ones. Pairs of indices, ascending.
+/// these the most alike ones. Pairs of indices, ascending. `budget` is what comparisons may be made.
 pub(super) fn align(
     old: usize,
     new: usize,
+    budget: &mut usize,
     can_match: impl Fn(usize, usize) -> bool,
     likeness: impl Fn(usize, usize) -> f64,
 ) -> Vec<(usize, usize)> {
-    if old == 0 || new == 0 || old.saturating_mul(new) > MAX_COMPARISONS {
+    let comparisons = old.saturating_mul(new);
+    if comparisons == 0 || comparisons > *budget {
         return (0..old.min(new))
             .map(|at| (at, at))
             .filter(|(left, right)| can_match(*left, *right))
             .collect();
     }
+    *budget -= comparisons;
     // best[i][j]: pairs and their likeness that the ends from i and j on can have.
     let mut best = vec![vec![(0_usize, 0.0_f64); new + 1]; old + 1];
     let matched = |best: &[Vec<(usize, f64)>], left: usize, right: usize| {
@@ -106,8 +109,8 @@ mod tests {
         let old = ["speed", "course"];
         let new = ["altitude", "speed_ground", "course_ground"];
         let alike = |left: usize, right: usize| likeness(old[left], new[right]);
-        assert_eq!(align(2, 3, |_, _| true, alike), [(0, 1), (1, 2)]);
-        assert_eq!(align(2, 3, |left, right| left == 1 && right == 0, alike), [(1, 0)]);
-        assert_eq!(align(0, 3, |_, _| true, alike), []);
+        assert_eq!(align(2, 3, &mut 100, |_, _| true, alike), [(0, 1), (1, 2)]);
+        assert_eq!(align(2, 3, &mut 100, |left, right| left == 1 && right == 0, alike), [(1, 0)]);
+        assert_eq!(align(0, 3, &mut 100, |_, _| true, alike), []);
     }
 }

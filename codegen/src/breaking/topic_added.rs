@@ -1,5 +1,7 @@
 //! `topic-added`: a topic that is new.
 
+use std::collections::BTreeSet;
+
 use super::message::both;
 use super::{Category, Check, Example, Pair, Rule, Sink};
 use crate::diagnostic::Level;
@@ -29,7 +31,8 @@ pub(super) const RULE: Rule = Rule {
 };
 
 fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
-    for topic in pair.new.topics.iter().filter(|topic| !pair.old.topics.contains(topic)) {
+    let known: BTreeSet<&String> = pair.old.topics.iter().collect();
+    for topic in pair.new.topics.iter().filter(|topic| !known.contains(topic)) {
         let message = format!("`{}` has the new topic `{topic}`", pair.name());
         sink.change(pair.head(), both(pair.old.span.part(0..0), pair.head()), message)
             .breaks(Category::Source, "nobody: programs may use it from now on");

@@ -1,21 +1,20 @@
 //! `breaking`: what changed since an earlier state, and whom it breaks.
 
 use std::path::{Path, PathBuf};
+use std::thread;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 
 use super::config::{Config, Inputs, Plan};
-use super::lint::{DenyLevel, FormatName, print, summary};
-use super::load::{Loaded, load, load_beside};
+use super::lint::{DenyLevel, FormatName, print};
+use super::load::{load, load_beside};
 use super::revision::Checkout;
-use super::{Failure, PackageArgs};
-use crate::breaking::{Between, RULES, breaking};
+use super::{Failure, PackageArgs, plural};
+use crate::breaking::{Between, Category, RULES, breaking};
 use crate::diagnostic::{Diagnostic, Level, has_errors, render};
 use crate::finding::Finding;
 use crate::report::RuleInfo;
-use crate::schema::Schema;
-use crate::source::SourceMap;
 
 /// Arguments of `breaking`.
 #[derive(Args, Debug)]
@@ -73,15 +72,20 @@ pub(super) fn run(args: &BreakingArgs) -> Result<bool, Failure> {
     let (old_plan, _checkout) = old_plan(args, &new_plan)?;
     let mut old = load(&old_plan)?;
     let sources = std::mem::take(&mut old.sources);
-    let mut new = load_beside(&new_plan, sources)?;
-    let (old_schema, old_diagnostics) = read(&new.sources, &mut old);
+    let new = load_beside(&new_plan, sources)?;
+    let sources = &new.sources;
+    let ((old_schema, mut old_diagnostics), (new_schema, mut new_diagnostics)) = thread::scope(|scope| {
+        let old = scope.spawn(|| crate::read(sources, &old.packages));
+        let new = crate::read(sources, &new.packages);
+        // A panic in a thread is a defect here, and goes on in the caller.
+        (old.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)), new)
+    });
+    old_diagnostics.append(&mut old.diagnostics);
+    new_diagnostics.extend(new.diagnostics.iter().cloned());
     if has_errors(&old_diagnostics) {
         let shown = render::render(&errors(old_diagnostics), &new.sources, false);
         return Err(Failure::new(format!("the earlier definitions have mistakes\n{shown}")));
     }
-    let sources = std::mem::take(&mut new.sources);
-    let (new_schema, new_diagnostics) = read(&sources, &mut new);
-    new.sources = sources;
     let findings = if has_errors(&new_diagnostics) {
         errors(new_diagnostics).iter().map(Finding::from).collect()
     } else {
@@ -91,9 +95,14 @@ pub(super) fn run(args: &BreakingArgs) -> Result<bool, Failure> {
         let level = rule.breaks.iter().map(|(_, level)| *level).max().unwrap_or(Level::Note);
         RuleInfo { id: rule.id, purpose: rule.purpose, level }
     });
-    let summary = summary("breaking", &findings, &new, started);
     print("breaking", rules.collect(), &findings, &new, args.format);
-    anstream::eprintln!("{summary}");
+    let files = plural(new.files.len(), "file");
+    let elapsed = started.elapsed().as_millis();
+    anstream::eprintln!(
+        "breaking: {files} compared with {}: {} ({elapsed} ms)",
+        old.files.len(),
+        summary(&findings)
+    );
     Ok(!findings.iter().any(|finding| finding.level >= args.deny.into()))
 }
 
@@ -157,10 +166,25 @@ fn plan_of_folder(args: &BreakingArgs, new: &Plan, folder: &Path) -> Result<Plan
     Ok(Plan { root: PathBuf::new(), config: None, ..plan })
 }
 
-fn read(sources: &SourceMap, loaded: &mut Loaded) -> (Schema, Vec<Diagnostic>) {
-    let (schema, mut diagnostics) = crate::read(sources, &loaded.packages);
-    diagnostics.append(&mut loaded.diagnostics);
-    (schema, diagnostics)
+/// How many changes there are, and how many of them break each category.
+fn summary(findings: &[Finding]) -> String {
+    let is_one = |left: &Finding, right: &Finding| {
+        (left.rule, left.span, &left.message) == (right.rule, right.span, &right.message)
+    };
+    let changes = findings.chunk_by(is_one).count();
+    if changes == 0 {
+        return "nothing changed that anybody would notice".to_owned();
+    }
+    let broken = |category: Category| {
+        let is_broken =
+            |finding: &&Finding| finding.category == Some(category.name()) && finding.level > Level::Note;
+        let count = findings.iter().filter(is_broken).count();
+        (count > 0).then(|| format!("{} {count}", category.name()))
+    };
+    let broken: Vec<String> = Category::ALL.into_iter().filter_map(broken).collect();
+    let broken =
+        if broken.is_empty() { "break nobody".to_owned() } else { format!("break {}", broken.join(", ")) };
+    format!("{}; they {broken}", plural(changes, "change"))
 }
 
 fn errors(mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {

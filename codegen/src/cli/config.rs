@@ -145,7 +145,7 @@ struct Outputs {
 #[derive(Debug, Deserialize)]
 #[serde(
     untagged,
-    expecting = "expected a path, or a table of `path` and `root`, `readme` (rust), `base` (json_schema, vectors) or `title` (docs)"
+    expecting = "expected a path, or a table of `path` and `root`, `readme` (rust), `base` (json_schema, vectors) or `title`, `rules` (docs)"
 )]
 enum Output<T> {
     Path(PathBuf),
@@ -172,6 +172,8 @@ struct JsonSchemaTable {
 struct DocsTable {
     path: PathBuf,
     title: Option<String>,
+    #[serde(default)]
+    rules: bool,
 }
 
 #[derive(Debug, Deserialize)]
@@ -352,8 +354,9 @@ impl Config {
             plan(&path, EmitterOptions::JsonSchema(json_schema_options(base)));
         }
         if let Some(output) = outputs.docs {
-            let DocsTable { path, title } = output.table(|path| DocsTable { path, title: None });
-            plan(&path, EmitterOptions::Docs(docs_options(title)));
+            let DocsTable { path, title, rules } =
+                output.table(|path| DocsTable { path, title: None, rules: false });
+            plan(&path, EmitterOptions::Docs(docs::Options { rules, ..docs_options(title) }));
         }
         if let Some(output) = outputs.vectors {
             let VectorsTable { path, base } = output.table(|path| VectorsTable { path, base: None });
@@ -427,7 +430,7 @@ fn vectors_options(base: Option<String>) -> vectors::Options {
 
 fn docs_options(title: Option<String>) -> docs::Options {
     let default = docs::Options::default();
-    docs::Options { title: title.unwrap_or(default.title) }
+    docs::Options { title: title.unwrap_or(default.title), ..default }
 }
 
 /// A configuration file that can't be read, shown like any other mistake.

@@ -82,6 +82,10 @@ pub(super) enum FormatName {
     Json,
     /// Annotations of a workflow on GitHub.
     Github,
+    /// SARIF 2.1.0, for code scanning.
+    Sarif,
+    /// Results of tests as XML, for CI systems that show them.
+    Junit,
 }
 
 impl FormatName {
@@ -91,6 +95,8 @@ impl FormatName {
             Self::Text => None,
             Self::Json => Some(Format::Json),
             Self::Github => Some(Format::Github),
+            Self::Sarif => Some(Format::Sarif),
+            Self::Junit => Some(Format::Junit),
         }
     }
 }

@@ -32,7 +32,7 @@ impl Checkout {
         let near = if near.as_os_str().is_empty() { Path::new(".") } else { near };
         let near = if near.is_dir() { near } else { near.parent().unwrap_or(Path::new(".")) };
         let near = if near.as_os_str().is_empty() { Path::new(".") } else { near };
-        let Some(top) = text_of(git(near, ["rev-parse", "--show-toplevel"])?) else {
+        let Some(top) = text_of(&git(near, ["rev-parse", "--show-toplevel"])?) else {
             let message = format!("no folder `{revision}`, and {} is in no Git repository", near.display());
             return Err(Failure::new(message).with_hint("name a folder, or a revision of a repository"));
         };
@@ -77,7 +77,7 @@ fn git<'a>(near: &Path, arguments: impl IntoIterator<Item = &'a str>) -> Result<
 }
 
 /// What a command that succeeded printed.
-fn text_of(output: Output) -> Option<String> {
+fn text_of(output: &Output) -> Option<String> {
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim_end().to_owned())
 }
 
@@ -85,10 +85,11 @@ fn text_of(output: Output) -> Option<String> {
 fn commit(revision: &str, near: &Path) -> Result<String, Failure> {
     let name = format!("{revision}^{{commit}}");
     let found = git(near, ["rev-parse", "--verify", "--quiet", "--end-of-options", &name])?;
-    if let Some(commit) = text_of(found) {
+    if let Some(commit) = text_of(&found) {
         return Ok(commit);
     }
-    let is_shallow = text_of(git(near, ["rev-parse", "--is-shallow-repository"])?).as_deref() == Some("true");
+    let is_shallow =
+        text_of(&git(near, ["rev-parse", "--is-shallow-repository"])?).as_deref() == Some("true");
     let hint = if is_shallow {
         "this clone is shallow: get the rest with `git fetch --unshallow --tags` \
          (on GitHub, `fetch-depth: 0` for actions/checkout)"
