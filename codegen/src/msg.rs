@@ -8,6 +8,7 @@ pub mod ast;
 mod characters;
 pub mod literal;
 mod parser;
+pub(crate) use parser::is_separator;
 
 use std::fmt;
 

@@ -5,7 +5,7 @@
 //! schema doesn't depend on the order in which files were read.
 
 pub(crate) mod constraint;
-mod documentation;
+pub(crate) mod documentation;
 mod enumeration;
 pub mod error_codes;
 pub mod fingerprint;

@@ -381,10 +381,111 @@ fn ros2_packages_beside_the_input_are_found() {
     assert_eq!(messages.keys().collect::<Vec<_>>(), ["Time"], "only what is referred to");
 }
 
+const UNTIDY: &str = "uint64   timestamp #[microseconds]Since start\r\nuint8 mode# Which one [@range 0,1]";
+const TIDY: &str = "uint64 timestamp  # [us] Since start\nuint8 mode        # [@range 0, 1] Which one\n";
+
+#[test]
+fn fmt_lays_out_only_what_differs() {
+    let folder = workspace();
+    write(&folder, "msg/Mode.msg", UNTIDY);
+    write(&folder, "msg/Gust.msg", TIDY);
+    let time = || {
+        let data = fs::metadata(folder.path().join("msg/Gust.msg"));
+        data.and_then(|data| data.modified()).expect("a time")
+    };
+    let written = time();
+    let errors = run(&folder, &["fmt"], 0);
+    assert!(errors.contains("fmt: 3 files read, 2 laid out anew ("), "{errors}");
+    assert_eq!(fs::read_to_string(folder.path().join("msg/Mode.msg")).expect("a file"), TIDY);
+    let errors = run(&folder, &["fmt"], 0);
+    assert!(errors.contains("fmt: 3 files read, 0 laid out anew ("), "{errors}");
+    assert_eq!(time(), written, "what is laid out is not written");
+    run(&folder, &["fmt", "--check"], 0);
+    assert_eq!(tree(&folder.path().join("msg")).len(), 3, "nothing is left behind");
+}
+
+#[test]
+fn fmt_check_prints_a_patch_and_writes_nothing() {
+    let folder = workspace();
+    write(&folder, "msg/Mode.msg", UNTIDY);
+    run(&folder, &["fmt"], 0);
+    write(&folder, "msg/Mode.msg", &TIDY.replace("64 ", "64  "));
+    let before = tree(folder.path());
+    let output = xtask(folder.path(), &["fmt", "--check"]);
+    let (patch, errors) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert_eq!(output.status.code(), Some(1), "{errors}");
+    assert_eq!(
+        patch,
+        "--- msg/Mode.msg\n+++ msg/Mode.msg\n@@ -1,2 +1,2 @@\n\
+         -uint64  timestamp  # [us] Since start\n+uint64 timestamp  # [us] Since start\n \
+         uint8 mode        # [@range 0, 1] Which one\n"
+    );
+    assert!(errors.contains("fmt: 3 files read, 1 to be laid out anew; run `cargo xtask fmt`"), "{errors}");
+    assert_eq!(tree(folder.path()), before);
+}
+
+#[test]
+fn fmt_leaves_files_with_mistakes_and_lays_out_the_others() {
+    let folder = workspace();
+    let mistaken = "uint8   MODE = 300\nuint8[0]  a\n";
+    write(&folder, "msg/Wind.msg", mistaken);
+    write(&folder, "msg/Gust.msg", "uint8   a\nNowhere  b\n");
+    fs::write(folder.path().join("msg/Bytes.msg"), b"uint8  a # \xff\n").expect("a file");
+    let errors = run(&folder, &["fmt"], 1);
+    for expected in
+        ["constant-out-of-range", "zero-length", "invalid-utf8", "3 errors in 2 of 3 files; left as they are"]
+    {
+        assert!(errors.contains(expected), "{expected} is missing in\n{errors}");
+    }
+    assert_eq!(fs::read_to_string(folder.path().join("msg/Wind.msg")).expect("a file"), mistaken);
+    let laid_out = fs::read_to_string(folder.path().join("msg/Gust.msg")).expect("a file");
+    assert_eq!(laid_out, "uint8 a\nNowhere b\n", "what a type is doesn't matter");
+}
+
+#[test]
+fn fmt_works_without_a_configuration_file_and_leaves_dependencies_alone() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    write(&folder, "std_msgs/msg/Header.msg", "string   frame_id\n");
+    write(&folder, "demo_msgs/msg/Ping.msg", "std_msgs/Header   header\nuint8   count   3\n");
+    write(&folder, "page.md", "## Warnings\n\nCode|Abbr|Description\n-|-|-\n64|A|x\n");
+    run(&folder, &["fmt", "--package", "demo_msgs", "--dialect", "ros2", "--input", "demo_msgs"], 0);
+    run(&folder, &["fmt", "--package", "codes", "--dialect", "table", "--input", "page.md"], 0);
+    let text = |path: &str| fs::read_to_string(folder.path().join(path)).expect("a file");
+    assert_eq!(text("demo_msgs/msg/Ping.msg"), "std_msgs/Header header\nuint8 count 3\n");
+    assert_eq!(text("std_msgs/msg/Header.msg"), "string   frame_id\n");
+    assert!(
+        text("page.md").contains("| Code | Abbr | Description |\n|-----:|------|-------------|\n|   64 | A ")
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn fmt_keeps_permissions_and_links() {
+    use std::os::unix::fs::{PermissionsExt as _, symlink};
+
+    let folder = workspace();
+    write(&folder, "elsewhere/Mode.msg", UNTIDY);
+    let target = folder.path().join("elsewhere/Mode.msg");
+    fs::set_permissions(&target, fs::Permissions::from_mode(0o640)).expect("permissions");
+    symlink(&target, folder.path().join("msg/Mode.msg")).expect("a link");
+    run(&folder, &["fmt"], 0);
+    assert!(folder.path().join("msg/Mode.msg").is_symlink());
+    assert_eq!(fs::read_to_string(&target).expect("a file"), TIDY);
+    assert_eq!(fs::metadata(&target).expect("a file").permissions().mode() & 0o777, 0o640);
+    write(&folder, "msg/Wind.msg", "uint8   a\n");
+    write(&folder, "msg/Gust.msg", "uint8   a\n");
+    let gust = folder.path().join("msg/Gust.msg");
+    fs::set_permissions(&gust, fs::Permissions::from_mode(0o440)).expect("permissions");
+    let errors = run(&folder, &["fmt"], 2);
+    assert!(errors.contains("msg/Gust.msg: the file is read-only") && errors.contains("help: "), "{errors}");
+    let wind = fs::read_to_string(folder.path().join("msg/Wind.msg")).expect("a file");
+    assert_eq!(wind, "uint8   a\n", "all files or none");
+}
+
 #[test]
 fn every_command_has_help_with_an_example() {
     let folder = workspace();
-    for command in ["codegen", "inspect", "lint", "bench"] {
+    for command in ["codegen", "fmt", "inspect", "lint", "bench"] {
         let output = xtask(folder.path(), &[command, "--help"]);
         let help = String::from_utf8(output.stdout).expect("UTF-8");
         assert!(output.status.success() && help.contains("cargo xtask "), "{help}");

@@ -41,6 +41,17 @@ pub(super) fn load(plan: &Plan) -> Result<Loaded, Failure> {
 
 /// Reads all sources of `plan` beside those that are there already.
 pub(super) fn load_beside(plan: &Plan, sources: SourceMap) -> Result<Loaded, Failure> {
+    let mut loader = loader(plan, sources)?;
+    loader.ros_dependencies()?;
+    Ok(loader.loaded)
+}
+
+/// Reads the sources that `plan` names, and nothing that they refer to.
+pub(super) fn load_named(plan: &Plan) -> Result<Loaded, Failure> {
+    Ok(loader(plan, SourceMap::default())?.loaded)
+}
+
+fn loader(plan: &Plan, sources: SourceMap) -> Result<Loader<'_>, Failure> {
     let mut loader = Loader {
         plan,
         loaded: Loaded {
@@ -66,8 +77,7 @@ pub(super) fn load_beside(plan: &Plan, sources: SourceMap) -> Result<Loaded, Fai
         });
         loader.package(package, select.as_deref(), files)?;
     }
-    loader.ros_dependencies()?;
-    Ok(loader.loaded)
+    Ok(loader)
 }
 
 struct Loader<'p> {

@@ -9,7 +9,7 @@ use super::{Cell, Heading, Page, Row, Table, pipe};
 use crate::source::Span;
 
 /// Front matter and `{#anchors}` are no part of the text; documentation generators demand both.
-const OPTIONS: Options = Options::ENABLE_TABLES
+pub(crate) const OPTIONS: Options = Options::ENABLE_TABLES
     .union(Options::ENABLE_HEADING_ATTRIBUTES)
     .union(Options::ENABLE_YAML_STYLE_METADATA_BLOCKS);
 
