@@ -19,6 +19,7 @@ mod load;
 mod output;
 mod report;
 mod revision;
+mod rewrite;
 
 use std::fmt;
 use std::io::Write as _;

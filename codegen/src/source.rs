@@ -1,5 +1,6 @@
 //! Texts with names, and places in them. Strings come in; files don't.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::OnceLock;
 
@@ -115,6 +116,18 @@ impl SourceMap {
             return Err(Diagnostic::new(Problem::ByteOrderMark, whole.part(0..'\u{feff}'.len_utf8())));
         }
         Ok(id)
+    }
+
+    /// The same sources under the same ids, some with another text; what can't be read stays unread.
+    #[must_use]
+    pub fn with_texts(&self, texts: &BTreeMap<SourceId, String>) -> Self {
+        let mut sources = Self::default();
+        for (at, source) in self.sources.iter().enumerate() {
+            let text = texts.get(&SourceId(offset(at))).unwrap_or(&source.text);
+            // It is added in any case, so that the ids stay.
+            let _ = sources.add(source.path.clone(), text.clone().into_bytes());
+        }
+        sources
     }
 
     /// The text of a source.

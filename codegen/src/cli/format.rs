@@ -1,17 +1,17 @@
 //! `fmt`: definitions and pages in their one layout.
 
 use std::collections::BTreeSet;
-use std::fs::{self, Permissions};
+use std::fs;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
 use similar::TextDiff;
-use tempfile::NamedTempFile;
 
 use super::config::{Config, Plan};
 use super::load::{self, Loaded};
+use super::rewrite::{self, Change};
 use super::{Failure, PackageArgs, plural, report};
 use crate::format::{self, Formatted};
 use crate::source::{SourceId, SourceMap};
@@ -35,15 +35,6 @@ pub struct FmtArgs {
     package: Option<PackageArgs>,
 }
 
-/// A file whose layout differs from what it holds.
-struct Change {
-    path: PathBuf,
-    /// Its path as it is shown.
-    shown: String,
-    old: String,
-    new: String,
-}
-
 pub(super) fn run(args: &FmtArgs) -> Result<bool, Failure> {
     let started = Instant::now();
     let plan = match &args.package {
@@ -57,7 +48,7 @@ pub(super) fn run(args: &FmtArgs) -> Result<bool, Failure> {
         let advice = if changes.is_empty() { "" } else { "; run `cargo xtask fmt`" };
         format!("{} to be laid out anew{advice}", changes.len())
     } else {
-        write(&changes)?;
+        rewrite::write(&changes)?;
         format!("{} laid out anew", changes.len())
     };
     let read = plural(loaded.files.len(), "file");
@@ -80,7 +71,7 @@ fn changes(plan: &Plan) -> Result<(Vec<Change>, Loaded), Failure> {
                 continue;
             }
             match format::format(&loaded.sources, *id, package.form) {
-                Ok(formatted) => changes.extend(Change::of(&loaded.sources, *id, path, formatted)),
+                Ok(formatted) => changes.extend(change(&loaded.sources, *id, path, formatted)),
                 Err(mut found) => loaded.diagnostics.append(&mut found),
             }
         }
@@ -88,14 +79,12 @@ fn changes(plan: &Plan) -> Result<(Vec<Change>, Loaded), Failure> {
     Ok((changes, loaded))
 }
 
-impl Change {
-    fn of(sources: &SourceMap, id: SourceId, path: PathBuf, formatted: Formatted) -> Option<Self> {
-        let (shown, old) = (sources.path(id).to_owned(), sources.text(id).to_owned());
-        if formatted.is_kept {
-            anstream::eprintln!("fmt: {shown} is kept as it is: laid out it would say something else");
-        }
-        (formatted.text != old).then_some(Self { path, shown, old, new: formatted.text })
+fn change(sources: &SourceMap, id: SourceId, path: PathBuf, formatted: Formatted) -> Option<Change> {
+    let (shown, old) = (sources.path(id).to_owned(), sources.text(id).to_owned());
+    if formatted.is_kept {
+        anstream::eprintln!("fmt: {shown} is kept as it is: laid out it would say something else");
     }
+    (formatted.text != old).then_some(Change { path, shown, old, new: formatted.text })
 }
 
 /// Prints the differences as one patch.
@@ -106,34 +95,4 @@ fn print(changes: &[Change]) {
         // A reader that has seen enough closes the pipe: that is no failure.
         let _ = write!(stdout, "{}", difference.unified_diff().header(shown, shown));
     }
-}
-
-/// Replaces the files. All is staged before any is put in place, so that a full disk leaves all as it was.
-fn write(changes: &[Change]) -> Result<(), Failure> {
-    let mut staged = Vec::with_capacity(changes.len());
-    for change in changes {
-        staged.push(stage(change).map_err(|error| unwritable(change, &error))?);
-    }
-    for (change, file) in changes.iter().zip(staged) {
-        file.persist(&change.path).map_err(|error| unwritable(change, &error.error))?;
-    }
-    Ok(())
-}
-
-/// The new text in a file beside the old one, with the same permissions.
-fn stage(change: &Change) -> io::Result<NamedTempFile> {
-    let permissions: Permissions = fs::metadata(&change.path)?.permissions();
-    if permissions.readonly() {
-        return Err(io::Error::new(io::ErrorKind::PermissionDenied, "the file is read-only"));
-    }
-    let folder = change.path.parent().unwrap_or(Path::new(""));
-    let mut file = tempfile::Builder::new().prefix(".uavspec-").tempfile_in(folder)?;
-    file.write_all(change.new.as_bytes())?;
-    file.as_file().set_permissions(permissions)?;
-    Ok(file)
-}
-
-fn unwritable(change: &Change, error: &io::Error) -> Failure {
-    Failure::new(format!("{}: {error}", change.shown))
-        .with_hint("check that the file and its folder can be written")
 }

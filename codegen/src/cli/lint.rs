@@ -1,8 +1,7 @@
 //! `lint`: what should be written otherwise.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -11,6 +10,7 @@ use clap::Args;
 use super::config::{Config, Plan, PresetName};
 use super::load::{self, Loaded};
 use super::report::ReportArgs;
+use super::rewrite::{self, Change};
 use super::{Failure, PackageArgs, plural};
 use crate::diagnostic::Level;
 use crate::finding::Finding;
@@ -61,23 +61,7 @@ pub(super) fn run(args: &LintArgs) -> Result<bool, Failure> {
     };
     let mut loaded = load::load(&plan)?;
     let mut findings = judge(&plan, &loaded, args.preset);
-    let mut mended = 0;
-    if args.fix {
-        for _ in 0..MAX_PASSES {
-            let texts = apply(&findings, &loaded.sources);
-            if texts.is_empty() {
-                break;
-            }
-            mended += findings.iter().filter(|finding| !finding.fix.is_empty()).count();
-            for (source, text) in &texts {
-                // The configuration file is the user's own.
-                let Some(path) = loaded.paths.get(source) else { continue };
-                replace(path, text)?;
-            }
-            loaded = load::load(&plan)?;
-            findings = judge(&plan, &loaded, args.preset);
-        }
-    }
+    let mended = if args.fix { mend(&plan, &mut loaded, &mut findings, args.preset)? } else { 0 };
     let summary = summary("lint", &findings, &loaded, started);
     let fixes = match (mended, findings.iter().filter(|finding| !finding.fix.is_empty()).count()) {
         (0, 0) => String::new(),
@@ -138,16 +122,41 @@ pub(super) fn summary(command: &str, findings: &[Finding], loaded: &Loaded, star
     format!("{command}: {} read: {counts} ({elapsed} ms)", plural(loaded.files.len(), "file"))
 }
 
-/// Replaces a file as a whole, or leaves it as it is.
-fn replace(path: &Path, text: &str) -> Result<(), Failure> {
-    let unwritable = |error: std::io::Error| Failure::new(format!("{}: {error}", path.display()));
-    // Behind a link stands the file that is meant.
-    let path = fs::canonicalize(path).map_err(unwritable)?;
-    let folder = path.parent().unwrap_or(Path::new("."));
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(unwritable)?;
-    file.write_all(text.as_bytes()).map_err(unwritable)?;
-    let permissions = fs::metadata(&path).map_err(unwritable)?.permissions();
-    file.as_file().set_permissions(permissions).map_err(unwritable)?;
-    file.persist(&path).map_err(|error| unwritable(error.error))?;
-    Ok(())
+/// Mends all that can be, until nothing is left, and writes the files that changed. How many findings it was.
+fn mend(
+    plan: &Plan,
+    loaded: &mut Loaded,
+    findings: &mut Vec<Finding>,
+    preset: Option<PresetName>,
+) -> Result<usize, Failure> {
+    let mut texts: BTreeMap<SourceId, String> = BTreeMap::new();
+    let mut mended = 0;
+    for _ in 0..MAX_PASSES {
+        // The configuration file is left to its owner.
+        for finding in findings.iter_mut() {
+            if !loaded.paths.contains_key(&loaded.sources.source_of(finding.span)) {
+                finding.fix.clear();
+            }
+        }
+        let new = apply(findings, &loaded.sources);
+        if new.is_empty() {
+            break;
+        }
+        mended += findings.iter().filter(|finding| !finding.fix.is_empty()).count();
+        loaded.sources = loaded.sources.with_texts(&new);
+        texts.extend(new);
+        *findings = judge(plan, loaded, preset);
+    }
+    let mut changes = Vec::new();
+    for (source, new) in texts {
+        let Some(path) = loaded.paths.get(&source) else { continue };
+        let shown = loaded.sources.path(source).to_owned();
+        let unreadable = |error: std::io::Error| Failure::new(format!("{shown}: {error}"));
+        // Behind a link stands the file that is meant.
+        let path = fs::canonicalize(path).map_err(unreadable)?;
+        let old = fs::read_to_string(&path).map_err(unreadable)?;
+        changes.push(Change { path, shown, old, new });
+    }
+    rewrite::write(&changes)?;
+    Ok(mended)
 }
