@@ -436,7 +436,8 @@ fn docs_options(title: Option<String>) -> docs::Options {
 /// A configuration file that can't be read, shown like any other mistake.
 fn unreadable(path: &str, text: &str, error: &toml::de::Error) -> Failure {
     match error.span() {
-        Some(range) => misplaced(path, text, range, error.message()),
+        Some(range) => misplaced(path, text, range, error.message())
+            .with_hint("the README of uavspec lists all keys, under \"Use it in your build\""),
         None => Failure::new(format!("{path}: {}", error.message())),
     }
 }
