@@ -48,6 +48,7 @@
 //! What the generated crate takes to compile, and how fast it is, stands in the documentation of
 //! `uavspec-runtime`.
 
+mod characters;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod diagnostic;

@@ -32,13 +32,18 @@ fn strict() -> Settings {
 fn judge(files: &[(String, String)]) -> (SourceMap, Vec<Finding>) {
     let mut sources = SourceMap::default();
     let mut messages = package("demo", Form::Msg(Dialect::Px4));
+    let mut ros2 = package("ros2", Form::Msg(Dialect::Ros2));
     let mut pages = package("pages", Form::Table);
     for (path, text) in files {
         let id = sources.add(path.as_str(), text.clone().into_bytes()).expect("a text");
-        let package: &mut PackageInput = if Kind::of(path).is_some() { &mut messages } else { &mut pages };
+        let package: &mut PackageInput = match Kind::of(path) {
+            Some(_) if path.starts_with("ros2/") => &mut ros2,
+            Some(_) => &mut messages,
+            None => &mut pages,
+        };
         package.sources.push(id);
     }
-    let findings = lint(&sources, &[messages, pages], &strict());
+    let findings = lint(&sources, &[messages, pages, ros2], &strict());
     (sources, findings)
 }
 
@@ -89,7 +94,11 @@ fn check_examples(rule: &Rule) -> Vec<String> {
 #[test]
 fn each_rule_finds_its_bad_example_and_not_its_good_one() {
     let failures: Vec<String> = RULES.iter().flat_map(|rule| check_examples(rule)).collect();
-    assert!(failures.is_empty(), "{}\nUAVSPEC_UPDATE_FIXTURES=1 takes what is said for expected", failures.join("\n"));
+    assert!(
+        failures.is_empty(),
+        "{}\nUAVSPEC_UPDATE_FIXTURES=1 takes what is said for expected",
+        failures.join("\n")
+    );
 }
 
 /// The rule that a folder is named after. Ids may start with other ids: the longest counts.

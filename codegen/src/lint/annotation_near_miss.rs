@@ -26,7 +26,9 @@ pub(super) const RULE: Rule = Rule {
 
 fn fix(diagnostic: &Diagnostic, _: &SourceMap) -> Vec<Edit> {
     match &diagnostic.problem {
-        Problem::AnnotationNearMiss { meant, .. } => vec![Edit { span: diagnostic.span, text: meant.clone() }],
+        Problem::AnnotationNearMiss { meant, .. } => {
+            vec![Edit { span: diagnostic.span, text: meant.clone() }]
+        }
         _ => Vec::new(),
     }
 }

@@ -35,6 +35,7 @@ pub fn apply(findings: &[Finding], sources: &SourceMap) -> BTreeMap<SourceId, St
 
 /// Whether an edit touches none of those that are chosen, which don't touch each other.
 fn is_apart(edit: &Edit, chosen: &BTreeSet<&Edit>) -> bool {
-    let before = chosen.range::<&Edit, _>(..edit).next_back().is_none_or(|other| other.span.end < edit.span.start);
+    let before =
+        chosen.range::<&Edit, _>(..edit).next_back().is_none_or(|other| other.span.end < edit.span.start);
     before && chosen.range::<&Edit, _>(edit..).next().is_none_or(|other| edit.span.end < other.span.start)
 }

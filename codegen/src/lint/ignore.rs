@@ -205,7 +205,10 @@ impl<'s> Request<'s> {
 fn similar(id: &str) -> Option<&'static str> {
     let distances = super::RULES.iter().map(|rule| (strsim::damerau_levenshtein(rule.id, id), rule.id));
     // Ids are short: what is much longer is none, and comparing takes the product of the lengths.
-    distances.filter(|(distance, known)| id.len() < 60 && *distance <= 1 + known.len() / 5).min().map(|(_, known)| known)
+    distances
+        .filter(|(distance, known)| id.len() < 60 && *distance <= 1 + known.len() / 5)
+        .min()
+        .map(|(_, known)| known)
 }
 
 /// Requests by what they are for.

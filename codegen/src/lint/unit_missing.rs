@@ -2,12 +2,13 @@
 
 use super::{Check, Example, Levels, Rule, Sink, Subject};
 use crate::diagnostic::Level;
-use crate::schema::Element;
+use crate::schema::{Element, Field};
 
 pub(super) const RULE: Rule = Rule {
     id: "unit-missing",
     purpose: "A field of floats states its unit, `[-]` where it has none. Without it, readers guess between \
-              degrees and radians, and nobody can check the guess.",
+              degrees and radians, and nobody can check the guess. Where the unit isn't known, the comment \
+              says so: `no unit is defined`.",
     levels: Levels::both(Level::Warning),
     bad: Example {
         path: "Glider.msg",
@@ -23,10 +24,21 @@ pub(super) const RULE: Rule = Rule {
     check: Check::Message(check),
 };
 
+/// How a comment says that nobody has defined the unit. `[-]` would be false there, and a guess worse.
+const UNDEFINED: [&str; 4] =
+    ["no unit is defined", "unit is not defined", "unit isn't defined", "unit is unknown"];
+
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    if !subject.is_px4() {
+        return;
+    }
     for (field, _) in subject.fields() {
         let is_float = matches!(field.ty.element, Element::Scalar(scalar) if scalar.is_float());
-        if is_float && field.unit.is_none() && field.enum_prefixes.is_empty() {
+        if is_float
+            && field.unit.is_none()
+            && field.enum_prefixes.is_empty()
+            && !says_that_there_is_none(field)
+        {
             sink.report(
                 field.span,
                 format!("`{}` has no unit", field.name),
@@ -34,4 +46,9 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
             );
         }
     }
+}
+
+/// Whether the comment of a field says that its unit is not defined.
+pub(super) fn says_that_there_is_none(field: &Field) -> bool {
+    UNDEFINED.iter().any(|words| field.description.contains(words))
 }

@@ -183,6 +183,7 @@ impl<'s> Reader<'s, '_> {
     /// The text, and annotations with `@` that stand in it by mistake.
     fn rest(&mut self) {
         let mut text = String::new();
+        let head = self.text.len() - self.text[self.at..].trim_start().len();
         let mut copied = self.at;
         let mut from = self.at;
         // Past the last end of a bracket nothing is left to be found.
@@ -196,9 +197,15 @@ impl<'s> Reader<'s, '_> {
             }
             let Some((content, end)) = bracketed(self.text, start) else { continue };
             match classify(content, self.text.as_bytes()[start] == b'(') {
-                Reading::Statement(statement) | Reading::NearMiss(statement, _) => {
+                reading @ (Reading::Statement(_) | Reading::NearMiss(..)) => {
                     let found = self.text[start..end].to_owned();
-                    self.report(Problem::AnnotationAfterText { found }, start..end);
+                    let (statement, meant) = match reading {
+                        Reading::NearMiss(statement, meant) => (statement, meant),
+                        Reading::Statement(statement) => (statement, found.clone()),
+                        Reading::Text(_) => continue,
+                    };
+                    let head = self.span.part(head..head);
+                    self.report(Problem::AnnotationAfterText { found, meant, head }, start..end);
                     self.push(statement, start..end);
                     text.push_str(self.text[copied..start].trim_end());
                     copied = end;

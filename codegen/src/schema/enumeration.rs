@@ -127,8 +127,18 @@ impl ByPrefix {
     }
 }
 
+/// Whether a constant of that name would count or bound the enum of some prefix.
+pub(crate) fn is_sentinel_name(name: &str) -> bool {
+    let ends_in =
+        |word: &&str| name.strip_suffix(word).is_some_and(|rest| rest.is_empty() || rest.ends_with('_'));
+    SENTINELS.iter().any(|word| ends_in(word))
+}
+
 /// The longest claimed prefix that `name` starts with, and what follows its `_`.
-fn longest_prefix<'n, 'c>(name: &'n str, claimed: &'c BTreeSet<String>) -> Option<(&'c str, &'n str)> {
+pub(crate) fn longest_prefix<'n, 'c>(
+    name: &'n str,
+    claimed: &'c BTreeSet<String>,
+) -> Option<(&'c str, &'n str)> {
     // From the last `_` on, so that the first hit is the longest.
     name.rmatch_indices('_').find_map(|(at, _)| {
         let prefix = claimed.get(&name[..at])?;
@@ -136,6 +146,7 @@ fn longest_prefix<'n, 'c>(name: &'n str, claimed: &'c BTreeSet<String>) -> Optio
     })
 }
 
+/// Whether a constant that belongs to a prefix, after which `rest` follows, counts or bounds an enum.
 fn is_sentinel(rest: &str) -> bool {
     SENTINELS.contains(&rest) || SENTINEL_ENDINGS.iter().any(|ending| rest.ends_with(ending))
 }

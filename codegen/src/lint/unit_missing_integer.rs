@@ -1,0 +1,185 @@
+//! `unit-missing-integer`: an integer without a unit.
+
+use super::{Check, Example, Levels, Rule, Sink, Subject, unit_missing};
+use crate::diagnostic::Level;
+use crate::schema::{Element, Field};
+
+pub(super) const RULE: Rule = Rule {
+    id: "unit-missing-integer",
+    purpose: "A field of integers states its unit too, `[-]` where it is a plain number: PX4's documentation \
+              standard leaves out only flags and enums. Fields whose name says that they measure nothing need \
+              none.",
+    levels: Levels::strict(Level::Note),
+    bad: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               uint16 altitude  # Above mean sea level\n",
+    },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               uint16 altitude  # [m] Above mean sea level\n",
+    },
+    measured: None,
+    check: Check::Message(check),
+};
+
+/// Words in the names of fields that measure nothing: they name things, number them, count them or say how
+/// the rest is to be read.
+const NO_QUANTITIES: &[&str] = &[
+    // Names
+    "id",
+    "ids",
+    "uid",
+    "uuid",
+    "identifier",
+    "address",
+    "addr",
+    "index",
+    "idx",
+    "instance",
+    "instances",
+    "channel",
+    "channels",
+    "port",
+    "slot",
+    "number",
+    "serial",
+    "vendor",
+    "product",
+    "version",
+    "ver",
+    "revision",
+    "major",
+    "minor",
+    "hash",
+    "crc",
+    "checksum",
+    "key",
+    "token",
+    "pid",
+    "ssrc",
+    "mnc",
+    "mcc",
+    "lac",
+    // Numbers in a row
+    "seq",
+    "sequence",
+    "counter",
+    "counters",
+    "generation",
+    "iteration",
+    "order",
+    "priority",
+    // Counts
+    "count",
+    "counts",
+    "num",
+    "n",
+    "nr",
+    "total",
+    "len",
+    "length",
+    "size",
+    "samples",
+    "errors",
+    "dropouts",
+    "drops",
+    "dropped",
+    "lost",
+    "overruns",
+    "retries",
+    "satellites",
+    "cells",
+    "points",
+    "clipping",
+    "clip",
+    // Sets and choices
+    "mask",
+    "bitmask",
+    "bitfield",
+    "bits",
+    "flags",
+    "flag",
+    "type",
+    "types",
+    "mode",
+    "modes",
+    "state",
+    "states",
+    "status",
+    "reason",
+    "source",
+    "sources",
+    "action",
+    "command",
+    "cmd",
+    "result",
+    "code",
+    "level",
+    "class",
+    "kind",
+    "category",
+    "format",
+    "protocol",
+    "function",
+    "role",
+    "group",
+    "events",
+    "event",
+    "fault",
+    "faults",
+    "warning",
+    "warnings",
+    "quality",
+    "component",
+    "system",
+    "target",
+    "origin",
+    "destination",
+    "node",
+    "device",
+    "selected",
+    // Raw contents
+    "data",
+    "raw",
+    "buffer",
+    "payload",
+    "bytes",
+    "arguments",
+    "text",
+    "name",
+    "value",
+    "values",
+    "reserved",
+    "padding",
+];
+
+fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    if !subject.is_px4() {
+        return;
+    }
+    for (field, _) in subject.fields() {
+        let is_integer =
+            matches!(field.ty.element, Element::Scalar(scalar) if scalar.integer_bounds().is_some());
+        if is_integer
+            && field.unit.is_none()
+            && is_quantity(field, subject)
+            && !unit_missing::says_that_there_is_none(field)
+        {
+            sink.report(
+                field.span,
+                format!("`{}` has no unit", field.name),
+                "state it at the head of the comment: `# [mV] …`, or `[-]` for a plain number",
+            );
+        }
+    }
+}
+
+fn is_quantity(field: &Field, subject: &Subject<'_>) -> bool {
+    let mut words = field.name.split('_').map(|word| word.trim_end_matches(|c: char| c.is_ascii_digit()));
+    field.enum_prefixes.is_empty()
+        && field.counts.is_none()
+        && !field.is_text(subject.dialect)
+        && !words.any(|word| NO_QUANTITIES.contains(&word))
+}
