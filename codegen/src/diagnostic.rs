@@ -198,7 +198,7 @@ problems! {
         "`{text}` can't be read", "write `{form}`; as it is, it stays part of the text";
     AnnotationNearMiss { found: String, meant: String } = Warning "annotation-near-miss"
         "`{found}` is read as `{meant}`", "write `{meant}`";
-    AnnotationAfterText { found: String, meant: String, head: Span } = Warning "annotation-after-text"
+    AnnotationAfterText { found: String, meant: String, head: Option<Span> } = Warning "annotation-after-text"
         "`{found}` stands after the text", "annotations come first: `# [unit] [@…] text`";
     UnknownUnit { unit: String } = Warning "unknown-unit"
         "`{unit}` is no known unit", "units are written as in `m/s`, `deg` or `us`; `-` says that the number has none";

@@ -25,7 +25,9 @@ pub(super) const RULE: Rule = Rule {
 };
 
 fn fix(diagnostic: &Diagnostic, sources: &SourceMap) -> Vec<Edit> {
-    let Problem::AnnotationAfterText { meant, head, .. } = &diagnostic.problem else { return Vec::new() };
+    let Problem::AnnotationAfterText { meant, head: Some(head), .. } = &diagnostic.problem else {
+        return Vec::new();
+    };
     let place = diagnostic.span;
     let before = Span { start: head.start, end: place.start };
     let kept = sources.slice(before).trim_end().len();

@@ -1,7 +1,8 @@
 //! `command-parameters`: commands with seven parameters.
 
-use super::{Check, Example, Levels, Rule, Sink, Subject};
+use super::{Check, Example, Levels, Rule, Sink, Subject, constant_without_enum};
 use crate::diagnostic::Level;
+use crate::schema::enumeration;
 
 pub(super) const RULE: Rule = Rule {
     id: "command-parameters",
@@ -31,8 +32,11 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     if !subject.is_px4_message() || subject.message.name != "VehicleCommand" {
         return;
     }
+    let names = constant_without_enum::names(subject.message);
     for (constant, line) in subject.constants() {
-        if !constant.name.starts_with("VEHICLE_CMD_") || !constant.parameters.is_empty() {
+        let is_command = constant.name.starts_with("VEHICLE_CMD_")
+            && !enumeration::is_sentinel_among(&constant.name, &names);
+        if !is_command || !constant.parameters.is_empty() {
             continue;
         }
         let text = line.comment.as_ref().map_or("", |comment| comment.text);
@@ -41,10 +45,14 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
             // What follows the last pipe is a parameter too, where the pipe that closes it is left out.
             parts => parts - 2 + usize::from(!text.trim_end().ends_with('|')),
         };
-        let found = if found == 0 { "no".to_owned() } else { found.to_string() };
+        let found = match found {
+            0 => "no parameters".to_owned(),
+            1 => "one parameter".to_owned(),
+            found => format!("{found} parameters"),
+        };
         sink.report(
             constant.span,
-            format!("`{}` has {found} parameters, not {COUNT}", constant.name),
+            format!("`{}` has {found}, not {COUNT}", constant.name),
             "end the comment in `|p1|p2|p3|p4|p5|p6|p7|`",
         );
     }

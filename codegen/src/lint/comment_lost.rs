@@ -2,6 +2,7 @@
 
 use super::{Check, Example, Levels, Rule, Sink, Subject, topics};
 use crate::diagnostic::Level;
+use crate::msg::ast::Comment;
 use crate::source::Span;
 
 pub(super) const RULE: Rule = Rule {
@@ -31,32 +32,50 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     let lines = &subject.part.lines;
     let head = lines.iter().take_while(|line| line.item.is_none() && line.comment.is_some()).count();
     let mut lists = topics::lines(subject).map(|line| line.span).peekable();
-    let mut block: Option<Span> = None;
-    let mut is_after_item = false;
+    let mut block = Block::default();
     for line in &lines[head..] {
         while lists.next_if(|list| list.start < line.span.start).is_some() {}
-        let is_list = lists.peek() == Some(&line.span);
-        if let Some(comment) = line.comment.as_deref().filter(|_| line.item.is_none()) {
-            let goes_on = is_after_item && comment.column > 0;
-            if !comment.is_directive() && !is_list && !goes_on {
-                is_after_item = false;
-                if !comment.text.trim().is_empty() {
-                    block = Some(block.map_or(comment.span, |block| block.to(comment.span)));
-                }
+        if lists.peek() == Some(&line.span) {
+            block.is_of_topics = true;
+        } else if let Some(comment) = line.comment.as_deref().filter(|_| line.item.is_none()) {
+            block.comment(comment);
+        } else {
+            if line.is_blank() {
+                block.end(sink);
             }
-            continue;
-        }
-        is_after_item = line.item.is_some();
-        if let Some(lost) = block.take().filter(|_| line.is_blank()) {
-            report(lost, sink);
+            block = Block { is_after_item: line.item.is_some(), ..Block::default() };
         }
     }
-    if let Some(lost) = block {
-        report(lost, sink);
-    }
+    block.end(sink);
 }
 
-fn report(span: Span, sink: &mut Sink<'_>) {
-    let help = "remove the empty line between it and what it is about, or the comment";
-    sink.report(span, "a comment that stands for nothing", help);
+/// Comments on lines of their own, one below the other.
+#[derive(Default)]
+struct Block {
+    /// From the first to the last that says anything.
+    place: Option<Span>,
+    /// Whether the line before is a declaration, or goes on with its comment.
+    is_after_item: bool,
+    /// Whether a list of topics stands among them, which they may be about.
+    is_of_topics: bool,
+}
+
+impl Block {
+    fn comment(&mut self, comment: &Comment<'_>) {
+        if comment.is_directive() || self.is_after_item && comment.column > 0 {
+            return;
+        }
+        self.is_after_item = false;
+        if !comment.text.trim().is_empty() {
+            self.place = Some(self.place.map_or(comment.span, |place| place.to(comment.span)));
+        }
+    }
+
+    /// Reports a block that nothing stands below.
+    fn end(&self, sink: &mut Sink<'_>) {
+        if let Some(place) = self.place.filter(|_| !self.is_of_topics) {
+            let help = "remove the empty line between it and what it is about, or the comment";
+            sink.report(place, "a comment that stands for nothing", help);
+        }
+    }
 }

@@ -28,10 +28,11 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     if !subject.is_px4() {
         return;
     }
+    let names = constant_without_enum::names(subject.message);
     for constant in subject.message.constants.iter().filter(|constant| constant.description.is_empty()) {
         let name = constant.name.as_str();
-        let is_known =
-            constant_without_enum::KNOWN_BY_NAME.contains(&name) || enumeration::is_sentinel_name(name);
+        let is_known = constant_without_enum::KNOWN_BY_NAME.contains(&name)
+            || enumeration::is_sentinel_among(name, &names);
         if !is_known && constant.parameters.is_empty() {
             sink.report(
                 constant.span,

@@ -30,9 +30,9 @@ pub(super) const RULE: Rule = Rule {
 /// Constants that PX4 knows by name.
 pub(super) const KNOWN_BY_NAME: [&str; 2] = ["MESSAGE_VERSION", "ORB_QUEUE_LENGTH"];
 
-/// First and last words of constants that bound or count something: no field holds them.
-const LIMIT_STARTS: [&str; 3] = ["MAX_", "MIN_", "NUM_"];
-const LIMIT_ENDS: [&str; 4] = ["_MIN", "_LENGTH", "_SIZE", "_DIM"];
+/// First and last words of constants that bound, count or date something: they are none of a set of values.
+const LIMIT_STARTS: [&str; 4] = ["MAX_", "MIN_", "NUM_", "LATEST_"];
+const LIMIT_ENDS: [&str; 6] = ["_MIN", "_MAX", "_LENGTH", "_SIZE", "_DIM", "_VERSION"];
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     if !subject.is_px4() {
@@ -40,9 +40,10 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     }
     let message = subject.message;
     let claimed = claimed(message);
+    let names = names(message);
     for constant in &message.constants {
         let name = constant.name.as_str();
-        if !is_plain(name) && enumeration::longest_prefix(name, &claimed).is_none() {
+        if !is_plain(name, &names) && enumeration::longest_prefix(name, &claimed).is_none() {
             sink.report(
                 constant.span,
                 format!("no field claims `{name}`"),
@@ -61,10 +62,15 @@ fn claimed(message: &Message) -> BTreeSet<String> {
     fields.chain(parameters).chain(elsewhere).cloned().collect()
 }
 
+/// The names of all constants of a message.
+pub(super) fn names(message: &Message) -> BTreeSet<&str> {
+    message.constants.iter().map(|constant| constant.name.as_str()).collect()
+}
+
 /// Whether the name says that the constant is no value of a field.
-fn is_plain(name: &str) -> bool {
+fn is_plain(name: &str, names: &BTreeSet<&str>) -> bool {
     KNOWN_BY_NAME.contains(&name)
-        || enumeration::is_sentinel_name(name)
+        || enumeration::is_sentinel_among(name, names)
         || LIMIT_STARTS.iter().any(|start| name.starts_with(start))
         || LIMIT_ENDS.iter().any(|end| name.ends_with(end))
 }

@@ -30,7 +30,7 @@ pub(super) const RULE: Rule = Rule {
     check: Check::Message(check),
 };
 
-/// Starts and ends of the names of counts, where the array is not called like the rest of the name.
+/// What stands before or behind the name of an array in the name of its count, or instead of both.
 const STARTS: [&str; 2] = ["num_", "n_"];
 const ENDS: [&str; 3] = ["_count", "_len", "_length"];
 const WHOLE: [&str; 4] = ["count", "num", "len", "length"];
@@ -51,7 +51,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
                 let message = format!("`{}` counts the entries of `{}`, by its name", field.name, array.name);
                 sink.report(field.span, message, help).fix.push(edit);
             }
-        } else if let Some(array) = only.filter(|_| !has_count && looks_like_count(field)) {
+        } else if let Some(array) = only.filter(|array| !has_count && looks_like_count(field, array)) {
             let help = format!("if it counts those of `{}`, write `[@count {}]`", array.name, array.name);
             sink.report(field.span, format!("`{}` may count the entries of an array", field.name), help);
         }
@@ -63,14 +63,17 @@ fn is_list(field: &Field, subject: &Subject<'_>) -> bool {
     !field.is_text(subject.dialect) && matches!(field.ty.shape, Shape::Array(length) if length > 4)
 }
 
-fn looks_like_count(field: &Field) -> bool {
+fn looks_like_count(field: &Field, array: &Field) -> bool {
     let name = field.name.as_str();
     let is_integer = matches!(field.ty.element, Element::Scalar(scalar) if scalar.integer_bounds().is_some());
+    let mut named = STARTS.iter().filter_map(|start| name.strip_prefix(start));
+    let mut named_before = ENDS.iter().filter_map(|end| name.strip_suffix(end));
+    // An array of several may be called in the singular.
+    let is_array =
+        |rest: &str| array.name.strip_prefix(rest).is_some_and(|rest| matches!(rest, "" | "s" | "es"));
     is_integer
         && field.ty.shape == Shape::Single
-        && (WHOLE.contains(&name)
-            || STARTS.iter().any(|start| name.starts_with(start))
-            || ENDS.iter().any(|end| name.ends_with(end)))
+        && (WHOLE.contains(&name) || named.any(is_array) || named_before.any(is_array))
 }
 
 fn states_count(line: &Line<'_>) -> bool {

@@ -14,15 +14,15 @@ pub(super) const RULE: Rule = Rule {
     bad: Example {
         path: "Glider.msg",
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               uint8 LIGHT_NOSE = 1  # In the nose\nuint8 LIGHT_LEFT = 2  # On the left wing\n\
-               uint8 LIGHT_RIGHT = 4 # On the right wing\nuint8 LIGHT_TAIL = 8  # In the tail\n\n\
+               uint8 LIGHT_NOSE = 1   # In the nose\nuint8 LIGHT_LEFT = 2   # On the left wing\n\
+               uint8 LIGHT_RIGHT = 4  # On the right wing\nuint8 LIGHT_TAIL = 8   # In the tail\n\n\
                uint8 lights  # [@enum LIGHT] Lights that are on\n",
     },
     good: Example {
         path: "Glider.msg",
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               uint8 LIGHT_NOSE = 1  # In the nose\nuint8 LIGHT_LEFT = 2  # On the left wing\n\
-               uint8 LIGHT_RIGHT = 4 # On the right wing\nuint8 LIGHT_TAIL = 8  # In the tail\n\n\
+               uint8 LIGHT_NOSE = 1   # In the nose\nuint8 LIGHT_LEFT = 2   # On the left wing\n\
+               uint8 LIGHT_RIGHT = 4  # On the right wing\nuint8 LIGHT_TAIL = 8   # In the tail\n\n\
                uint8 lights  # [@flags LIGHT] Lights that are on\n",
     },
     measured: None,
@@ -37,7 +37,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         let Some(reference) = field.enumeration else { continue };
         let found = subject.schema.enumeration(reference);
         let owner = subject.schema.message(reference.message);
-        if !found.is_flags && (are_masks(found) || are_bits(found, owner) || tells_of_bits(field)) {
+        if !found.is_flags && is_meant(found, owner, field) {
             sink.report(
                 field.span,
                 format!("the constants of `{}` are bits", field.name),
@@ -45,6 +45,11 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
             );
         }
     }
+}
+
+/// Whether the constants of a field are combined bit by bit, whatever its annotation says.
+pub(super) fn is_meant(found: &Enum, owner: &Message, field: &Field) -> bool {
+    found.is_flags || are_masks(found) || are_bits(found, owner) || tells_of_bits(field)
 }
 
 /// Whether the values are powers of two up to 8 at least, with none between that would be the next number.

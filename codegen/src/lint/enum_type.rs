@@ -1,13 +1,15 @@
-//! `enum-type`: constants of another type than the field that holds them.
+//! `enum-type`: constants of a wider type than the field that holds them.
 
-use super::{Check, Example, Levels, Rule, Sink, Subject};
+use uavspec_runtime::Scalar;
+
+use super::{Check, Example, Levels, Rule, Sink, Subject, enum_of_bits};
 use crate::diagnostic::Level;
-use crate::schema::{Element, Enum};
+use crate::schema::Element;
 
 pub(super) const RULE: Rule = Rule {
     id: "enum-type",
-    purpose: "The constants of an enum have the type of the field that holds them. Of two types one is a slip, \
-              and what is assigned between them is converted or cut.",
+    purpose: "The field that holds the constants of an enum has a type that holds all of theirs. What is \
+              assigned from a wider one is cut without a word; one of the two types is a slip.",
     levels: Levels::both(Level::Note),
     bad: Example {
         path: "Glider.msg",
@@ -30,13 +32,16 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         let Some(reference) = field.enumeration else { continue };
         let found = subject.schema.enumeration(reference);
         let owner = subject.schema.message(reference.message);
-        let other = found
-            .members
-            .iter()
-            .map(|member| &owner.constants[member.constant])
-            .find(|constant| constant.ty != Element::Scalar(found.scalar) && !are_bit_numbers(found));
-        let Some(constant) = other else { continue };
-        let Element::Scalar(scalar) = constant.ty else { continue };
+        // Numbers of bits need no type as wide as the mask, and no mask is as wide as all its bits.
+        if enum_of_bits::is_meant(found, owner, field) {
+            continue;
+        }
+        let constants = found.members.iter().map(|member| &owner.constants[member.constant]);
+        let wider = constants.filter_map(|constant| match constant.ty {
+            Element::Scalar(scalar) if !is_within(scalar, found.scalar) => Some((constant, scalar)),
+            _ => None,
+        });
+        let Some((constant, scalar)) = wider.into_iter().next() else { continue };
         sink.report(
             field.span,
             format!("`{}` is a `{}`, its constants are `{}`", field.name, found.scalar.name(), scalar.name()),
@@ -46,7 +51,10 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     }
 }
 
-/// Numbers of bits need no type as wide as the mask.
-fn are_bit_numbers(found: &Enum) -> bool {
-    found.is_flags
+/// Whether a type holds all values of another.
+fn is_within(scalar: Scalar, other: Scalar) -> bool {
+    match (scalar.integer_bounds(), other.integer_bounds()) {
+        (Some((least, greatest)), Some((low, high))) => low <= least && greatest <= high,
+        _ => true,
+    }
 }

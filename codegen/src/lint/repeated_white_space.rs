@@ -5,8 +5,8 @@ use crate::diagnostic::Level;
 
 pub(super) const RULE: Rule = Rule {
     id: "repeated-white-space",
-    purpose: "Between type, name, `=` and value there is one blank each, as PX4's documentation standard asks. \
-              Columns within a declaration have to be set anew with each change.",
+    purpose: "Between type, name, `=` and value there is one blank each: PX4's documentation checker asks \
+              for that. Columns within a declaration have to be set anew with each longer name.",
     levels: Levels::both(Level::Note),
     bad: Example {
         path: "Glider.msg",

@@ -1,4 +1,4 @@
-//! `topic-default-absent`: a list of topics without the one of the message's name.
+//! `topic-default-absent`: a list of topics with nearly the one of the message's name.
 
 use super::{Check, Example, Levels, Rule, Sink, Subject, topics};
 use crate::diagnostic::Level;
@@ -6,35 +6,50 @@ use crate::schema::resolve::default_topic;
 
 pub(super) const RULE: Rule = Rule {
     id: "topic-default-absent",
-    purpose: "A message that lists topics no longer has that of its own name unless it lists it too. Most \
-              often it should; where not, readers look for a topic that isn't there.",
+    purpose: "A message that lists topics no longer has that of its own name unless it lists it too. Where \
+              one of the list is that name but for a letter or two, it is a slip, and readers wait for a \
+              topic that isn't there. A list without anything like the name is meant.",
     levels: Levels::both(Level::Note),
     bad: Example {
         path: "Glider.msg",
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
-               # TOPICS tow_plane winch\n",
+               # TOPICS glyder tow_plane\n",
     },
     good: Example {
         path: "Glider.msg",
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
-               # TOPICS glider tow_plane winch\n",
+               # TOPICS glider tow_plane\n",
     },
     measured: None,
     check: Check::Message(check),
 };
+
+/// How many letters a slip may change.
+const MAX_DISTANCE: usize = 2;
+
+/// No topic is longer; comparing takes the product of the lengths.
+const MAX_LEN: usize = 100;
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     if !subject.is_px4_message() {
         return;
     }
     let default = default_topic(&subject.message.name);
-    let mut listed = topics::lines(subject).flat_map(topics::words);
-    let Some((first, place)) = listed.next() else { return };
-    if first != default && listed.all(|(word, _)| word != default) {
+    let listed = || topics::lines(subject).flat_map(topics::words);
+    if default.len() > MAX_LEN || listed().any(|(word, _)| word == default) {
+        return;
+    }
+    let is_slip = |word: &str| {
+        // `glider_0` is another topic.
+        word.len() <= MAX_LEN
+            && !word.starts_with(&default)
+            && strsim::damerau_levenshtein(word, &default) <= MAX_DISTANCE
+    };
+    for (word, place) in listed().filter(|(word, _)| is_slip(word)) {
         sink.report(
             place,
-            format!("`{default}` is not among the topics"),
-            "add it, if the message is also sent there",
+            format!("`{word}` is nearly `{default}`, the topic of the message's name"),
+            format!("write `{default}`, or add it if both are meant"),
         );
     }
 }

@@ -55,6 +55,7 @@ const NO_QUANTITIES: &[&str] = &[
     "hash",
     "crc",
     "checksum",
+    "signature",
     "key",
     "token",
     "pid",
@@ -62,6 +63,15 @@ const NO_QUANTITIES: &[&str] = &[
     "mnc",
     "mcc",
     "lac",
+    "mac",
+    "prn",
+    "squawk",
+    "interface",
+    "letter",
+    "label",
+    "session",
+    "sessions",
+    "date",
     // Numbers in a row
     "seq",
     "sequence",
@@ -80,20 +90,27 @@ const NO_QUANTITIES: &[&str] = &[
     "total",
     "len",
     "length",
+    "strlen",
     "size",
     "samples",
     "errors",
+    "rxerrors",
     "dropouts",
     "drops",
     "dropped",
     "lost",
+    "gaps",
     "overruns",
     "retries",
+    "changes",
     "satellites",
     "cells",
     "points",
+    "frames",
+    "streams",
     "clipping",
     "clip",
+    "noutputs",
     // Sets and choices
     "mask",
     "bitmask",
@@ -110,6 +127,7 @@ const NO_QUANTITIES: &[&str] = &[
     "status",
     "reason",
     "source",
+    "src",
     "sources",
     "action",
     "command",
@@ -117,9 +135,12 @@ const NO_QUANTITIES: &[&str] = &[
     "result",
     "code",
     "level",
+    "levels",
     "class",
     "kind",
     "category",
+    "severity",
+    "health",
     "format",
     "protocol",
     "function",
@@ -129,6 +150,8 @@ const NO_QUANTITIES: &[&str] = &[
     "event",
     "fault",
     "faults",
+    "failure",
+    "failures",
     "warning",
     "warnings",
     "quality",
@@ -139,7 +162,43 @@ const NO_QUANTITIES: &[&str] = &[
     "destination",
     "node",
     "device",
+    "backend",
+    "executor",
     "selected",
+    "request",
+    "phase",
+    "frame",
+    "orientation",
+    "pattern",
+    "band",
+    "color",
+    "behaviour",
+    "behavior",
+    "fix",
+    "gear",
+    "saturation",
+    "config",
+    "configuration",
+    "confirmation",
+    "item",
+    "custom",
+    "default",
+    // Yes or no
+    "active",
+    "valid",
+    "enabled",
+    "connected",
+    "present",
+    "available",
+    "healthy",
+    "armed",
+    "changed",
+    "used",
+    "switch",
+    "button",
+    "buttons",
+    "oc",
+    "silence",
     // Raw contents
     "data",
     "raw",
@@ -149,11 +208,17 @@ const NO_QUANTITIES: &[&str] = &[
     "arguments",
     "text",
     "name",
+    "val",
     "value",
     "values",
     "reserved",
+    "rsv",
     "padding",
+    "junk",
 ];
+
+/// Ends of words that name or count things: `sysid`, `cmdcount`.
+const ENDS: [&str; 5] = ["sysid", "compid", "svid", "sessionid", "count"];
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     if !subject.is_px4() {
@@ -177,9 +242,12 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
 }
 
 fn is_quantity(field: &Field, subject: &Subject<'_>) -> bool {
+    // Those are microseconds in all messages.
+    let is_timestamp = field.name.starts_with("timestamp");
     let mut words = field.name.split('_').map(|word| word.trim_end_matches(|c: char| c.is_ascii_digit()));
-    field.enum_prefixes.is_empty()
+    !is_timestamp
+        && field.enum_prefixes.is_empty()
         && field.counts.is_none()
         && !field.is_text(subject.dialect)
-        && !words.any(|word| NO_QUANTITIES.contains(&word))
+        && !words.any(|word| NO_QUANTITIES.contains(&word) || ENDS.iter().any(|end| word.ends_with(end)))
 }

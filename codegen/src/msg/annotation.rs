@@ -183,7 +183,9 @@ impl<'s> Reader<'s, '_> {
     /// The text, and annotations with `@` that stand in it by mistake.
     fn rest(&mut self) {
         let mut text = String::new();
+        // Beyond a pipe it may belong to a parameter.
         let head = self.text.len() - self.text[self.at..].trim_start().len();
+        let head = (!self.text.contains('|')).then_some(head);
         let mut copied = self.at;
         let mut from = self.at;
         // Past the last end of a bracket nothing is left to be found.
@@ -204,7 +206,7 @@ impl<'s> Reader<'s, '_> {
                         Reading::Statement(statement) => (statement, found.clone()),
                         Reading::Text(_) => continue,
                     };
-                    let head = self.span.part(head..head);
+                    let head = head.map(|head| self.span.part(head..head));
                     self.report(Problem::AnnotationAfterText { found, meant, head }, start..end);
                     self.push(statement, start..end);
                     text.push_str(self.text[copied..start].trim_end());

@@ -127,11 +127,14 @@ impl ByPrefix {
     }
 }
 
-/// Whether a constant of that name would count or bound the enum of some prefix.
-pub(crate) fn is_sentinel_name(name: &str) -> bool {
-    let ends_in =
-        |word: &&str| name.strip_suffix(word).is_some_and(|rest| rest.is_empty() || rest.ends_with('_'));
-    SENTINELS.iter().any(|word| ends_in(word))
+/// Whether a constant counts or bounds those of `names` that start like it, whether or not a field claims them.
+pub(crate) fn is_sentinel_among(name: &str, names: &BTreeSet<&str>) -> bool {
+    let prefix = SENTINELS.iter().find_map(|word| name.strip_suffix(word)?.strip_suffix('_'));
+    prefix.is_some_and(|prefix| {
+        let start = format!("{prefix}_");
+        let mut alike = names.range(start.as_str()..).take_while(|other| other.starts_with(&start));
+        alike.any(|other| *other != name)
+    })
 }
 
 /// The longest claimed prefix that `name` starts with, and what follows its `_`.
