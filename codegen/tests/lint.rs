@@ -7,18 +7,19 @@
 
 mod support;
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use uavspec_codegen::diagnostic::render;
+use uavspec_codegen::diagnostic::{Level, Problem, render};
 use uavspec_codegen::finding::Finding;
-use uavspec_codegen::lint::{Example, Preset, RULES, Rule, Settings, apply, lint};
+use uavspec_codegen::lint::{Check, Example, Preset, RULES, Rule, Settings, apply, lint, rule};
 use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::Form;
-use uavspec_codegen::{PackageInput, SourceMap};
+use uavspec_codegen::{PackageInput, SourceMap, read};
 
-use support::{files_below, package};
+use support::{files_below, package, shared};
 
 fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/lint")
@@ -132,4 +133,214 @@ fn each_further_case_says_what_is_expected() {
         }
     }
     assert!(failures.is_empty(), "{failures}UAVSPEC_UPDATE_FIXTURES=1 takes what is said for expected");
+}
+
+#[test]
+fn each_warning_of_the_readers_is_a_rule_and_no_error_is() {
+    assert_eq!(Problem::CODES.len(), Problem::LEVELS.len());
+    for (code, level) in Problem::CODES.iter().zip(Problem::LEVELS) {
+        let is_rule = rule(code).map(|rule| matches!(rule.check, Check::Reader(_)));
+        let expected = (*level != Level::Error).then_some(true);
+        assert_eq!(is_rule, expected, "{code}");
+    }
+}
+
+/// Definitions in memory: packages, each with paths and texts.
+#[derive(Clone)]
+struct Definitions {
+    packages: Vec<(String, Form, Vec<(String, String)>)>,
+}
+
+impl Definitions {
+    /// Those below a folder, as one package.
+    fn of_folder(folder: &Path, form: Form) -> Self {
+        let name = folder.file_name().expect("a name").to_string_lossy().into_owned();
+        Self { packages: vec![(name, form, texts_below(folder))] }
+    }
+
+    /// Those below the subfolders of a folder, each a package of ROS 2.
+    fn of_ros(folder: &Path) -> Self {
+        let folders = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
+        let mut folders: Vec<PathBuf> = folders.filter(|path| path.is_dir()).collect();
+        folders.sort();
+        let form = Form::Msg(Dialect::Ros2);
+        Self { packages: folders.iter().flat_map(|folder| Self::of_folder(folder, form).packages).collect() }
+    }
+
+    fn load(&self) -> (SourceMap, Vec<PackageInput>) {
+        let mut sources = SourceMap::default();
+        let mut packages = Vec::new();
+        for (name, form, files) in &self.packages {
+            let mut package = package(name, *form);
+            for (path, text) in files {
+                package.sources.push(sources.add(path.as_str(), text.clone().into_bytes()).expect("a text"));
+            }
+            packages.push(package);
+        }
+        (sources, packages)
+    }
+
+    /// How many findings of each rule there are.
+    fn counts(&self) -> BTreeMap<&'static str, usize> {
+        let (sources, packages) = self.load();
+        let mut counts = BTreeMap::new();
+        for finding in lint(&sources, &packages, &strict()) {
+            *counts.entry(finding.rule).or_default() += 1;
+        }
+        counts
+    }
+
+    /// All that the definitions say, wherever it stands.
+    fn model(&self) -> String {
+        let (sources, packages) = self.load();
+        let (schema, _) = read(&sources, &packages);
+        let text = format!("{schema:#?}");
+        let mut lines = text.lines();
+        let mut model = String::with_capacity(text.len());
+        while let Some(line) = lines.next() {
+            if line.ends_with(": Span {") {
+                // Start, end, and the brace.
+                lines.by_ref().take(3).for_each(drop);
+            } else {
+                model.push_str(line);
+                model.push('\n');
+            }
+        }
+        model
+    }
+
+    /// Mends once all that can be; none where nothing can.
+    fn mended(&self) -> Option<Self> {
+        let (sources, packages) = self.load();
+        let mended = apply(&lint(&sources, &packages, &strict()), &sources);
+        if mended.is_empty() {
+            return None;
+        }
+        let mut definitions = self.clone();
+        for ((_, _, files), package) in definitions.packages.iter_mut().zip(&packages) {
+            for ((_, text), source) in files.iter_mut().zip(&package.sources) {
+                if let Some(new) = mended.get(source) {
+                    assert_ne!(text, new, "a fix that changes nothing");
+                    text.clone_from(new);
+                }
+            }
+        }
+        Some(definitions)
+    }
+}
+
+fn texts_below(folder: &Path) -> Vec<(String, String)> {
+    files_below(folder, &["msg", "srv", "action", "md"])
+        .iter()
+        .map(|file| (file.to_string_lossy().into_owned(), fs::read_to_string(file).expect("a text")))
+        .collect()
+}
+
+/// Passes after which nothing is left to mend, in the worst definitions known.
+const MAX_PASSES: usize = 6;
+
+fn check_mending(name: &str, definitions: &Definitions) {
+    let model = definitions.model();
+    let mut current = definitions.clone();
+    for _ in 0..MAX_PASSES {
+        let Some(mended) = current.mended() else { return };
+        current = mended;
+        assert!(current.model() == model, "{name}: mended, it says something else");
+    }
+    assert!(current.mended().is_none(), "{name}: mending doesn't end");
+}
+
+#[test]
+fn mending_changes_nothing_that_is_said() {
+    let px4 = Form::Msg(Dialect::Px4);
+    if let Some(corpus) = shared("corpus") {
+        for release in ["main", "1.16", "1.15"] {
+            check_mending(release, &Definitions::of_folder(&corpus.join("px4").join(release), px4));
+        }
+        check_mending("ros2", &Definitions::of_ros(&corpus.join("ros2")));
+        for edit in fs::read_dir(corpus.join("breaking")).expect("a folder") {
+            let edit = edit.expect("an entry").path();
+            for side in ["old", "new"].map(|side| edit.join(side)).iter().filter(|side| side.exists()) {
+                check_mending(&side.to_string_lossy(), &Definitions::of_folder(side, px4));
+            }
+        }
+    }
+    for rule in RULES {
+        for example in [rule.bad, rule.good] {
+            let dialect = if example.path.starts_with("ros2/") { Dialect::Ros2 } else { Dialect::Px4 };
+            let form = Kind::of(example.path).map_or(Form::Table, |_| Form::Msg(dialect));
+            let files = vec![(example.path.to_owned(), example.text.to_owned())];
+            // Its only fix is to say what the names say, or to take out what stands for nothing.
+            check_mending(rule.id, &Definitions { packages: vec![("demo".to_owned(), form, files)] });
+        }
+    }
+}
+
+#[test]
+fn what_was_measured_holds() {
+    let Some(main) = shared("corpus/px4/main") else { return };
+    let counts = Definitions::of_folder(&main, Form::Msg(Dialect::Px4)).counts();
+    for rule in RULES {
+        let found = counts.get(rule.id).copied().unwrap_or_default();
+        let measured = rule.measured.map_or(0, |measured| measured.findings);
+        assert_eq!(found, measured, "findings of {}", rule.id);
+        if let Some(measured) = rule.measured {
+            assert!(measured.sample == measured.findings.min(30), "{}", rule.id);
+            assert!(
+                measured.right <= measured.sample && 10 * measured.right >= 8 * measured.sample,
+                "{}",
+                rule.id
+            );
+        }
+    }
+}
+
+#[test]
+fn definitions_of_ros_are_not_held_to_the_standard_of_px4() {
+    let Some(folder) = shared("corpus/ros2") else { return };
+    let counts = Definitions::of_ros(&folder).counts();
+    assert_eq!(counts.into_keys().collect::<Vec<_>>(), ["trailing-white-space"]);
+}
+
+#[test]
+fn what_no_rule_allows_for_is_still_looked_at_in_linear_time() {
+    let many = 30_000;
+    let lines = |line: &dyn Fn(usize) -> String| (0..many).map(line).collect::<String>();
+    let head = "# Glider\n\nuint64 timestamp  # [us] Time\n";
+    let texts = [
+        lines(&|at| format!("uint8 f{at} # [@enum A] bits\n"))
+            + &lines(&|at| format!("uint16 A_{at} = {}\n", at % 300)),
+        lines(&|at| format!("float32 f{at} # [@frame @x{at}] a [@range 1, 0] b [m]\n")),
+        lines(&|at| format!("# TOPICS a{at} glider\n\n")),
+        format!("# TOPICS {}\n", "gliders ".repeat(many)),
+        format!("# TOPICS {}\n", "glider ".repeat(many)),
+        lines(&|at| format!("   uint8\t  num_a{at}\nuint8[9] a{at}\n")),
+        format!("uint8 x{}A = 1\n", " ".repeat(100 * many)),
+        format!("uint8 a # {}\n", "x [@range 2, 1] [meters] ".repeat(many)),
+        format!("uint8 A=1 # {}\n", "|".repeat(many)),
+        "\n".repeat(many) + "uint8 a\n",
+        lines(&|at| format!("# a{at}\n\n")),
+        lines(&|at| format!("uint8 a{at}_COUNT = 1\n  # b\n")),
+        format!("uint8 {}=1\n", "A_".repeat(many)),
+        lines(&|at| format!("uint8 a{at}_{}\n", "b_".repeat(50))),
+    ];
+    for text in texts {
+        for path in ["Glider.msg", "VehicleCommand.msg", "FailsafeFlags.msg"] {
+            let (sources, findings) = judge(&[(path.to_owned(), format!("{head}{text}"))]);
+            render::findings(&findings, &sources, false);
+            apply(&findings, &sources);
+        }
+    }
+    let rows = lines(&|at| format!("| {} | FATAL{at} | Warning: \u{200b} |\n", 512 + at % 256));
+    let page = format!("# Errors of a vendor (codes 512-767)\n\n|Code|Abbr|Description|\n|-|-|-|\n{rows}");
+    let (sources, findings) = judge(&[("page.md".to_owned(), page)]);
+    render::findings(&findings, &sources, false);
+}
+
+#[test]
+fn the_definitions_of_this_project_keep_all_rules() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../definitions");
+    let mut messages = Definitions::of_folder(&folder.join("px4"), Form::Msg(Dialect::Px4));
+    messages.packages.append(&mut Definitions::of_folder(&folder.join("flockwave"), Form::Table).packages);
+    assert_eq!(messages.counts(), BTreeMap::new());
 }

@@ -1,6 +1,6 @@
 //! `comment-lost`: comments that no documentation shows.
 
-use super::{Check, Example, Levels, Rule, Sink, Subject, topics};
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, topics};
 use crate::diagnostic::Level;
 use crate::msg::ast::Comment;
 use crate::source::Span;
@@ -21,7 +21,12 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n#\n# Sent by its logger once a second.\n\n\
                uint64 timestamp  # [us] Time since system start\n",
     },
-    measured: None,
+    measured: Some(Measured {
+        findings: 16,
+        sample: 16,
+        right: 15,
+        remark: "the other is a line that was switched off",
+    }),
     check: Check::Message(check),
 };
 

@@ -1,6 +1,6 @@
 //! `constant-comment-missing`: a constant that nobody explains.
 
-use super::{Check, Example, Levels, Rule, Sink, Subject, constant_without_enum};
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, constant_without_enum};
 use crate::diagnostic::Level;
 use crate::schema::enumeration;
 
@@ -20,7 +20,12 @@ pub(super) const RULE: Rule = Rule {
                uint8 GEAR_UP = 0    # Retracted\nuint8 GEAR_DOWN = 1  # Extended\n\n\
                uint8 gear  # [@enum GEAR] Landing gear\n",
     },
-    measured: None,
+    measured: Some(Measured {
+        findings: 430,
+        sample: 30,
+        right: 26,
+        remark: "the others are numbered alike, or say it in their names",
+    }),
     check: Check::Message(check),
 };
 

@@ -1,6 +1,6 @@
 //! `enum-alias`: two names of one value.
 
-use super::{Check, Example, Levels, Rule, Sink, Subject};
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
 use crate::diagnostic::Level;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -21,7 +21,7 @@ pub(super) const RULE: Rule = Rule {
                uint8 GEAR_UP = 0      # Retracted\nuint8 GEAR_DOWN = 1    # Extended\n\
                uint8 GEAR_MOVING = 2  # On its way\n\nuint8 gear  # [@enum GEAR] Landing gear\n",
     },
-    measured: None,
+    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
     check: Check::Message(check),
 };
 

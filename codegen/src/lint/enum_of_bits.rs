@@ -1,9 +1,9 @@
 //! `enum-of-bits`: constants that are combined under `@enum`.
 
-use super::{Check, Example, Levels, Rule, Sink, Subject};
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
 use crate::diagnostic::Level;
-use crate::schema::{Enum, Field, Message};
-use std::collections::BTreeSet;
+use crate::schema::{Enum, EnumRef, Field, Message, Schema};
+use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) const RULE: Rule = Rule {
     id: "enum-of-bits",
@@ -25,19 +25,24 @@ pub(super) const RULE: Rule = Rule {
                uint8 LIGHT_RIGHT = 4  # On the right wing\nuint8 LIGHT_TAIL = 8   # In the tail\n\n\
                uint8 lights  # [@flags LIGHT] Lights that are on\n",
     },
-    measured: None,
+    measured: Some(Measured {
+        findings: 4,
+        sample: 4,
+        right: 4,
+        remark: "PX4's own tools know no other annotation yet",
+    }),
     check: Check::Message(check),
 };
 
 /// Words that tell of bits, in comments and in the names of fields.
-const WORDS: [&str; 7] = ["bitmask", "bitmasks", "bitfield", "bitset", "bitwise", "mask", "bits"];
+const WORDS: [&str; 8] = ["bitmask", "bitmasks", "bitmap", "bitfield", "bitset", "bitwise", "mask", "bits"];
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    let mut known = Bits::default();
     for field in &subject.message.fields {
         let Some(reference) = field.enumeration else { continue };
-        let found = subject.schema.enumeration(reference);
-        let owner = subject.schema.message(reference.message);
-        if !found.is_flags && is_meant(found, owner, field) {
+        if !subject.schema.enumeration(reference).is_flags && known.is_meant(field, reference, subject.schema)
+        {
             sink.report(
                 field.span,
                 format!("the constants of `{}` are bits", field.name),
@@ -47,9 +52,21 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     }
 }
 
-/// Whether the constants of a field are combined bit by bit, whatever its annotation says.
-pub(super) fn is_meant(found: &Enum, owner: &Message, field: &Field) -> bool {
-    found.is_flags || are_masks(found) || are_bits(found, owner) || tells_of_bits(field)
+/// Which enums are made of bits, each looked at once: any number of fields may hold it.
+#[derive(Default)]
+pub(super) struct Bits {
+    known: BTreeMap<EnumRef, bool>,
+}
+
+impl Bits {
+    /// Whether the constants of a field are combined bit by bit, whatever its annotation says.
+    pub(super) fn is_meant(&mut self, field: &Field, reference: EnumRef, schema: &Schema) -> bool {
+        let are_bits = || {
+            let found = schema.enumeration(reference);
+            found.is_flags || are_masks(found) || are_called_bits(found, schema.message(reference.message))
+        };
+        *self.known.entry(reference).or_insert_with(are_bits) || tells_of_bits(field)
+    }
 }
 
 /// Whether the values are powers of two up to 8 at least, with none between that would be the next number.
@@ -61,7 +78,7 @@ fn are_masks(found: &Enum) -> bool {
 }
 
 /// Whether the names of all constants say that they are bits or masks.
-fn are_bits(found: &Enum, owner: &Message) -> bool {
+fn are_called_bits(found: &Enum, owner: &Message) -> bool {
     let is_bit = |name: &str| name.split('_').any(|word| matches!(word, "BIT" | "MASK"));
     found.members.len() > 1
         && found.members.iter().all(|member| is_bit(&owner.constants[member.constant].name))

@@ -1,6 +1,6 @@
 //! `enum-on-non-integer`: an enum on a field that holds no integers.
 
-use super::{Check, Example, Levels, Rule, no_fix};
+use super::{Check, Example, Levels, Measured, Rule, no_fix};
 use crate::diagnostic::Level;
 
 pub(super) const RULE: Rule = Rule {
@@ -20,6 +20,6 @@ pub(super) const RULE: Rule = Rule {
                uint8 GEAR_UP = 0    # Retracted\nuint8 GEAR_DOWN = 1  # Extended\n\n\
                uint8 gear  # [@enum GEAR] Landing gear\n",
     },
-    measured: None,
+    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
     check: Check::Reader(no_fix),
 };

@@ -1,6 +1,6 @@
 //! `enum-value-out-of-range`: a constant that the field can't hold.
 
-use super::{Check, Example, Levels, Rule, no_fix};
+use super::{Check, Example, Levels, Measured, Rule, no_fix};
 use crate::diagnostic::Level;
 
 pub(super) const RULE: Rule = Rule {
@@ -20,6 +20,6 @@ pub(super) const RULE: Rule = Rule {
                uint16 GEAR_UP = 0      # Retracted\nuint16 GEAR_DOWN = 256  # Extended\n\n\
                uint16 gear  # [@enum GEAR] Landing gear\n",
     },
-    measured: None,
+    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
     check: Check::Reader(no_fix),
 };

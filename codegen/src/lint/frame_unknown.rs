@@ -1,6 +1,8 @@
 //! `frame-unknown`: a coordinate frame that nobody knows.
 
-use super::{Check, Example, Levels, Rule, Sink, Subject, annotations};
+use std::collections::HashSet;
+
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, annotations};
 use crate::diagnostic::Level;
 use crate::msg::annotation::Statement;
 use crate::schema::Message;
@@ -20,36 +22,27 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32[3] wind  # [m/s] [@frame NED] Wind\n",
     },
-    measured: None,
+    measured: Some(Measured { findings: 2, sample: 2, right: 2, remark: "" }),
     check: Check::Message(check),
 };
 
-/// Coordinate frames, in lower case: of the world, of the vehicle, and both.
-const FRAMES: &[&str] = &[
-    "ned",
-    "enu",
-    "nwu",
-    "ecef",
-    "wgs84", // world
-    "frd",
-    "flu",
-    "body",
-    "body frd",
-    "body flu",
-    "body frame",
-    "body frame frd",
-    "body frame flu", // vehicle
-    "local ned",
-    "local enu",
-    "local frd",
-];
+/// Coordinate frames of the world, in lower case.
+const WORLD: [&str; 8] = ["ned", "enu", "nwu", "ecef", "wgs84", "local ned", "local enu", "local frd"];
+
+/// Coordinate frames of the vehicle, in lower case.
+const VEHICLE: [&str; 8] =
+    ["frd", "flu", "body", "body frd", "body flu", "body frame", "body frame frd", "body frame flu"];
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    let mut declared = None;
     for annotation in subject.part.lines.iter().flat_map(annotations) {
         let Statement::Frame(frame) = annotation.statement else { continue };
         let is_known = match frame.strip_prefix('@') {
-            Some(name) => is_declared(name, subject.message),
-            None => FRAMES.contains(&frame.to_lowercase().as_str()),
+            Some(name) => declared.get_or_insert_with(|| names(subject.message)).contains(name),
+            None => {
+                let frame = frame.to_lowercase();
+                WORLD.contains(&frame.as_str()) || VEHICLE.contains(&frame.as_str())
+            }
         };
         if !is_known {
             sink.report(
@@ -61,7 +54,8 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     }
 }
 
-fn is_declared(name: &str, message: &Message) -> bool {
-    message.fields.iter().any(|field| field.name == name)
-        || message.constants.iter().any(|constant| constant.name == name)
+/// What a message declares.
+fn names(message: &Message) -> HashSet<&str> {
+    let fields = message.fields.iter().map(|field| field.name.as_str());
+    fields.chain(message.constants.iter().map(|constant| constant.name.as_str())).collect()
 }

@@ -1,6 +1,6 @@
 //! `header-missing`: a message without a description.
 
-use super::{Check, Example, Levels, Rule, Sink, Subject};
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
 use crate::diagnostic::Level;
 
 pub(super) const RULE: Rule = Rule {
@@ -13,7 +13,7 @@ pub(super) const RULE: Rule = Rule {
         path: "Glider.msg",
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n",
     },
-    measured: None,
+    measured: Some(Measured { findings: 131, sample: 30, right: 30, remark: "" }),
     check: Check::Message(check),
 };
 

@@ -1,6 +1,6 @@
 //! `leading-white-space`: declarations start at the start of their line.
 
-use super::{Check, Example, Levels, Rule, Sink, Subject};
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
 use crate::diagnostic::Level;
 
 pub(super) const RULE: Rule = Rule {
@@ -17,7 +17,7 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32 sink  # [m/s] Sink rate\n",
     },
-    measured: None,
+    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
     check: Check::Message(check),
 };
 

@@ -1,6 +1,6 @@
 //! `name-style`: names in the style that all tools take.
 
-use super::{Check, Example, Levels, Rule, no_fix};
+use super::{Check, Example, Levels, Measured, Rule, no_fix};
 use crate::diagnostic::Level;
 
 pub(super) const RULE: Rule = Rule {
@@ -18,6 +18,6 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32 sink_rate  # [m/s] Sink rate\n",
     },
-    measured: None,
+    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
     check: Check::Reader(no_fix),
 };

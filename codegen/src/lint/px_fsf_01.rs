@@ -1,6 +1,6 @@
 //! `PX-FSF-01`: flags of FailsafeFlags name a failure.
 
-use super::{Check, Example, Levels, Rule, Sink, Subject};
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
 use crate::diagnostic::Level;
 use crate::schema::{Element, Field};
 use uavspec_runtime::Scalar;
@@ -22,7 +22,7 @@ pub(super) const RULE: Rule = Rule {
                uint64 timestamp  # [us] Time since system start\n\n\
                bool tow_rope_lost  # Tow rope lost\n",
     },
-    measured: None,
+    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
     check: Check::Message(check),
 };
 

@@ -1,6 +1,6 @@
 //! `PX-FSF-02`: flags of FailsafeFlags have a label.
 
-use super::{Check, Example, Levels, Rule, Sink, Subject, px_fsf_01};
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, px_fsf_01};
 use crate::diagnostic::Level;
 use crate::schema::Element;
 use uavspec_runtime::Scalar;
@@ -21,7 +21,7 @@ pub(super) const RULE: Rule = Rule {
                uint64 timestamp  # [us] Time since system start\n\n\
                bool tow_rope_lost  # Tow rope lost\n",
     },
-    measured: None,
+    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
     check: Check::Message(check),
 };
 

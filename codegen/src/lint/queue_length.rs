@@ -1,6 +1,6 @@
 //! `queue-length`: queues as PX4 makes them.
 
-use super::{Check, Example, Levels, Rule, Sink, Subject};
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
 use crate::diagnostic::Level;
 
 pub(super) const RULE: Rule = Rule {
@@ -18,7 +18,7 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
                uint8 ORB_QUEUE_LENGTH = 16\n",
     },
-    measured: None,
+    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
     check: Check::Message(check),
 };
 

@@ -1,6 +1,6 @@
 //! `repeated-white-space`: single blanks within declarations.
 
-use super::{Check, Example, Levels, Rule, Sink, Subject};
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
 use crate::diagnostic::Level;
 
 pub(super) const RULE: Rule = Rule {
@@ -18,7 +18,12 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32 sink  # [m/s] Sink rate\n",
     },
-    measured: None,
+    measured: Some(Measured {
+        findings: 191,
+        sample: 30,
+        right: 30,
+        remark: "most are columns set by hand, which PX4's checker reports too",
+    }),
     check: Check::Message(check),
 };
 

@@ -1,6 +1,6 @@
 //! `timestamp-missing`: a message that no topic can carry.
 
-use super::{Check, Example, Levels, Rule, Sink, Subject, topics};
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, topics};
 use crate::diagnostic::Level;
 
 pub(super) const RULE: Rule = Rule {
@@ -15,7 +15,7 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32 sink  # [m/s] Sink rate\n",
     },
-    measured: None,
+    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
     check: Check::Message(check),
 };
 

@@ -1,6 +1,6 @@
 //! `topic-list-empty`: a list of topics without any.
 
-use super::{Check, Example, Levels, Rule, Sink, Subject, topics};
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, topics};
 use crate::diagnostic::Level;
 
 pub(super) const RULE: Rule = Rule {
@@ -17,7 +17,7 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
                # TOPICS glider tow_plane\n",
     },
-    measured: None,
+    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
     check: Check::Message(check),
 };
 

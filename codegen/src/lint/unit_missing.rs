@@ -1,6 +1,6 @@
 //! `unit-missing`: a measured quantity without a unit.
 
-use super::{Check, Example, Levels, Rule, Sink, Subject};
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
 use crate::diagnostic::Level;
 use crate::schema::{Element, Field};
 
@@ -20,7 +20,12 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32 bank      # [rad] Bank angle\n",
     },
-    measured: None,
+    measured: Some(Measured {
+        findings: 527,
+        sample: 30,
+        right: 28,
+        remark: "the others are in whatever unit another field says",
+    }),
     check: Check::Message(check),
 };
 

@@ -1,6 +1,9 @@
 //! `unit-missing-integer`: an integer without a unit.
 
-use super::{Check, Example, Levels, Rule, Sink, Subject, unit_missing};
+use std::collections::HashSet;
+use std::sync::LazyLock;
+
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, unit_missing};
 use crate::diagnostic::Level;
 use crate::schema::{Element, Field};
 
@@ -20,7 +23,12 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                uint16 altitude  # [m] Above mean sea level\n",
     },
-    measured: None,
+    measured: Some(Measured {
+        findings: 95,
+        sample: 30,
+        right: 26,
+        remark: "the others name or encode something in words that no list has",
+    }),
     check: Check::Message(check),
 };
 
@@ -241,6 +249,12 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     }
 }
 
+/// The same words, to look up any number of names in.
+fn no_quantities() -> &'static HashSet<&'static str> {
+    static WORDS: LazyLock<HashSet<&str>> = LazyLock::new(|| NO_QUANTITIES.iter().copied().collect());
+    &WORDS
+}
+
 fn is_quantity(field: &Field, subject: &Subject<'_>) -> bool {
     // Those are microseconds in all messages.
     let is_timestamp = field.name.starts_with("timestamp");
@@ -249,5 +263,5 @@ fn is_quantity(field: &Field, subject: &Subject<'_>) -> bool {
         && field.enum_prefixes.is_empty()
         && field.counts.is_none()
         && !field.is_text(subject.dialect)
-        && !words.any(|word| NO_QUANTITIES.contains(&word) || ENDS.iter().any(|end| word.ends_with(end)))
+        && !words.any(|word| no_quantities().contains(word) || ENDS.iter().any(|end| word.ends_with(end)))
 }
