@@ -357,7 +357,6 @@ impl Linter<'_> {
             let first = findings.len();
             let mut sink = Sink { rule: rule.id, findings };
             match rule.check {
-                Check::Reader(_) | Check::Ignores => {}
                 Check::Text(check) => texts.iter().for_each(|text| check(text, &mut sink)),
                 Check::Message(check) => subjects.iter().for_each(|subject| check(subject, &mut sink)),
                 Check::ErrorCodes(check) => {
@@ -366,7 +365,7 @@ impl Linter<'_> {
                     packages.for_each(|package| check(package, self.sources, &mut sink));
                 }
                 Check::Schema(check) if !has_errors(diagnostics) => check(self.schema, &mut sink),
-                Check::Schema(_) => {}
+                Check::Reader(_) | Check::Ignores | Check::Schema(_) => {}
             }
             findings[first..].iter_mut().for_each(|finding| finding.level = level);
         }

@@ -31,7 +31,7 @@ fn strict() -> Settings {
 }
 
 /// What all rules say of some files: paths and texts.
-fn judge(files: &[(String, String)]) -> (SourceMap, Vec<Finding>) {
+fn judge(files: &[File]) -> (SourceMap, Vec<Finding>) {
     let mut sources = SourceMap::default();
     let mut messages = package("demo", Form::Msg(Dialect::Px4));
     let mut ros2 = package("ros2", Form::Msg(Dialect::Ros2));
@@ -120,7 +120,7 @@ fn each_further_case_says_what_is_expected() {
             continue;
         }
         let rule = rule_of(&name).unwrap_or_else(|| panic!("{name}: of no rule"));
-        let files: Vec<(String, String)> = files_below(&folder, &["msg", "srv", "action", "md", "adoc"])
+        let files: Vec<File> = files_below(&folder, &["msg", "srv", "action", "md", "adoc"])
             .iter()
             .map(|file| {
                 let path = file.strip_prefix(&folder).expect("below").to_string_lossy().replace('\\', "/");
@@ -152,10 +152,13 @@ fn each_warning_of_the_readers_is_a_rule_and_no_error_is() {
     }
 }
 
-/// Definitions in memory: packages, each with paths and texts.
+/// A path and what the file says.
+type File = (String, String);
+
+/// Definitions in memory: packages, each with its files.
 #[derive(Clone)]
 struct Definitions {
-    packages: Vec<(String, Form, Vec<(String, String)>)>,
+    packages: Vec<(String, Form, Vec<File>)>,
 }
 
 impl Definitions {
@@ -236,7 +239,7 @@ impl Definitions {
     }
 }
 
-fn texts_below(folder: &Path) -> Vec<(String, String)> {
+fn texts_below(folder: &Path) -> Vec<File> {
     files_below(folder, &["msg", "srv", "action", "md"])
         .iter()
         .map(|file| (file.to_string_lossy().into_owned(), fs::read_to_string(file).expect("a text")))

@@ -30,7 +30,7 @@ pub(super) const RULE: Rule = Rule {
     check: Check::Message(check),
 };
 
-/// How many parameters a command of MAVLink has.
+/// How many parameters a command of `MAVLink` has.
 const COUNT: usize = 7;
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {

@@ -37,12 +37,11 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     let mut declared = None;
     for annotation in subject.part.lines.iter().flat_map(annotations) {
         let Statement::Frame(frame) = annotation.statement else { continue };
-        let is_known = match frame.strip_prefix('@') {
-            Some(name) => declared.get_or_insert_with(|| names(subject.message)).contains(name),
-            None => {
-                let frame = frame.to_lowercase();
-                WORLD.contains(&frame.as_str()) || VEHICLE.contains(&frame.as_str())
-            }
+        let is_known = if let Some(name) = frame.strip_prefix('@') {
+            declared.get_or_insert_with(|| names(subject.message)).contains(name)
+        } else {
+            let frame = frame.to_lowercase();
+            WORLD.contains(&frame.as_str()) || VEHICLE.contains(&frame.as_str())
         };
         if !is_known {
             sink.report(

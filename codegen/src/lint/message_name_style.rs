@@ -1,4 +1,4 @@
-//! `message-name-style`: messages are named in PascalCase.
+//! `message-name-style`: messages are named in `PascalCase`.
 
 use super::{Check, Example, Levels, Measured, Rule, no_fix};
 use crate::diagnostic::Level;

@@ -1,4 +1,4 @@
-//! `PX-FSF-01`: flags of FailsafeFlags name a failure.
+//! `PX-FSF-01`: flags of `FailsafeFlags` name a failure.
 
 use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
 use crate::diagnostic::Level;

@@ -1,4 +1,4 @@
-//! `PX-FSF-02`: flags of FailsafeFlags have a label.
+//! `PX-FSF-02`: flags of `FailsafeFlags` have a label.
 
 use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, px_fsf_01};
 use crate::diagnostic::Level;

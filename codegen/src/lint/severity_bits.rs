@@ -88,8 +88,8 @@ fn of_title(title: &str) -> Option<Severity> {
 }
 
 fn of_abbreviation(code: &ErrorCode) -> Option<Severity> {
-    let words = code.abbreviation.as_deref()?.split(|c: char| !c.is_alphanumeric());
-    words.filter_map(|word| of_word(word, MARKS)).next()
+    let mut words = code.abbreviation.as_deref()?.split(|c: char| !c.is_alphanumeric());
+    words.find_map(|word| of_word(word, MARKS))
 }
 
 /// `Warning: …`, or `(warning) …`.
