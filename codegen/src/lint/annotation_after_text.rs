@@ -3,6 +3,7 @@
 use super::{Check, Example, Levels, Measured, Rule};
 use crate::diagnostic::{Diagnostic, Level, Problem};
 use crate::finding::Edit;
+use crate::msg::annotation::is_bracketed;
 use crate::source::{SourceMap, Span};
 
 pub(super) const RULE: Rule = Rule {
@@ -29,13 +30,37 @@ pub(super) const RULE: Rule = Rule {
     check: Check::Reader(fix),
 };
 
+/// Text before an annotation that is looked through for brackets; a comment may have any number of both.
+const MAX_TEXT_LEN: usize = 2_000;
+
 fn fix(diagnostic: &Diagnostic, sources: &SourceMap) -> Vec<Edit> {
     let Problem::AnnotationAfterText { meant, head: Some(head), .. } = &diagnostic.problem else {
         return Vec::new();
     };
     let place = diagnostic.span;
     let before = Span { start: head.start, end: place.start };
-    let kept = sources.slice(before).trim_end().len();
+    let end = sources.span(sources.source_of(place)).end;
+    if !is_bracketed(meant)
+        || !can_close(sources.slice(before), sources.slice(Span { start: place.end, end }))
+    {
+        return Vec::new();
+    }
+    let text = sources.slice(before);
+    let kept = text.trim_end().len();
     let annotation = Edit { span: *head, text: format!("{meant} ") };
     vec![annotation, Edit { span: before.part(kept..kept).to(place), text: String::new() }]
+}
+
+/// Whether what stands `before` an annotation and what stands `after` it says the same once it is gone.
+fn can_close(before: &str, after: &str) -> bool {
+    let count = |bracket: char| before.matches(bracket).count();
+    // Of two annotations that say the same thing the last counts, so the first goes first.
+    before.len() <= MAX_TEXT_LEN
+        && !before.contains("[@")
+        && !before.contains("(@")
+        // Brackets on both sides must not become an annotation of their own, nor words a directive.
+        && count('[') == count(']')
+        && count('(') == count(')')
+        && !before.trim_end().ends_with(['#', '/', '-'])
+        && (after.is_empty() || after.starts_with([' ', '\t', '\r', '\n', '.', ',', ';']))
 }

@@ -3,6 +3,7 @@
 use super::{Check, Example, Levels, Measured, Rule};
 use crate::diagnostic::{Diagnostic, Level, Problem};
 use crate::finding::Edit;
+use crate::msg::annotation::is_bracketed;
 use crate::source::SourceMap;
 
 pub(super) const RULE: Rule = Rule {
@@ -26,7 +27,7 @@ pub(super) const RULE: Rule = Rule {
 
 fn fix(diagnostic: &Diagnostic, _: &SourceMap) -> Vec<Edit> {
     match &diagnostic.problem {
-        Problem::AnnotationNearMiss { meant, .. } => {
+        Problem::AnnotationNearMiss { meant, .. } if is_bracketed(meant) => {
             vec![Edit { span: diagnostic.span, text: meant.clone() }]
         }
         _ => Vec::new(),

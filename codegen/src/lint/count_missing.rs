@@ -3,7 +3,7 @@
 use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
 use crate::diagnostic::Level;
 use crate::finding::Edit;
-use crate::msg::annotation::Statement;
+use crate::msg::annotation::{Statement, is_bracketed};
 use crate::msg::ast::Line;
 use crate::schema::{Element, Field, Shape};
 use crate::source::{SourceMap, Span};
@@ -46,10 +46,12 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     for (field, line) in subject.fields() {
         if let Some(array) = field.counts.and_then(|array| fields.get(array)) {
             if !states_count(line) {
-                let edit = insertion(line, &array.name, subject.sources);
                 let help = format!("say so: `[@count {}]`", array.name);
                 let message = format!("`{}` counts the entries of `{}`, by its name", field.name, array.name);
-                sink.report(field.span, message, help).fix.push(edit);
+                let finding = sink.report(field.span, message, help);
+                if is_bracketed(&format!("[@count {}]", array.name)) {
+                    finding.fix.push(insertion(line, &array.name, subject.sources));
+                }
             }
         } else if let Some(array) = only.filter(|array| !has_count && looks_like_count(field, array)) {
             let help = format!("if it counts those of `{}`, write `[@count {}]`", array.name, array.name);

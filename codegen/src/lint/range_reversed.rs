@@ -3,6 +3,7 @@
 use super::{Check, Example, Levels, Measured, Rule};
 use crate::diagnostic::{Diagnostic, Level};
 use crate::finding::Edit;
+use crate::msg::annotation::is_bracketed;
 use crate::source::SourceMap;
 
 pub(super) const RULE: Rule = Rule {
@@ -28,9 +29,9 @@ pub(super) const RULE: Rule = Rule {
 fn fix(diagnostic: &Diagnostic, sources: &SourceMap) -> Vec<Edit> {
     let inner = |text: &str| -> Option<String> {
         let bounds = text.strip_prefix("[@range ")?.strip_suffix(']')?;
-        let (high, low) = bounds.split_once(',')?;
+        let (high, low) = bounds.split_once(',').filter(|(_, low)| !low.contains(','))?;
         Some(format!("[@range {}, {}]", low.trim(), high.trim()))
     };
-    let mended = inner(sources.slice(diagnostic.span));
+    let mended = inner(sources.slice(diagnostic.span)).filter(|text| is_bracketed(text));
     mended.map(|text| Edit { span: diagnostic.span, text }).into_iter().collect()
 }

@@ -1,6 +1,7 @@
 //! Lines `# TOPICS a b` of PX4's messages, and how a topic is taken out of one.
 
 use super::Subject;
+use crate::directive;
 use crate::msg::ast::Line;
 use crate::source::{SourceMap, Span};
 
@@ -49,6 +50,8 @@ pub(super) fn removal(word: Span, sources: &SourceMap) -> Option<Span> {
         rest
     } else if let Some(below) = rest.strip_prefix("\r\n").or_else(|| rest.strip_prefix('\n')) {
         below
+    } else if !rest.starts_with(|c: char| c.is_ascii_alphabetic()) || rest.starts_with(directive::MARK) {
+        return None;
     } else {
         // Others follow.
         return Some(Span { start: word.start, end: whole.end - length(rest) });

@@ -273,6 +273,11 @@ fn bracketed(text: &str, start: usize) -> Option<(&str, usize)> {
     None
 }
 
+/// Whether `text` would be read as one pair of brackets: what stands in it may close them early.
+pub(crate) fn is_bracketed(text: &str) -> bool {
+    bracketed(text, 0).is_some_and(|(_, end)| end == text.len())
+}
+
 fn classify(content: &str, in_parentheses: bool) -> Reading<'_> {
     if let Some(annotation) = content.strip_prefix('@') {
         let (name, argument) = split_word(annotation);
@@ -299,9 +304,9 @@ fn classify(content: &str, in_parentheses: bool) -> Reading<'_> {
     if let Some((low, high)) = content.split_once(',')
         && !low.trim().is_empty()
         && !high.trim().is_empty()
-        && let (Ok(low), Ok(high)) = (bound(low), bound(high))
+        && let Some(statement) = range(content)
     {
-        return Reading::NearMiss(Statement::Range { low, high }, format!("[@range {content}]"));
+        return Reading::NearMiss(statement, format!("[@range {content}]"));
     }
     if looks_like_unit(content) {
         return Reading::Statement(Statement::Unit(content));
