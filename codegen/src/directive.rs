@@ -32,7 +32,8 @@ pub fn find(text: &str, span: Span) -> Option<(Directive<'_>, usize)> {
     let (rule, reason) = words.split_once([' ', '\t']).unwrap_or((words, ""));
     let before = text[..at].trim_end();
     let start = OPENINGS.iter().find_map(|opening| before.strip_suffix(opening)).unwrap_or(before);
-    let directive = Directive { rule, reason: reason.trim(), span: span.part(at..text[..end].trim_end().len()) };
+    let directive =
+        Directive { rule, reason: reason.trim(), span: span.part(at..text[..end].trim_end().len()) };
     Some((directive, start.trim_end().len()))
 }
 
@@ -43,7 +44,10 @@ mod tests {
     #[test]
     fn a_directive_is_found_at_the_end_of_any_comment() {
         let found = |text| find(text, Span::default()).map(|(found, at)| (found.rule, found.reason, at));
-        assert_eq!(found(" [m] Height # uavspec:ignore unit-missing as upstream"), Some(("unit-missing", "as upstream", 11)));
+        assert_eq!(
+            found(" [m] Height # uavspec:ignore unit-missing as upstream"),
+            Some(("unit-missing", "as upstream", 11))
+        );
         assert_eq!(found(" uavspec:ignore a-b  why "), Some(("a-b", "why", 0)));
         assert_eq!(found("| 64 | A | x | <!-- uavspec:ignore a why -->"), Some(("a", "why", 14)));
         assert_eq!(found("uavspec:ignore"), Some(("", "", 0)));
