@@ -10,7 +10,10 @@ use std::path::{Path, PathBuf};
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use tempfile::TempDir;
+use uavspec_codegen::breaking::{Between, breaking};
+use uavspec_codegen::diagnostic::render;
 use uavspec_codegen::emit::{self, OutputFile};
+use uavspec_codegen::lint::{Preset, Settings, lint};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, Schema};
 use uavspec_codegen::{PackageInput, SourceMap, cli, read};
@@ -19,16 +22,19 @@ use uavspec_codegen::{PackageInput, SourceMap, cli, read};
 const TIMES: [usize; 3] = [1, 4, 16];
 
 fn main() {
-    if corpus().is_none() {
+    if corpus(MAIN).is_none() {
         eprintln!("left out: corpus/px4/main is absent; set UAVSPEC_CORPUS to the corpus");
         return;
     }
     divan::main();
 }
 
-fn corpus() -> Option<Vec<PathBuf>> {
+/// The newest definitions of PX4 in the corpus.
+const MAIN: &str = "px4/main/msg";
+
+fn corpus(release: &str) -> Option<Vec<PathBuf>> {
     let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/corpus");
-    let folder = std::env::var_os("UAVSPEC_CORPUS").map_or(default, PathBuf::from).join("px4/main/msg");
+    let folder = std::env::var_os("UAVSPEC_CORPUS").map_or(default, PathBuf::from).join(release);
     let mut files: Vec<PathBuf> =
         fs::read_dir(folder).ok()?.filter_map(|entry| Some(entry.ok()?.path())).collect();
     files.sort();
@@ -42,7 +48,7 @@ struct Input {
 }
 
 fn input(times: usize) -> Input {
-    let files = corpus().unwrap_or_default();
+    let files = corpus(MAIN).unwrap_or_default();
     let mut sources = SourceMap::default();
     let mut packages = Vec::new();
     for number in 0..times {
@@ -61,6 +67,36 @@ fn input(times: usize) -> Input {
 fn read_definitions(bencher: Bencher<'_, '_>, times: usize) {
     let input = input(times);
     bencher.counter(ItemsCount::new(input.messages)).bench_local(|| read(&input.sources, &input.packages));
+}
+
+/// All rules, and what they say of it as text: what `lint` does beside reading files.
+#[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
+fn lint_definitions(bencher: Bencher<'_, '_>, times: usize) {
+    let input = input(times);
+    let settings = Settings { preset: Preset::Strict, ..Settings::default() };
+    bencher.counter(ItemsCount::new(input.messages)).bench_local(|| {
+        let findings = lint(&input.sources, &input.packages, &settings);
+        render::findings(&findings, &input.sources, false)
+    });
+}
+
+/// PX4 1.15 and main, read and compared, and what there is to say of it as text.
+#[divan::bench(max_time = 2, sample_size = 1)]
+fn compare_releases(bencher: Bencher<'_, '_>) {
+    let mut sources = SourceMap::default();
+    let [old, new] = ["px4/1.15/msg", "px4/main/msg"].map(|release| {
+        let mut add = |file: &PathBuf| {
+            sources
+                .add(file.to_string_lossy(), fs::read(file).expect("a readable file"))
+                .expect("a valid text")
+        };
+        let ids = corpus(release).unwrap_or_default().iter().map(&mut add).collect();
+        [PackageInput::new("px4", Form::Msg(Dialect::Px4), ids)]
+    });
+    bencher.bench_local(|| {
+        let (old, new) = (read(&sources, &old).0, read(&sources, &new).0);
+        render::findings(&breaking(&sources, &old, &new, Between::Releases), &sources, false)
+    });
 }
 
 fn emitter(bencher: Bencher<'_, '_>, times: usize, emit: impl Fn(&Schema, &SourceMap) -> Vec<OutputFile>) {
@@ -106,7 +142,7 @@ fn workspace(times: usize) -> TempDir {
     for number in 0..times {
         let name = format!("px4_{number}");
         fs::create_dir(folder.path().join(&name)).expect("a folder");
-        for file in corpus().unwrap_or_default() {
+        for file in corpus(MAIN).unwrap_or_default() {
             let target = folder.path().join(&name).join(file.file_name().expect("a name"));
             fs::copy(&file, target).expect("a copy");
         }
@@ -122,7 +158,7 @@ fn workspace(times: usize) -> TempDir {
 /// The whole command, files to files, where no output is there yet.
 #[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn generate_all(bencher: Bencher<'_, '_>, times: usize) {
-    let messages = corpus().unwrap_or_default().len() * times;
+    let messages = corpus(MAIN).unwrap_or_default().len() * times;
     let folder = workspace(times);
     bencher
         .counter(ItemsCount::new(messages))
@@ -137,7 +173,7 @@ fn generate_all(bencher: Bencher<'_, '_>, times: usize) {
 /// The whole command, where all output is up to date.
 #[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn generate_unchanged(bencher: Bencher<'_, '_>, times: usize) {
-    let messages = corpus().unwrap_or_default().len() * times;
+    let messages = corpus(MAIN).unwrap_or_default().len() * times;
     let folder = workspace(times);
     let config = folder.path().join("uavspec.toml");
     cli::generate(&config).expect("output");

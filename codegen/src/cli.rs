@@ -8,13 +8,18 @@
 //!
 //! A build script calls [`generate`] instead, which prints nothing.
 //!
-//! Exit status: 0 all is well; 1 mistakes in the definitions, or stale output with `--check`;
+//! Exit status: 0 all is well; 1 mistakes in the definitions, or stale output or layout with `--check`;
 //! 2 the command can't be carried out: wrong usage, missing input, unwritable output.
 
+mod breaking;
 mod config;
+mod format;
 mod lint;
 mod load;
 mod output;
+mod report;
+mod revision;
+mod rewrite;
 
 use std::fmt;
 use std::io::Write as _;
@@ -26,6 +31,7 @@ use std::time::Instant;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use self::config::{Config, Emitter, EmitterOptions, Plan, PlannedOutput};
+pub use self::format::FmtArgs;
 use self::load::Loaded;
 use self::output::{Difference, Folder};
 use crate::diagnostic::{Diagnostic, Level, has_errors, render};
@@ -47,10 +53,14 @@ struct Cli {
 pub enum Command {
     /// Generate Rust types, JSON Schemas, documentation and test vectors from the definitions.
     Codegen(CodegenArgs),
+    /// Lay out definitions and error-code tables: spacing, comments, annotations, columns.
+    Fmt(FmtArgs),
     /// Print the model of the definitions as JSON.
     Inspect(InspectArgs),
     /// Find what should be written otherwise in the definitions, and mend what can be.
     Lint(lint::LintArgs),
+    /// Compare the definitions with an earlier state, and say what breaks whom.
+    Breaking(breaking::BreakingArgs),
 }
 
 /// Arguments of `codegen`.
@@ -214,8 +224,10 @@ impl Command {
     pub fn run(self) -> ExitCode {
         let result = match self {
             Self::Codegen(args) => codegen(&args),
+            Self::Fmt(args) => format::run(&args),
             Self::Inspect(args) => inspect(&args),
             Self::Lint(args) => lint::run(&args),
+            Self::Breaking(args) => breaking::run(&args),
         };
         match result {
             Ok(true) => ExitCode::SUCCESS,

@@ -81,6 +81,19 @@ pub fn has_errors(diagnostics: &[Diagnostic]) -> bool {
     diagnostics.iter().any(|diagnostic| diagnostic.level() == Level::Error)
 }
 
+/// What every problem of a kind has in common. In its templates `{name}` stands for a fact of the case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ProblemKind {
+    /// Its code, a permanent name.
+    pub code: &'static str,
+    /// How grave it is.
+    pub level: Level,
+    /// The template of its message, as `format!` takes it.
+    pub message: &'static str,
+    /// The template of its hint.
+    pub hint: &'static str,
+}
+
 /// Declares [`Problem`]: for each kind its level, its code, its message and the hint beside its caret.
 macro_rules! problems {
     ($($(#[$doc:meta])* $kind:ident $({ $($field:ident: $type:ty),* })? = $level:ident $code:literal
@@ -93,6 +106,14 @@ macro_rules! problems {
         }
 
         impl Problem {
+            /// Every kind of problem, in the order in which a text is read.
+            pub const KINDS: &[ProblemKind] = &[$(ProblemKind {
+                code: $code,
+                level: Level::$level,
+                message: $message,
+                hint: $hint,
+            }),*];
+
             /// The code of every problem, each a permanent name.
             pub const CODES: &[&str] = &[$($code),*];
 

@@ -3,7 +3,7 @@
 pub mod docs;
 pub mod inspect;
 pub mod json_schema;
-mod prose;
+pub(crate) mod prose;
 #[cfg(feature = "rust")]
 pub mod rust;
 pub mod vectors;

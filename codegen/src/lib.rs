@@ -26,6 +26,8 @@
 //!   strategies work from that: less to generate, to read and to compile than derives.
 //! - Where the reference tools are mistaken, `tests/edge.rs` lists the deviation with its reason, and
 //!   fails when one of them is none any more.
+//! - The layout of a definition ([`mod@format`]) is read again, and must say the same and be its own layout; else
+//!   the text is kept as it was. White space within the text of a comment belongs to what it says.
 //! - A vector's JSON and its verdict come from the model, its bytes from [`dynamic`]; ids say what is tried,
 //!   not what comes of it, so that they last.
 //!
@@ -48,6 +50,7 @@
 //! What the generated crate takes to compile, and how fast it is, stands in the documentation of
 //! `uavspec-runtime`.
 
+pub mod breaking;
 mod characters;
 #[cfg(feature = "cli")]
 pub mod cli;
@@ -55,7 +58,9 @@ pub mod diagnostic;
 pub mod directive;
 pub mod dynamic;
 pub mod emit;
+pub mod example;
 pub mod finding;
+pub mod format;
 pub mod lint;
 pub mod msg;
 pub mod report;

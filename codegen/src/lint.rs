@@ -72,6 +72,7 @@ use self::subject::annotations;
 pub use self::subject::{Subject, Text};
 
 use crate::diagnostic::{Diagnostic, Level, has_errors};
+pub use crate::example::Example;
 use crate::finding::{Edit, Finding};
 use crate::schema::{self, Form, Package, PackageSource, Schema};
 use crate::source::{SourceId, SourceMap, Span};
@@ -179,16 +180,6 @@ impl Levels {
             Preset::Strict => self.strict,
         }
     }
-}
-
-/// A definition that shows what a rule means.
-#[derive(Clone, Copy, Debug)]
-pub struct Example {
-    /// Its file name: the extension says what it is. Where the dialect matters, it is px4, and ros2 below a
-    /// folder `ros2`.
-    pub path: &'static str,
-    /// What it says.
-    pub text: &'static str,
 }
 
 /// What a rule finds in the definitions of PX4 (`px4_msgs` main at a4a9864), and how much of it is right.
@@ -365,7 +356,7 @@ impl Linter<'_> {
                     packages.for_each(|package| check(package, self.sources, &mut sink));
                 }
                 Check::Schema(check) if !has_errors(diagnostics) => check(self.schema, &mut sink),
-                Check::Reader(_) | Check::Ignores | Check::Schema(_) => {}
+                Check::Schema(_) | Check::Reader(_) | Check::Ignores => {}
             }
             findings[first..].iter_mut().for_each(|finding| finding.level = level);
         }

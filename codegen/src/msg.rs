@@ -7,6 +7,7 @@ pub mod annotation;
 pub mod ast;
 pub mod literal;
 mod parser;
+pub(crate) use parser::is_separator;
 
 use std::fmt;
 

@@ -5,13 +5,27 @@
 
 mod github;
 mod json;
+#[cfg(feature = "junit")]
+mod junit;
+mod sarif;
+#[cfg(test)]
+mod tests;
 
-use crate::diagnostic::Level;
+use std::collections::BTreeSet;
+
+use crate::diagnostic::{Level, Problem, ProblemKind};
 use crate::finding::Finding;
+use crate::lint;
 use crate::source::{Position, SourceMap, Span};
+
+/// Where the project presents itself.
+const PROJECT_URL: &str = "https://uavspec.dev/";
 
 /// Where the documentation has a page for each rule.
 pub const RULES_URL: &str = "https://uavspec.dev/docs/rules/";
+
+/// The page there on all that the readers report and that is no rule.
+pub const READING_PAGE: &str = "reading";
 
 /// What was found.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,6 +90,11 @@ pub enum Format {
     Json,
     /// Annotations of a workflow on GitHub.
     Github,
+    /// SARIF 2.1.0, which code scanners exchange.
+    Sarif,
+    /// The results of tests, as `JUnit` writes them and CI systems show them.
+    #[cfg(feature = "junit")]
+    Junit,
 }
 
 impl Place {
@@ -110,9 +129,18 @@ impl Entry {
     }
 }
 
-/// The page of the documentation on a rule.
+/// The page of the documentation on a rule, or the place in one on an error of the readers.
 pub fn rule_url(rule: &str) -> String {
-    format!("{RULES_URL}{rule}.html")
+    match reader_kind(rule) {
+        Some(_) => format!("{RULES_URL}{READING_PAGE}.html#{rule}"),
+        None => format!("{RULES_URL}{rule}.html"),
+    }
+}
+
+/// What the readers report under this id, where it is no rule of `lint` too.
+fn reader_kind(id: &str) -> Option<&'static ProblemKind> {
+    let kind = Problem::KINDS.iter().find(|kind| kind.code == id)?;
+    lint::rule(id).is_none().then_some(kind)
 }
 
 impl Report {
@@ -121,6 +149,22 @@ impl Report {
         match format {
             Format::Json => json::write(self),
             Format::Github => github::write(self),
+            Format::Sarif => sarif::write(self),
+            #[cfg(feature = "junit")]
+            Format::Junit => junit::write(self),
         }
+    }
+
+    /// The rules that were applied, and after them those that entries name beside: errors of the readers.
+    fn all_rules(&self) -> Vec<RuleInfo> {
+        let mut rules = self.rules.clone();
+        let mut known: BTreeSet<&str> = rules.iter().map(|rule| rule.id).collect();
+        for entry in &self.entries {
+            if known.insert(entry.rule) {
+                let purpose = reader_kind(entry.rule).map_or("", |kind| kind.message);
+                rules.push(RuleInfo { id: entry.rule, purpose, level: entry.level });
+            }
+        }
+        rules
     }
 }

@@ -5,7 +5,7 @@
 //! schema doesn't depend on the order in which files were read.
 
 pub(crate) mod constraint;
-mod documentation;
+pub(crate) mod documentation;
 pub(crate) mod enumeration;
 pub mod error_codes;
 pub mod fingerprint;
@@ -32,6 +32,8 @@ pub struct Schema {
     pub packages: Vec<Package>,
     /// All messages, those that are parts of services and actions too, by package and name.
     pub messages: Vec<Message>,
+    /// All messages, each after those that it holds.
+    pub nested_first: Vec<MessageId>,
 }
 
 impl Schema {

@@ -1,6 +1,8 @@
 //! Texts with names, and places in them. Strings come in; files don't.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use crate::diagnostic::{Diagnostic, Problem};
 
@@ -55,6 +57,19 @@ struct Source {
     path: String,
     text: String,
     start: u32,
+    /// Where each line but the first starts; found when first asked for.
+    lines: OnceLock<Vec<u32>>,
+}
+
+impl Source {
+    /// Number of the line, from 0, that holds a position, and where it starts.
+    fn line(&self, at: usize) -> (usize, usize) {
+        let starts = self
+            .lines
+            .get_or_init(|| self.text.match_indices('\n').map(|(newline, _)| offset(newline + 1)).collect());
+        let line = starts.partition_point(|start| *start as usize <= at);
+        (line, line.checked_sub(1).map_or(0, |before| starts[before] as usize))
+    }
 }
 
 /// All texts of a run, in the order in which they were added.
@@ -87,7 +102,7 @@ impl SourceMap {
         };
         let whole = Span { start, end: start };
         let has_bom = text.starts_with('\u{feff}');
-        self.sources.push(Source { path: path.into(), text, start });
+        self.sources.push(Source { path: path.into(), text, start, lines: OnceLock::new() });
         if too_long {
             return Err(Diagnostic::new(Problem::SourceTooLong { len, max: MAX_SOURCE_LEN }, whole));
         }
@@ -101,6 +116,18 @@ impl SourceMap {
             return Err(Diagnostic::new(Problem::ByteOrderMark, whole.part(0..'\u{feff}'.len_utf8())));
         }
         Ok(id)
+    }
+
+    /// The same sources under the same ids, some with another text; what can't be read stays unread.
+    #[must_use]
+    pub fn with_texts(&self, texts: &BTreeMap<SourceId, String>) -> Self {
+        let mut sources = Self::default();
+        for (at, source) in self.sources.iter().enumerate() {
+            let text = texts.get(&SourceId(offset(at))).unwrap_or(&source.text);
+            // It is added in any case, so that the ids stay.
+            let _ = sources.add(source.path.clone(), text.clone().into_bytes());
+        }
+        sources
     }
 
     /// The text of a source.
@@ -134,12 +161,10 @@ impl SourceMap {
     /// Line and column of the start of `span`.
     pub fn position(&self, span: Span) -> Position {
         let (text, range) = self.locate(span);
-        let before = &text.as_bytes()[..range.start.min(text.len())];
-        let line_start = before.iter().rposition(|byte| *byte == b'\n').map_or(0, |at| at + 1);
-        #[allow(clippy::naive_bytecount)] // once a diagnostic
-        let line = before.iter().filter(|byte| **byte == b'\n').count() + 1;
-        let column = text.get(line_start..range.start).map_or(0, |line| line.chars().count()) + 1;
-        Position { line, column }
+        let source = self.sources.get(self.source_of(span).0 as usize);
+        let (line, start) = source.map_or((0, 0), |source| source.line(range.start));
+        let column = text.get(start..range.start).map_or(0, |line| line.chars().count()) + 1;
+        Position { line: line + 1, column }
     }
 
     /// The text of the source that holds `span`, and the range of `span` in it.

@@ -3,11 +3,11 @@
 //! What a table defines is not decided here: [`error_code`] and its siblings know their tables by the
 //! header. A table keeps the rows that were written, also those with too few or too many cells.
 
-mod asciidoc;
+pub(crate) mod asciidoc;
 pub mod error_code;
 mod flattened;
-mod markdown;
-mod pipe;
+pub(crate) mod markdown;
+pub(crate) mod pipe;
 mod text;
 
 pub use text::Text;
@@ -103,7 +103,7 @@ impl Cell {
 
 /// The forms that a page can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Form {
+pub(crate) enum Form {
     Markdown,
     AsciiDoc,
     /// What is left of an HTML page in a text dump: each cell ends with a pipe and its line.
@@ -113,7 +113,7 @@ enum Form {
 impl Form {
     /// By extension where there is one, else by content. A Markdown page is looked at in any case:
     /// the flattened form is often saved as one, and reads there as tables of one filled column.
-    fn of(path: &str, text: &str) -> Self {
+    pub(crate) fn of(path: &str, text: &str) -> Self {
         let extension = path.rsplit_once('.').map_or("", |(_, extension)| extension);
         let is = |names: &[&str]| names.iter().any(|name| extension.eq_ignore_ascii_case(name));
         let is_markdown = is(&["md", "markdown"]);

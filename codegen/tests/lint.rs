@@ -15,8 +15,9 @@ use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
 use uavspec_codegen::diagnostic::{Level, Problem, render};
+use uavspec_codegen::example::{Example, packages};
 use uavspec_codegen::finding::Finding;
-use uavspec_codegen::lint::{Check, Example, Preset, RULES, Rule, Settings, apply, lint, rule};
+use uavspec_codegen::lint::{Check, Preset, RULES, Rule, Settings, apply, lint, rule};
 use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::{PackageInput, SourceMap, read};
@@ -34,19 +35,9 @@ fn strict() -> Settings {
 /// What all rules say of some files: paths and texts.
 fn judge(files: &[File]) -> (SourceMap, Vec<Finding>) {
     let mut sources = SourceMap::default();
-    let mut messages = package("demo", Form::Msg(Dialect::Px4));
-    let mut ros2 = package("ros2", Form::Msg(Dialect::Ros2));
-    let mut pages = package("pages", Form::Table);
-    for (path, text) in files {
-        let id = sources.add(path.as_str(), text.clone().into_bytes()).expect("a text");
-        let package: &mut PackageInput = match Kind::of(path) {
-            Some(_) if path.starts_with("ros2/") => &mut ros2,
-            Some(_) => &mut messages,
-            None => &mut pages,
-        };
-        package.sources.push(id);
-    }
-    let findings = lint(&sources, &[messages, pages, ros2], &strict());
+    let files = files.iter().map(|(path, text)| (path.as_str(), text.as_str()));
+    let packages = packages(files, "", &mut sources);
+    let findings = lint(&sources, &packages, &strict());
     (sources, findings)
 }
 

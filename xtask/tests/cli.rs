@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use quick_junit::{Report as Junit, TestCase, TestCaseStatus};
 use serde_json::Value as Json;
 use tempfile::TempDir;
 
@@ -255,6 +256,116 @@ fn inspect_prints_the_model() {
     assert_eq!(wind["topics"], serde_json::json!(["wind"]));
 }
 
+/// A workspace with findings of each level: no unit, a blank at the end of a line, and a type that is none.
+fn careless() -> TempDir {
+    let folder = workspace();
+    write(
+        &folder,
+        "msg/Gust.msg",
+        "uint64 timestamp  # [us] Since start \nfloat32 peak  # 50%, the strongest\n",
+    );
+    write(&folder, "msg/Sail trim.msg", "Wnd wind\n");
+    folder
+}
+
+/// Rule, level, file and line of what [`careless`] has, with the level of notes in the word of a format. Other
+/// rules may find more.
+const fn expected(note: &'static str) -> [(&'static str, &'static str, &'static str, u64); 4] {
+    [
+        ("trailing-white-space", note, "msg/Gust.msg", 1),
+        ("unit-missing", "warning", "msg/Gust.msg", 2),
+        ("message-name", "error", "msg/Sail trim.msg", 1),
+        ("unknown-type", "error", "msg/Sail trim.msg", 1),
+    ]
+}
+
+/// What `lint` reports in a format. That goes to standard output alone, and the summary to standard error.
+#[track_caller]
+fn lint(folder: &TempDir, format: &str, status: i32) -> String {
+    let output = xtask(folder.path(), &["lint", "--format", format]);
+    let errors = String::from_utf8(output.stderr).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(status), "{errors}");
+    assert!(errors.starts_with("lint: ") && errors.lines().count() == 1, "{errors}");
+    String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+#[test]
+fn lint_reports_json() {
+    let list: Json = serde_json::from_str(&lint(&careless(), "json", 1)).expect("JSON");
+    let list = list.as_array().expect("a list");
+    for (rule, level, file, line) in expected("note") {
+        let found =
+            list.iter().find(|found| found["rule"] == rule).unwrap_or_else(|| panic!("{rule}: {list:?}"));
+        assert_eq!((&found["level"], &found["file"]), (&level.into(), &file.into()));
+        assert_eq!(found["start"]["line"], line);
+        assert_eq!(found["fixable"], rule == "trailing-white-space");
+    }
+}
+
+#[test]
+fn lint_reports_sarif() {
+    let log: Json = serde_json::from_str(&lint(&careless(), "sarif", 1)).expect("JSON");
+    let run = &log["runs"][0];
+    let results = run["results"].as_array().expect("results");
+    for (rule, level, file, line) in expected("note") {
+        let result = results.iter().find(|result| result["ruleId"] == rule);
+        let result = result.unwrap_or_else(|| panic!("{rule}: {results:?}"));
+        let at = &result["locations"][0]["physicalLocation"];
+        assert_eq!(result["level"], level);
+        assert_eq!(at["artifactLocation"]["uri"], file.replace(' ', "%20"));
+        assert_eq!(at["region"]["startLine"], line);
+        let index = result["ruleIndex"].as_u64().and_then(|index| usize::try_from(index).ok());
+        assert_eq!(run["tool"]["driver"]["rules"][index.expect("an index")]["id"], rule);
+    }
+}
+
+#[test]
+fn lint_reports_junit() {
+    let read = |text: String| Junit::deserialize_from_str(&text).expect("JUnit");
+    let report = read(lint(&careless(), "junit", 1));
+    let cases = &report.test_suites[0].test_cases;
+    for (rule, level, file, _) in expected("note") {
+        let class = format!("lint.{rule}");
+        let case = cases.iter().find(|case| case.classname.as_deref() == Some(&class));
+        let case = case.unwrap_or_else(|| panic!("{rule}: {cases:?}"));
+        assert!(case.name.starts_with(file), "{case:?}");
+        assert_eq!(matches!(case.status, TestCaseStatus::NonSuccess { .. }), level != "note", "{case:?}");
+    }
+    let failed = cases.iter().filter(|case| matches!(case.status, TestCaseStatus::NonSuccess { .. })).count();
+    assert_eq!((report.tests, report.failures), (cases.len(), failed));
+    let report = read(lint(&workspace(), "junit", 0));
+    let cases = &report.test_suites[0].test_cases;
+    let passed = cases.iter().find(|case| case.classname.as_deref() == Some("lint.unit-missing"));
+    let is_success = |case: &TestCase| matches!(case.status, TestCaseStatus::Success { .. });
+    assert!(passed.is_some_and(is_success), "a rule that found nothing is a test that passed: {cases:?}");
+}
+
+#[test]
+fn lint_reports_workflow_commands() {
+    let text = lint(&careless(), "github", 1);
+    for (rule, level, file, line) in expected("notice") {
+        let title = format!(",title={rule}::");
+        let command = text.lines().find(|command| command.contains(&title));
+        let command = command.unwrap_or_else(|| panic!("{rule}: {text}"));
+        assert!(command.starts_with(&format!("::{level} file={file},line={line},")), "{command}");
+    }
+    assert!(text.lines().all(|line| line.starts_with("::")), "a command a line: {text}");
+}
+
+#[test]
+fn pages_of_the_rules_are_written_where_they_are_asked_for() {
+    let folder = workspace();
+    run(&folder, &["codegen"], 0);
+    assert!(!folder.path().join("out/docs/rules").exists());
+    let docs = "docs = { path = \"out/docs\", rules = true }";
+    write(&folder, "uavspec.toml", &CONFIG.replace("docs = \"out/docs\"", docs));
+    run(&folder, &["codegen"], 0);
+    assert!(folder.path().join("out/docs/rules/README.md").exists());
+    write(&folder, "uavspec.toml", CONFIG);
+    run(&folder, &["codegen"], 0);
+    assert!(!folder.path().join("out/docs/rules/README.md").exists());
+}
+
 #[test]
 fn ros2_packages_beside_the_input_are_found() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -270,10 +381,111 @@ fn ros2_packages_beside_the_input_are_found() {
     assert_eq!(messages.keys().collect::<Vec<_>>(), ["Time"], "only what is referred to");
 }
 
+const UNTIDY: &str = "uint64   timestamp #[microseconds]Since start\r\nuint8 mode# Which one [@range 0,1]";
+const TIDY: &str = "uint64 timestamp  # [us] Since start\nuint8 mode        # [@range 0, 1] Which one\n";
+
+#[test]
+fn fmt_lays_out_only_what_differs() {
+    let folder = workspace();
+    write(&folder, "msg/Mode.msg", UNTIDY);
+    write(&folder, "msg/Gust.msg", TIDY);
+    let time = || {
+        let data = fs::metadata(folder.path().join("msg/Gust.msg"));
+        data.and_then(|data| data.modified()).expect("a time")
+    };
+    let written = time();
+    let errors = run(&folder, &["fmt"], 0);
+    assert!(errors.contains("fmt: 3 files read, 2 laid out anew ("), "{errors}");
+    assert_eq!(fs::read_to_string(folder.path().join("msg/Mode.msg")).expect("a file"), TIDY);
+    let errors = run(&folder, &["fmt"], 0);
+    assert!(errors.contains("fmt: 3 files read, 0 laid out anew ("), "{errors}");
+    assert_eq!(time(), written, "what is laid out is not written");
+    run(&folder, &["fmt", "--check"], 0);
+    assert_eq!(tree(&folder.path().join("msg")).len(), 3, "nothing is left behind");
+}
+
+#[test]
+fn fmt_check_prints_a_patch_and_writes_nothing() {
+    let folder = workspace();
+    write(&folder, "msg/Mode.msg", UNTIDY);
+    run(&folder, &["fmt"], 0);
+    write(&folder, "msg/Mode.msg", &TIDY.replace("64 ", "64  "));
+    let before = tree(folder.path());
+    let output = xtask(folder.path(), &["fmt", "--check"]);
+    let (patch, errors) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert_eq!(output.status.code(), Some(1), "{errors}");
+    assert_eq!(
+        patch,
+        "--- msg/Mode.msg\n+++ msg/Mode.msg\n@@ -1,2 +1,2 @@\n\
+         -uint64  timestamp  # [us] Since start\n+uint64 timestamp  # [us] Since start\n \
+         uint8 mode        # [@range 0, 1] Which one\n"
+    );
+    assert!(errors.contains("fmt: 3 files read, 1 to be laid out anew; run `cargo xtask fmt`"), "{errors}");
+    assert_eq!(tree(folder.path()), before);
+}
+
+#[test]
+fn fmt_leaves_files_with_mistakes_and_lays_out_the_others() {
+    let folder = workspace();
+    let mistaken = "uint8   MODE = 300\nuint8[0]  a\n";
+    write(&folder, "msg/Wind.msg", mistaken);
+    write(&folder, "msg/Gust.msg", "uint8   a\nNowhere  b\n");
+    fs::write(folder.path().join("msg/Bytes.msg"), b"uint8  a # \xff\n").expect("a file");
+    let errors = run(&folder, &["fmt"], 1);
+    for expected in
+        ["constant-out-of-range", "zero-length", "invalid-utf8", "3 errors in 2 of 3 files; left as they are"]
+    {
+        assert!(errors.contains(expected), "{expected} is missing in\n{errors}");
+    }
+    assert_eq!(fs::read_to_string(folder.path().join("msg/Wind.msg")).expect("a file"), mistaken);
+    let laid_out = fs::read_to_string(folder.path().join("msg/Gust.msg")).expect("a file");
+    assert_eq!(laid_out, "uint8 a\nNowhere b\n", "what a type is doesn't matter");
+}
+
+#[test]
+fn fmt_works_without_a_configuration_file_and_leaves_dependencies_alone() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    write(&folder, "std_msgs/msg/Header.msg", "string   frame_id\n");
+    write(&folder, "demo_msgs/msg/Ping.msg", "std_msgs/Header   header\nuint8   count   3\n");
+    write(&folder, "page.md", "## Warnings\n\nCode|Abbr|Description\n-|-|-\n64|A|x\n");
+    run(&folder, &["fmt", "--package", "demo_msgs", "--dialect", "ros2", "--input", "demo_msgs"], 0);
+    run(&folder, &["fmt", "--package", "codes", "--dialect", "table", "--input", "page.md"], 0);
+    let text = |path: &str| fs::read_to_string(folder.path().join(path)).expect("a file");
+    assert_eq!(text("demo_msgs/msg/Ping.msg"), "std_msgs/Header header\nuint8 count 3\n");
+    assert_eq!(text("std_msgs/msg/Header.msg"), "string   frame_id\n");
+    assert!(
+        text("page.md").contains("| Code | Abbr | Description |\n|-----:|------|-------------|\n|   64 | A ")
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn fmt_keeps_permissions_and_links() {
+    use std::os::unix::fs::{PermissionsExt as _, symlink};
+
+    let folder = workspace();
+    write(&folder, "elsewhere/Mode.msg", UNTIDY);
+    let target = folder.path().join("elsewhere/Mode.msg");
+    fs::set_permissions(&target, fs::Permissions::from_mode(0o640)).expect("permissions");
+    symlink(&target, folder.path().join("msg/Mode.msg")).expect("a link");
+    run(&folder, &["fmt"], 0);
+    assert!(folder.path().join("msg/Mode.msg").is_symlink());
+    assert_eq!(fs::read_to_string(&target).expect("a file"), TIDY);
+    assert_eq!(fs::metadata(&target).expect("a file").permissions().mode() & 0o777, 0o640);
+    write(&folder, "msg/Wind.msg", "uint8   a\n");
+    write(&folder, "msg/Gust.msg", "uint8   a\n");
+    let gust = folder.path().join("msg/Gust.msg");
+    fs::set_permissions(&gust, fs::Permissions::from_mode(0o440)).expect("permissions");
+    let errors = run(&folder, &["fmt"], 2);
+    assert!(errors.contains("msg/Gust.msg: the file is read-only") && errors.contains("help: "), "{errors}");
+    let wind = fs::read_to_string(folder.path().join("msg/Wind.msg")).expect("a file");
+    assert_eq!(wind, "uint8   a\n", "all files or none");
+}
+
 #[test]
 fn every_command_has_help_with_an_example() {
     let folder = workspace();
-    for command in ["codegen", "inspect", "bench"] {
+    for command in ["codegen", "fmt", "inspect", "lint", "bench"] {
         let output = xtask(folder.path(), &[command, "--help"]);
         let help = String::from_utf8(output.stdout).expect("UTF-8");
         assert!(output.status.success() && help.contains("cargo xtask "), "{help}");

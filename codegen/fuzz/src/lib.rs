@@ -2,6 +2,7 @@
 
 use uavspec_codegen::diagnostic::{has_errors, render};
 use uavspec_codegen::emit::{self, inspect};
+use uavspec_codegen::format::{Formatted, format};
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::source::Span;
 use uavspec_codegen::{PackageInput, SourceMap, read};
@@ -41,6 +42,31 @@ pub fn check(form: Form, extension: &str, data: &[u8]) {
     // To render one takes longer than to find hundreds.
     diagnostics.truncate(SHOWN);
     render::render(&diagnostics, &sources, false);
+}
+
+/// Lays out one file; one with mistakes has no layout.
+///
+/// # Panics
+///
+/// Where the layout would say something else and the text is kept for that, or a second run differs.
+pub fn check_layout(form: Form, path: &str, data: &[u8]) {
+    let before = read_one(form, path, data.to_vec());
+    let Some((formatted, model)) = before else { return };
+    assert!(!formatted.is_kept, "the layout says something else");
+    let Some((again, same_model)) = read_one(form, path, formatted.text.clone().into_bytes()) else {
+        panic!("the layout is a mistake");
+    };
+    assert_eq!(again, formatted, "a second run gives another layout");
+    assert_eq!(same_model, model, "the layout says something else");
+}
+
+/// The layout of a file, and its model as JSON.
+fn read_one(form: Form, path: &str, data: Vec<u8>) -> Option<(Formatted, String)> {
+    let mut sources = SourceMap::default();
+    let id = sources.add(path, data).ok()?;
+    let formatted = format(&sources, id, form).ok()?;
+    let (schema, _) = read(&sources, &[PackageInput::new("demo", form, vec![id])]);
+    Some((formatted, inspect::schema(&schema).to_string()))
 }
 
 fn check_place(sources: &SourceMap, span: Span) {

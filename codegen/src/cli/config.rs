@@ -145,7 +145,7 @@ struct Outputs {
 #[derive(Debug, Deserialize)]
 #[serde(
     untagged,
-    expecting = "expected a path, or a table of `path` and `root`, `readme` (rust), `base` (json_schema, vectors) or `title` (docs)"
+    expecting = "expected a path, or a table of `path` and `root`, `readme` (rust), `base` (json_schema, vectors) or `title`, `rules` (docs)"
 )]
 enum Output<T> {
     Path(PathBuf),
@@ -172,6 +172,8 @@ struct JsonSchemaTable {
 struct DocsTable {
     path: PathBuf,
     title: Option<String>,
+    #[serde(default)]
+    rules: bool,
 }
 
 #[derive(Debug, Deserialize)]
@@ -215,6 +217,8 @@ pub(super) struct Plan {
     pub(super) config: Option<(String, String)>,
     /// Rules and what is let stand.
     pub(super) lint: PlannedLint,
+    /// The revision that its sources come from; that of the working tree, where absent.
+    pub(super) revision: Option<String>,
 }
 
 /// A package to be read.
@@ -299,7 +303,8 @@ impl Config {
         Self::read(found.strip_prefix(&current).unwrap_or(&found))
     }
 
-    fn read(path: &Path) -> Result<Self, Failure> {
+    /// Reads the file at `path`.
+    pub(super) fn read(path: &Path) -> Result<Self, Failure> {
         let shown = path.display().to_string();
         let text =
             std::fs::read_to_string(path).map_err(|error| Failure::new(format!("{shown}: {error}")))?;
@@ -310,6 +315,22 @@ impl Config {
         }
         let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
         Ok(Self { folder, path: shown, text, file })
+    }
+
+    /// The file that was read.
+    pub(super) fn file(&self) -> &Path {
+        Path::new(&self.path)
+    }
+
+    /// The file in `folder`, where there is one.
+    pub(super) fn in_folder(folder: &Path) -> Option<PathBuf> {
+        FILE_NAMES.iter().map(|name| folder.join(name)).find(|path| path.is_file())
+    }
+
+    /// The same for definitions in another folder.
+    pub(super) fn moved_to(mut self, folder: PathBuf) -> Self {
+        self.folder = folder;
+        self
     }
 
     pub(super) fn plan(self) -> Result<Plan, Failure> {
@@ -333,8 +354,9 @@ impl Config {
             plan(&path, EmitterOptions::JsonSchema(json_schema_options(base)));
         }
         if let Some(output) = outputs.docs {
-            let DocsTable { path, title } = output.table(|path| DocsTable { path, title: None });
-            plan(&path, EmitterOptions::Docs(docs_options(title)));
+            let DocsTable { path, title, rules } =
+                output.table(|path| DocsTable { path, title: None, rules: false });
+            plan(&path, EmitterOptions::Docs(docs::Options { rules, ..docs_options(title) }));
         }
         if let Some(output) = outputs.vectors {
             let VectorsTable { path, base } = output.table(|path| VectorsTable { path, base: None });
@@ -363,7 +385,7 @@ impl Config {
             .collect();
         let lint = self.file.lint.plan(folder, &self.path, &self.text)?;
         let config = Some((self.path, self.text));
-        Ok(Plan { root: normalise(&root), packages, outputs: planned, config, lint })
+        Ok(Plan { root: normalise(&root), packages, outputs: planned, config, lint, revision: None })
     }
 }
 
@@ -384,9 +406,11 @@ impl Lint {
             let LintIgnore { rule, path: pattern, reason } = ignore.into_inner();
             let glob = |pattern: String| {
                 let below = folder.join(&pattern);
-                let glob = GlobBuilder::new(&normalise(&below).to_string_lossy()).literal_separator(true).build();
-                glob.map(|glob| glob.compile_matcher())
-                    .map_err(|error| misplaced(path, text, range.clone(), &format!("`{pattern}`: {}", error.kind())))
+                let glob =
+                    GlobBuilder::new(&normalise(&below).to_string_lossy()).literal_separator(true).build();
+                glob.map(|glob| glob.compile_matcher()).map_err(|error| {
+                    misplaced(path, text, range.clone(), &format!("`{pattern}`: {}", error.kind()))
+                })
             };
             let files = pattern.map(glob).transpose()?;
             ignores.push(PlannedIgnore { rule, files, reason, range });
@@ -406,7 +430,7 @@ fn vectors_options(base: Option<String>) -> vectors::Options {
 
 fn docs_options(title: Option<String>) -> docs::Options {
     let default = docs::Options::default();
-    docs::Options { title: title.unwrap_or(default.title) }
+    docs::Options { title: title.unwrap_or(default.title), ..default }
 }
 
 /// A configuration file that can't be read, shown like any other mistake.
@@ -454,7 +478,14 @@ impl Plan {
             origin: None,
             revision: None,
         };
-        Self { root: PathBuf::new(), packages: vec![package], outputs, config: None, lint: PlannedLint::default() }
+        Self {
+            root: PathBuf::new(),
+            packages: vec![package],
+            outputs,
+            config: None,
+            lint: PlannedLint::default(),
+            revision: None,
+        }
     }
 }
 

@@ -1,8 +1,7 @@
 //! `lint`: what should be written otherwise.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -10,11 +9,13 @@ use clap::Args;
 
 use super::config::{Config, Plan, PresetName};
 use super::load::{self, Loaded};
+use super::report::ReportArgs;
+use super::rewrite::{self, Change};
 use super::{Failure, PackageArgs, plural};
-use crate::diagnostic::{Level, render};
+use crate::diagnostic::Level;
 use crate::finding::Finding;
 use crate::lint::{Ignore, Preset, RULES, Settings, apply, lint};
-use crate::report::{Entry, Format, Report, RuleInfo};
+use crate::report::RuleInfo;
 use crate::source::SourceId;
 
 /// How often mending is tried again: a fix may leave room for the next.
@@ -41,58 +42,11 @@ pub struct LintArgs {
     /// Mend all that can be mended without a doubt, and report what is left.
     #[arg(long)]
     fix: bool,
-    /// The least level that makes the command fail.
-    #[arg(long, value_name = "LEVEL", default_value = "error")]
-    deny: DenyLevel,
-    /// How to report.
-    #[arg(long, default_value = "text")]
-    format: FormatName,
+    #[command(flatten)]
+    report: ReportArgs,
     /// List all rules with their levels, and look at nothing.
     #[arg(long)]
     rules: bool,
-}
-
-/// A level.
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-pub(super) enum DenyLevel {
-    /// Anything.
-    Note,
-    /// Warnings and errors.
-    Warning,
-    /// Errors.
-    Error,
-}
-
-impl From<DenyLevel> for Level {
-    fn from(level: DenyLevel) -> Self {
-        match level {
-            DenyLevel::Note => Self::Note,
-            DenyLevel::Warning => Self::Warning,
-            DenyLevel::Error => Self::Error,
-        }
-    }
-}
-
-/// A format of reports.
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-pub(super) enum FormatName {
-    /// For people: each finding with its line.
-    Text,
-    /// A JSON list.
-    Json,
-    /// Annotations of a workflow on GitHub.
-    Github,
-}
-
-impl FormatName {
-    /// The format of the report; none for people.
-    fn format(self) -> Option<Format> {
-        match self {
-            Self::Text => None,
-            Self::Json => Some(Format::Json),
-            Self::Github => Some(Format::Github),
-        }
-    }
 }
 
 pub(super) fn run(args: &LintArgs) -> Result<bool, Failure> {
@@ -107,23 +61,7 @@ pub(super) fn run(args: &LintArgs) -> Result<bool, Failure> {
     };
     let mut loaded = load::load(&plan)?;
     let mut findings = judge(&plan, &loaded, args.preset);
-    let mut mended = 0;
-    if args.fix {
-        for _ in 0..MAX_PASSES {
-            let texts = apply(&findings, &loaded.sources);
-            if texts.is_empty() {
-                break;
-            }
-            mended += findings.iter().filter(|finding| !finding.fix.is_empty()).count();
-            for (source, text) in &texts {
-                // The configuration file is the user's own.
-                let Some(path) = loaded.paths.get(source) else { continue };
-                replace(path, text)?;
-            }
-            loaded = load::load(&plan)?;
-            findings = judge(&plan, &loaded, args.preset);
-        }
-    }
+    let mended = if args.fix { mend(&plan, &mut loaded, &mut findings, args.preset)? } else { 0 };
     let summary = summary("lint", &findings, &loaded, started);
     let fixes = match (mended, findings.iter().filter(|finding| !finding.fix.is_empty()).count()) {
         (0, 0) => String::new(),
@@ -134,9 +72,9 @@ pub(super) fn run(args: &LintArgs) -> Result<bool, Failure> {
         let level = settings(&plan, &loaded, args.preset).level(rule)?;
         Some(RuleInfo { id: rule.id, purpose: rule.purpose, level })
     });
-    print("lint", rules.collect(), &findings, &loaded, args.format);
+    let is_fine = args.report.show("lint", rules.collect(), &findings, &loaded.sources);
     anstream::eprintln!("{summary}{fixes}");
-    Ok(!findings.iter().any(|finding| finding.level >= args.deny.into()))
+    Ok(is_fine)
 }
 
 fn list_rules() {
@@ -170,25 +108,6 @@ fn judge(plan: &Plan, loaded: &Loaded, preset: Option<PresetName>) -> Vec<Findin
     findings
 }
 
-/// Prints findings: those in text to standard error, as all commands do, others to standard output.
-pub(super) fn print(
-    command: &'static str,
-    rules: Vec<RuleInfo>,
-    findings: &[Finding],
-    loaded: &Loaded,
-    format: FormatName,
-) {
-    let sources = &loaded.sources;
-    let Some(format) = format.format() else {
-        let _ = write!(anstream::stderr(), "{}", render::findings(findings, sources, true));
-        return;
-    };
-    let entries = findings.iter().map(|finding| Entry::of(finding, sources)).collect();
-    let text = Report { command, rules, entries }.to_text(format);
-    // A reader that has seen enough closes the pipe: that is no failure.
-    let _ = std::io::stdout().write_all(text.as_bytes());
-}
-
 /// How many findings of each level there are.
 pub(super) fn summary(command: &str, findings: &[Finding], loaded: &Loaded, started: Instant) -> String {
     let count = |level| findings.iter().filter(|finding| finding.level == level).count();
@@ -203,16 +122,41 @@ pub(super) fn summary(command: &str, findings: &[Finding], loaded: &Loaded, star
     format!("{command}: {} read: {counts} ({elapsed} ms)", plural(loaded.files.len(), "file"))
 }
 
-/// Replaces a file as a whole, or leaves it as it is.
-fn replace(path: &Path, text: &str) -> Result<(), Failure> {
-    let unwritable = |error: std::io::Error| Failure::new(format!("{}: {error}", path.display()));
-    // Behind a link stands the file that is meant.
-    let path = fs::canonicalize(path).map_err(unwritable)?;
-    let folder = path.parent().unwrap_or(Path::new("."));
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(unwritable)?;
-    file.write_all(text.as_bytes()).map_err(unwritable)?;
-    let permissions = fs::metadata(&path).map_err(unwritable)?.permissions();
-    file.as_file().set_permissions(permissions).map_err(unwritable)?;
-    file.persist(&path).map_err(|error| unwritable(error.error))?;
-    Ok(())
+/// Mends all that can be, until nothing is left, and writes the files that changed. How many findings it was.
+fn mend(
+    plan: &Plan,
+    loaded: &mut Loaded,
+    findings: &mut Vec<Finding>,
+    preset: Option<PresetName>,
+) -> Result<usize, Failure> {
+    let mut texts: BTreeMap<SourceId, String> = BTreeMap::new();
+    let mut mended = 0;
+    for _ in 0..MAX_PASSES {
+        // The configuration file is left to its owner.
+        for finding in findings.iter_mut() {
+            if !loaded.paths.contains_key(&loaded.sources.source_of(finding.span)) {
+                finding.fix.clear();
+            }
+        }
+        let new = apply(findings, &loaded.sources);
+        if new.is_empty() {
+            break;
+        }
+        mended += findings.iter().filter(|finding| !finding.fix.is_empty()).count();
+        loaded.sources = loaded.sources.with_texts(&new);
+        texts.extend(new);
+        *findings = judge(plan, loaded, preset);
+    }
+    let mut changes = Vec::new();
+    for (source, new) in texts {
+        let Some(path) = loaded.paths.get(&source) else { continue };
+        let shown = loaded.sources.path(source).to_owned();
+        let unreadable = |error: std::io::Error| Failure::new(format!("{shown}: {error}"));
+        // Behind a link stands the file that is meant.
+        let path = fs::canonicalize(path).map_err(unreadable)?;
+        let old = fs::read_to_string(&path).map_err(unreadable)?;
+        changes.push(Change { path, shown, old, new });
+    }
+    rewrite::write(&changes)?;
+    Ok(mended)
 }

@@ -36,10 +36,26 @@ pub(super) struct Loaded {
 
 /// Reads all sources of `plan`, and what ROS 2 packages among them refer to beside them.
 pub(super) fn load(plan: &Plan) -> Result<Loaded, Failure> {
+    load_beside(plan, SourceMap::default())
+}
+
+/// Reads all sources of `plan` beside those that are there already.
+pub(super) fn load_beside(plan: &Plan, sources: SourceMap) -> Result<Loaded, Failure> {
+    let mut loader = loader(plan, sources)?;
+    loader.ros_dependencies()?;
+    Ok(loader.loaded)
+}
+
+/// Reads the sources that `plan` names, and nothing that they refer to.
+pub(super) fn load_named(plan: &Plan) -> Result<Loaded, Failure> {
+    Ok(loader(plan, SourceMap::default())?.loaded)
+}
+
+fn loader(plan: &Plan, sources: SourceMap) -> Result<Loader<'_>, Failure> {
     let mut loader = Loader {
-        root: &plan.root,
+        plan,
         loaded: Loaded {
-            sources: SourceMap::default(),
+            sources,
             packages: Vec::new(),
             diagnostics: Vec::new(),
             files: Vec::new(),
@@ -61,12 +77,11 @@ pub(super) fn load(plan: &Plan) -> Result<Loaded, Failure> {
         });
         loader.package(package, select.as_deref(), files)?;
     }
-    loader.ros_dependencies()?;
-    Ok(loader.loaded)
+    Ok(loader)
 }
 
 struct Loader<'p> {
-    root: &'p Path,
+    plan: &'p Plan,
     loaded: Loaded,
     /// The folder of each ROS 2 package, above its `msg`.
     folders: BTreeMap<String, PathBuf>,
@@ -127,7 +142,7 @@ impl Loader<'_> {
         for path in files {
             let bytes = fs::read(path).map_err(|error| unreadable(path, &error))?;
             self.loaded.files.push(path.clone());
-            match self.loaded.sources.add(shown(path, self.root), bytes) {
+            match self.loaded.sources.add(self.shown(path), bytes) {
                 Ok(id) => {
                     self.loaded.paths.insert(id, path.clone());
                     sources.push(id);
@@ -136,6 +151,12 @@ impl Loader<'_> {
             }
         }
         Ok(sources)
+    }
+
+    /// A path as diagnostics and output show it.
+    fn shown(&self, path: &Path) -> String {
+        let path = shown(path, &self.plan.root);
+        self.plan.revision.as_ref().map_or_else(|| path.clone(), |revision| format!("{revision}:{path}"))
     }
 
     /// Reads packages that others refer to from the folders beside those, until none is missing that
@@ -253,7 +274,7 @@ fn wanted(form: Form) -> String {
     }
 }
 
-fn is_definition(path: &Path, form: Form) -> bool {
+pub(super) fn is_definition(path: &Path, form: Form) -> bool {
     let Some(extension) = path.extension().and_then(|extension| extension.to_str()) else { return false };
     match form {
         Form::Msg(_) => Kind::of(&format!(".{extension}")).is_some(),

@@ -4,6 +4,7 @@
 //! README.md  SUMMARY.md  book.toml  book.css
 //! <package>/README.md  <Message>.md  <Message>.svg  <Service>.srv.md  <Action>.action.md
 //! <package>/error-codes.md  error-codes/<table>.md
+//! rules/README.md  reading.md  <rule>.md
 //! ```
 //!
 //! `site` knows where everything is described and what refers to it; a page is written from top to
@@ -21,11 +22,13 @@ mod interface;
 mod markdown;
 mod message;
 mod picture;
+mod rules;
 mod scope;
 mod site;
 #[cfg(test)]
 mod tests;
 
+use self::rules::Rules;
 use self::site::Site;
 use super::{GENERATED_BY, OutputFile};
 use crate::schema::Schema;
@@ -36,19 +39,26 @@ use crate::source::SourceMap;
 pub struct Options {
     /// Title of the book and of its first page.
     pub title: String,
+    /// Whether the rules of uavspec itself are described, too.
+    pub rules: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { title: "Interface definitions".to_owned() }
+        Self { title: "Interface definitions".to_owned(), rules: false }
     }
 }
 
 /// Describes all that `schema` lists. The order of the files is that of the schema.
 pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<OutputFile> {
     let site = Site::new(schema, sources);
-    let mut files =
-        vec![book::config(options), book::style(), book::summary(&site), index::overview(&site, options)];
+    let rules = options.rules.then(Rules::new);
+    let mut files = vec![
+        book::config(options),
+        book::style(),
+        book::summary(&site, rules.as_ref()),
+        index::overview(&site, options),
+    ];
     for package in site.packages() {
         files.push(index::package(&site, package));
         for id in &package.messages {
@@ -58,6 +68,7 @@ pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<Outp
         files.extend(package.interfaces.iter().map(|interface| interface::page(&site, package, interface)));
         files.extend(error_codes::pages(&site, package));
     }
+    files.extend(rules.iter().flat_map(Rules::pages));
     files
 }
 

@@ -1,5 +1,7 @@
 //! Texts of definitions in Markdown, be it rustdoc or a page: whatever they hold comes out as text.
 
+use std::fmt::Write as _;
+
 /// A text of several lines, as paragraphs and simple lists.
 #[cfg(feature = "rust")]
 pub(crate) fn block(text: &str) -> String {
@@ -48,6 +50,46 @@ pub(crate) fn xml(text: &str) -> String {
         }
     }
     escaped
+}
+
+/// A path or anchor of an address, in which only plain characters stand for themselves.
+pub(crate) fn percent_encoded(text: &str) -> String {
+    let mut encoded = String::with_capacity(text.len());
+    for byte in text.bytes() {
+        if byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_' | b'.' | b'/') {
+            encoded.push(char::from(byte));
+        } else {
+            // Writing to a `String` can't fail.
+            let _ = write!(encoded, "%{byte:02X}");
+        }
+    }
+    encoded
+}
+
+/// What a text says in short: its first sentence, cut where it is longer than `limit` characters.
+pub(crate) fn gist(text: &str, limit: usize) -> String {
+    let sentence = &text[..sentence_end(text)];
+    let Some((cut, _)) = sentence.char_indices().nth(limit) else { return sentence.to_owned() };
+    let end = sentence[..cut].rfind(char::is_whitespace).unwrap_or(cut);
+    format!("{} …", sentence[..end].trim_end())
+}
+
+/// Where the first sentence ends: before white space that a capital follows, or at a blank line.
+fn sentence_end(text: &str) -> usize {
+    let paragraph = text.find("\n\n").unwrap_or(text.len());
+    let mut ends = text[..paragraph].match_indices(['.', '!', '?']).map(|(at, _)| at);
+    let is_end = |at: &usize| {
+        let rest = &text[at + 1..paragraph];
+        let next = rest.trim_start();
+        next.len() < rest.len() && next.starts_with(char::is_uppercase) && !is_abbreviated(&text[..*at])
+    };
+    ends.find(is_end).map_or(paragraph, |at| at + 1)
+}
+
+/// Whether a text ends with `e.g`, whose full stop ends no sentence.
+fn is_abbreviated(text: &str) -> bool {
+    let word = text.rsplit(char::is_whitespace).next().unwrap_or_default().trim_start_matches(['(', '[']);
+    word.contains('.') || matches!(word, "cf" | "etc" | "vs")
 }
 
 fn escape(line: &str, out: &mut String) {
@@ -105,16 +147,26 @@ fn address(text: &str) -> Option<&str> {
 }
 
 /// Controls and direction marks, which could make a text look other than it is, become U+FFFD.
-fn visible(character: char) -> char {
+pub(crate) fn visible(character: char) -> char {
     let is_harmless = !character.is_control()
         && !matches!(character, '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{61c}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}');
     if is_harmless { character } else { '\u{fffd}' }
 }
 
-#[cfg(all(test, feature = "rust"))]
+#[cfg(test)]
 mod tests {
     use super::*;
 
+    #[test]
+    fn a_gist_is_the_first_sentence() {
+        assert_eq!(gist("One (e.g. This). Two.", 99), "One (e.g. This).");
+        assert_eq!(gist("Version 2.10 of it", 99), "Version 2.10 of it");
+        assert_eq!(gist("One\n\nTwo", 99), "One");
+        assert_eq!(gist("Many words in one", 9), "Many …");
+        assert_eq!(gist("", 9), "");
+    }
+
+    #[cfg(feature = "rust")]
     #[test]
     fn markup_comes_out_as_text() {
         assert_eq!(inline("[x] a|b <b> *c* `d` e_f _g_"), r"\[x\] a\|b \<b\> \*c\* \`d\` e_f \_g\_");

@@ -4,6 +4,7 @@
 //! What comes close to one is read as meant and gives a warning; what is none stays text.
 
 use std::borrow::Cow;
+use std::ops::RangeInclusive;
 
 use uavspec_runtime::Scalar;
 
@@ -34,6 +35,9 @@ const MAX_UNIT_LEN: usize = 20;
 
 /// A longer text in brackets is no annotation; the bound keeps the search for `]` linear.
 const MAX_ANNOTATION_LEN: usize = 400;
+
+/// How many pipes there are around seven parameters; the last may be left out.
+pub(crate) const PARAMETER_BARS: RangeInclusive<usize> = 7..=8;
 
 /// A comment with its annotations read.
 #[derive(Debug, Default)]
@@ -121,7 +125,7 @@ pub fn read<'s>(text: &'s str, span: Span, diagnostics: &mut Vec<Diagnostic>) ->
 /// Reads a comment whose text may end in parameters between pipes, as those of commands do.
 pub fn read_with_parameters<'s>(text: &'s str, span: Span, diagnostics: &mut Vec<Diagnostic>) -> Note<'s> {
     let bars: Vec<usize> = text.match_indices('|').map(|(at, _)| at).collect();
-    if !(7..=8).contains(&bars.len()) {
+    if !PARAMETER_BARS.contains(&bars.len()) {
         return read(text, span, diagnostics);
     }
     let mut note = read(&text[..bars[0]], span.part(0..bars[0]), diagnostics);
@@ -411,7 +415,7 @@ fn looks_like_unit(content: &str) -> bool {
             .all(|c| c.is_alphanumeric() || matches!(c, '/' | '^' | '(' | ')' | '%' | '°' | '*' | '-' | ' '))
 }
 
-fn split_word(text: &str) -> (&str, &str) {
+pub(crate) fn split_word(text: &str) -> (&str, &str) {
     let end = text.find([' ', '\t']).unwrap_or(text.len());
     (&text[..end], text[end..].trim())
 }

@@ -73,7 +73,7 @@ fn padded(mut parts: Vec<Part<'_>>, expected: usize) -> Vec<Part<'_>> {
     parts
 }
 
-fn is_separator(line: &str) -> bool {
+pub(crate) fn is_separator(line: &str) -> bool {
     line.strip_prefix("---").is_some_and(|rest| {
         let rest = rest.trim_start_matches([' ', '\t']);
         rest.is_empty() || rest.starts_with('#')

@@ -29,7 +29,8 @@ fn entry(entry: &Entry) -> Value {
         put("old", old.as_ref().map_or(Value::Null, place));
         put("new", new.as_ref().map_or(Value::Null, place));
     }
-    let related: Vec<Value> = entry.related.iter().map(|(at, label)| json!({ "place": place(at), "label": label })).collect();
+    let related: Vec<Value> =
+        entry.related.iter().map(|(at, label)| json!({ "place": place(at), "label": label })).collect();
     if !related.is_empty() {
         put("related", Value::Array(related));
     }

@@ -38,7 +38,7 @@ impl Docs {
 }
 
 /// Lines drawn from one character: `-----`, `#####`.
-fn is_ruler(text: &str) -> bool {
+pub(crate) fn is_ruler(text: &str) -> bool {
     text.len() > 1 && text.bytes().all(|byte| matches!(byte, b'#' | b'-' | b'=' | b'*' | b'_' | b'/'))
 }
 
@@ -48,26 +48,26 @@ fn join<'a>(texts: impl IntoIterator<Item = &'a str>, separator: &str) -> String
 
 /// What the comments of a part say.
 #[derive(Debug, Default)]
-pub(super) struct Commentary<'s> {
+pub(crate) struct Commentary<'s> {
     /// Of the whole.
-    pub(super) docs: Docs,
+    pub(crate) docs: Docs,
     /// Headings of groups, in order.
-    pub(super) groups: Vec<Docs>,
+    pub(crate) groups: Vec<Docs>,
     /// Of each declaration, in order.
-    pub(super) items: Vec<ItemDocs>,
+    pub(crate) items: Vec<ItemDocs>,
     /// Topics, in the order in which they are listed.
-    pub(super) topics: Vec<(&'s str, Span)>,
+    pub(crate) topics: Vec<(&'s str, Span)>,
 }
 
 /// What the comments say of a declaration.
 #[derive(Debug, Default)]
-pub(super) struct ItemDocs {
-    pub(super) description: String,
-    pub(super) group: Option<usize>,
+pub(crate) struct ItemDocs {
+    pub(crate) description: String,
+    pub(crate) group: Option<usize>,
 }
 
 /// Reads all comments of a part.
-pub(super) fn read<'s>(part: &Part<'s>, dialect: Dialect) -> Commentary<'s> {
+pub(crate) fn read<'s>(part: &Part<'s>, dialect: Dialect) -> Commentary<'s> {
     let mut reader = Reader::default();
     let header_len = part.lines.iter().take_while(|line| own_comment(line).is_some()).count();
     let (header, body) = part.lines.split_at(header_len);

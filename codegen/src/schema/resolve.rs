@@ -52,6 +52,7 @@ pub fn resolve(packages: &[PackageSource<'_>]) -> (Schema, Vec<Diagnostic>) {
     let order = resolver.order();
     resolver.enums();
     resolver.measure(&order);
+    resolver.schema.nested_first = order;
     if !has_errors(&resolver.diagnostics) {
         resolver.fingerprints();
     }

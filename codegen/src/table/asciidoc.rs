@@ -231,6 +231,13 @@ enum Specifier {
     Merging,
 }
 
+/// Whether any pipe of `line` has a specifier before it. A cell may end in a word that looks like one.
+pub(crate) fn has_specifier(line: &str) -> bool {
+    let parts = super::pipe::split(line);
+    let before_pipes = &parts[..parts.len() - 1];
+    before_pipes.iter().any(|part| specifier(last_word(&line[part.clone()])).is_some())
+}
+
 /// What stands after the last white space in `text`.
 fn last_word(text: &str) -> &str {
     text.rsplit(char::is_whitespace).next().unwrap_or(text)

@@ -62,6 +62,11 @@ pub fn read(page: &Page) -> (Vec<ErrorCodeTable<'_>>, Vec<Diagnostic>) {
     (tables, diagnostics)
 }
 
+/// The column of the codes, where `table` is one of error codes.
+pub(crate) fn code_column(table: &Table) -> Option<usize> {
+    Columns::of(table).map(|columns| columns.code)
+}
+
 fn start<'p>(table: &Table, heading: Option<&Text>, diagnostics: &mut Vec<Diagnostic>) -> ErrorCodeTable<'p> {
     let span = heading.map_or(table.span, Text::span);
     let block = match heading {

@@ -9,7 +9,7 @@ use super::{Cell, Heading, Page, Row, Table, pipe};
 use crate::source::Span;
 
 /// Front matter and `{#anchors}` are no part of the text; documentation generators demand both.
-const OPTIONS: Options = Options::ENABLE_TABLES
+pub(crate) const OPTIONS: Options = Options::ENABLE_TABLES
     .union(Options::ENABLE_HEADING_ATTRIBUTES)
     .union(Options::ENABLE_YAML_STYLE_METADATA_BLOCKS);
 
@@ -107,12 +107,21 @@ impl Reader<'_> {
         cells.truncate(written.len());
         for extra in written.into_iter().skip(cells.len()) {
             let place = range.start + extra.start..range.start + extra.end;
+            if is_comment(&self.text[place.clone()]) {
+                continue;
+            }
             cells.push(pipe::plain_cell(self.text, place, self.page.span));
         }
         if let Some(table) = self.page.tables.last_mut() {
             table.rows.push(Row::new(cells, self.page.span));
         }
     }
+}
+
+/// Whether what stands behind the last pipe of a row is a comment, which nobody sees as a cell.
+fn is_comment(text: &str) -> bool {
+    let text = text.trim();
+    text.starts_with("<!--") && text.ends_with("-->") && !text[4..].contains("<!--")
 }
 
 #[cfg(test)]

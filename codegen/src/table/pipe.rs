@@ -7,7 +7,7 @@ use super::text::{TextBuilder, trim};
 use crate::source::Span;
 
 /// The parts of `line` before, between and after its pipes. A pipe after a backslash is text.
-pub(super) fn split(line: &str) -> Vec<Range<usize>> {
+pub(crate) fn split(line: &str) -> Vec<Range<usize>> {
     let mut parts = Vec::new();
     let mut start = 0;
     for (at, _) in line.match_indices('|') {
@@ -21,7 +21,7 @@ pub(super) fn split(line: &str) -> Vec<Range<usize>> {
 }
 
 /// The cells of a row on one line, with or without pipes at its ends.
-pub(super) fn cells(line: &str) -> Vec<Range<usize>> {
+pub(crate) fn cells(line: &str) -> Vec<Range<usize>> {
     let mut parts = split(line);
     let is_blank =
         |part: Option<&Range<usize>>| part.is_some_and(|part| line[part.clone()].trim().is_empty());

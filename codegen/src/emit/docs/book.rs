@@ -3,6 +3,7 @@
 use super::error_codes;
 use super::interface::kind_name;
 use super::markdown::{append, href, inline, link};
+use super::rules::{self, Rules};
 use super::site::{Site, interface_path};
 use super::{Options, notice};
 use crate::emit::OutputFile;
@@ -84,18 +85,22 @@ pub(super) fn style() -> OutputFile {
     OutputFile { path: "book.css".to_owned(), text }
 }
 
-/// `SUMMARY.md`: every page, package by package.
-pub(super) fn summary(site: &Site<'_>) -> OutputFile {
+/// `SUMMARY.md`: every page, package by package, and after them the rules.
+pub(super) fn summary(site: &Site<'_>, rules: Option<&Rules>) -> OutputFile {
     let mut text = format!("<!-- {} -->\n\n# Summary\n\n[Overview](README.md)\n\n", notice());
+    let mut item = |depth: usize, name: &str, path: &str| {
+        text.push_str(&"  ".repeat(depth));
+        text.push_str("- ");
+        text.push_str(&link(&inline(name), &href(SUMMARY, path, "")));
+        text.push('\n');
+    };
     for package in site.packages() {
-        let mut item = |depth: usize, name: &str, path: &str| {
-            text.push_str(&"  ".repeat(depth));
-            text.push_str("- ");
-            text.push_str(&link(&inline(name), &href(SUMMARY, path, "")));
-            text.push('\n');
-        };
         item(0, &package.name, &format!("{}/README.md", package.name));
         contents(site, package, |depth, name, path| item(depth + 1, name, path));
+    }
+    if let Some(rules) = rules {
+        item(0, rules::TITLE, rules::OVERVIEW);
+        rules.contents().iter().for_each(|(name, path)| item(1, name, path));
     }
     OutputFile { path: SUMMARY.to_owned(), text }
 }
@@ -122,7 +127,7 @@ mod tests {
 
     #[test]
     fn titles_are_quoted() {
-        let options = Options { title: "A \"b\" \\ c\n".to_owned() };
+        let options = Options { title: "A \"b\" \\ c\n".to_owned(), ..Options::default() };
         assert!(config(&options).text.contains(r#"title = "A \"b\" \\ c\u000A""#));
     }
 }

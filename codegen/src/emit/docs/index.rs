@@ -7,6 +7,7 @@ use super::markdown::{
     Page, Table, code, gist, href, inline, link, number_column, plural, text_column, thousands, unbroken,
 };
 use super::message::{cdr_size, origin, topics};
+use super::rules;
 use super::scope::Scope;
 use super::site::{Part, Site, interface_path};
 use crate::emit::OutputFile;
@@ -30,6 +31,11 @@ pub(super) fn overview(site: &Site<'_>, options: &Options) -> OutputFile {
         if !package.messages.is_empty() {
             page.block(&format!("{more} of all {} of this package.", messages(package.messages.len())));
         }
+    }
+    if options.rules {
+        page.heading(2, rules::TITLE);
+        let all = link("All rules", &href(path, rules::OVERVIEW, ""));
+        page.block(&format!("{all} by which `cargo xtask` judges definitions, with examples."));
     }
     page.finish()
 }

@@ -3,6 +3,8 @@
 use std::fmt::{self, Write as _};
 
 use super::notice;
+pub(super) use crate::emit::prose::gist;
+use crate::emit::prose::percent_encoded;
 use crate::emit::{OutputFile, prose};
 
 /// A page while it is written.
@@ -38,6 +40,21 @@ impl Page {
         if !markdown.is_empty() {
             self.put(format_args!("\n{markdown}\n"));
         }
+    }
+
+    /// Lines as they are, set apart from all others. What can't be seen or shown comes out as U+FFFD.
+    pub(super) fn listing(&mut self, text: &str) {
+        let longest = text.split(|character| character != '`').map(str::len).max().unwrap_or(0);
+        let fence = "`".repeat(longest.max(2) + 1);
+        self.put(format_args!("\n{fence}text\n"));
+        for line in text.lines() {
+            let line = line
+                .chars()
+                .map(|character| if character == '\t' { '\t' } else { prose::visible(character) });
+            self.text.extend(line);
+            self.gap();
+        }
+        self.put(format_args!("{fence}\n"));
     }
 
     /// An item of a list, given as Markdown.
@@ -159,6 +176,28 @@ pub(super) fn inline(text: &str) -> String {
     if escaped.contains('{') { escaped.replace('{', "&#123;") } else { escaped }
 }
 
+/// A text of uavspec's own on one line, in which code stands between backticks.
+pub(super) fn with_code(text: &str) -> String {
+    let parts: Vec<&str> = text.split('`').collect();
+    if parts.len().is_multiple_of(2) {
+        // A backtick without its partner is text.
+        return inline(text);
+    }
+    let mut markdown = String::with_capacity(text.len());
+    for (index, part) in parts.into_iter().enumerate() {
+        if index % 2 == 1 {
+            markdown.push_str(&code(part));
+            continue;
+        }
+        // Blanks beside code count, and lines are trimmed.
+        let (start, end) = (part.len() - part.trim_start().len(), part.trim_end().len());
+        markdown.push_str(if start > 0 { " " } else { "" });
+        markdown.push_str(&inline(part));
+        markdown.push_str(if start < end && end < part.len() { " " } else { "" });
+    }
+    markdown.trim().to_owned()
+}
+
 /// A text that stays on one line, given as Markdown.
 pub(super) fn unbroken(markdown: &str) -> String {
     markdown.replace(' ', "&nbsp;")
@@ -198,51 +237,12 @@ pub(super) fn anchor(id: &str) -> String {
 pub(super) fn href(from: &str, to: &str, anchor: &str) -> String {
     let mark = if anchor.is_empty() { "" } else { "#" };
     if from == to && !anchor.is_empty() {
-        return format!("#{}", encoded(anchor));
+        return format!("#{}", percent_encoded(anchor));
     }
     let shared = from.bytes().zip(to.bytes()).take_while(|(left, right)| left == right).count();
     let folder = from.as_bytes()[..shared].iter().rposition(|byte| *byte == b'/').map_or(0, |at| at + 1);
     let up = "../".repeat(from[folder..].matches('/').count());
-    format!("{up}{}{mark}{}", encoded(&to[folder..]), encoded(anchor))
-}
-
-/// A path or anchor in which only plain characters stand for themselves.
-fn encoded(text: &str) -> String {
-    let mut encoded = String::with_capacity(text.len());
-    for byte in text.bytes() {
-        if byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_' | b'.' | b'/') {
-            encoded.push(char::from(byte));
-        } else {
-            append(&mut encoded, format_args!("%{byte:02X}"));
-        }
-    }
-    encoded
-}
-
-/// What a text says in short: its first sentence, cut where it is longer than `limit` characters.
-pub(super) fn gist(text: &str, limit: usize) -> String {
-    let sentence = &text[..sentence_end(text)];
-    let Some((cut, _)) = sentence.char_indices().nth(limit) else { return sentence.to_owned() };
-    let end = sentence[..cut].rfind(char::is_whitespace).unwrap_or(cut);
-    format!("{} …", sentence[..end].trim_end())
-}
-
-/// Where the first sentence ends: before white space that a capital follows, or at a blank line.
-fn sentence_end(text: &str) -> usize {
-    let paragraph = text.find("\n\n").unwrap_or(text.len());
-    let mut ends = text[..paragraph].match_indices(['.', '!', '?']).map(|(at, _)| at);
-    let is_end = |at: &usize| {
-        let rest = &text[at + 1..paragraph];
-        let next = rest.trim_start();
-        next.len() < rest.len() && next.starts_with(char::is_uppercase) && !is_abbreviated(&text[..*at])
-    };
-    ends.find(is_end).map_or(paragraph, |at| at + 1)
-}
-
-/// Whether a text ends with `e.g`, whose full stop ends no sentence.
-fn is_abbreviated(text: &str) -> bool {
-    let word = text.rsplit(char::is_whitespace).next().unwrap_or_default().trim_start_matches(['(', '[']);
-    word.contains('.') || matches!(word, "cf" | "etc" | "vs")
+    format!("{up}{}{mark}{}", percent_encoded(&to[folder..]), percent_encoded(anchor))
 }
 
 /// A number of things, in words.
@@ -284,12 +284,20 @@ mod tests {
     }
 
     #[test]
-    fn a_gist_is_the_first_sentence() {
-        assert_eq!(gist("One (e.g. This). Two.", 99), "One (e.g. This).");
-        assert_eq!(gist("Version 2.10 of it", 99), "Version 2.10 of it");
-        assert_eq!(gist("One\n\nTwo", 99), "One");
-        assert_eq!(gist("Many words in one", 9), "Many …");
-        assert_eq!(gist("", 9), "");
+    fn code_between_backticks_stays_code() {
+        assert_eq!(
+            with_code("`a|b` is *no* `{c}`, but `d`"),
+            r"<code>a&#124;b</code> is \*no\* <code>&#123;c&#125;</code>, but `d`"
+        );
+        assert_eq!(with_code("a ` b"), r"a \` b");
+        assert_eq!(with_code("`a` `b`"), "`a` `b`");
+    }
+
+    #[test]
+    fn a_listing_ends_only_at_its_end() {
+        let mut page = Page::new("p.md", "P");
+        page.listing("a\n```\n\tb \u{7}\n");
+        assert!(page.finish().text.ends_with("\n````text\na\n```\n\tb \u{fffd}\n````\n"));
     }
 
     #[test]

@@ -5,8 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use pulldown_cmark::{Event, Parser, Tag};
 
 use super::{Options, emit};
+use crate::diagnostic::Problem;
 use crate::emit::OutputFile;
+use crate::lint::RULES;
 use crate::msg::Dialect;
+use crate::report::{RULES_URL, rule_url};
 use crate::schema::Form;
 use crate::source::SourceMap;
 use crate::{PackageInput, read};
@@ -82,6 +85,10 @@ const CODES: &str = "\
 type Input<'i> = (&'i str, Form, &'i [(&'i str, &'i str)]);
 
 fn book(packages: &[Input<'_>]) -> Vec<OutputFile> {
+    book_with(packages, &Options::default())
+}
+
+fn book_with(packages: &[Input<'_>], options: &Options) -> Vec<OutputFile> {
     let mut sources = SourceMap::default();
     let mut inputs = Vec::new();
     for (name, form, files) in packages {
@@ -100,7 +107,7 @@ fn book(packages: &[Input<'_>]) -> Vec<OutputFile> {
     let (schema, diagnostics) = read(&sources, &inputs);
     let errors = crate::diagnostic::has_errors(&diagnostics);
     assert!(!errors, "{diagnostics:?}");
-    emit(&schema, &sources, &Options::default())
+    emit(&schema, &sources, options)
 }
 
 const PX4: Form = Form::Msg(Dialect::Px4);
@@ -147,6 +154,12 @@ fn is(file: &OutputFile, extension: &str) -> bool {
     file.path.rsplit_once('.').is_some_and(|(_, found)| found == extension)
 }
 
+/// A book of one message, with the rules of uavspec.
+fn rules() -> Vec<OutputFile> {
+    let options = Options { rules: true, ..Options::default() };
+    book_with(&[("boats", PX4, &[("Boat.msg", BOAT)])], &options)
+}
+
 /// The events of a page, read as GitHub and mdBook read it.
 fn events(text: &str) -> Vec<Event<'_>> {
     Parser::new_ext(
@@ -160,18 +173,28 @@ fn anchors(text: &str) -> Vec<&str> {
     text.split("<a id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect()
 }
 
+/// By page, all places that links can lead to.
+fn targets(files: &[OutputFile]) -> BTreeMap<&str, BTreeSet<String>> {
+    let of = |file: &OutputFile| {
+        // Headings are anchors, too.
+        let headings = file.text.lines().filter_map(|line| line.strip_prefix("## "));
+        let headings = headings.map(|heading| heading.to_lowercase().replace(' ', "-").replace('`', ""));
+        anchors(&file.text).into_iter().map(str::to_owned).chain(headings).collect()
+    };
+    files.iter().map(|file| (file.path.as_str(), of(file))).collect()
+}
+
 #[test]
 fn every_link_leads_somewhere() {
-    let files = boats();
-    let targets: BTreeMap<&str, BTreeSet<String>> = files
-        .iter()
-        .map(|file| {
-            // Headings are anchors, too.
-            let headings = file.text.lines().filter_map(|line| line.strip_prefix("## "));
-            let headings = headings.map(|heading| heading.to_lowercase().replace(' ', "-"));
-            (file.path.as_str(), anchors(&file.text).into_iter().map(str::to_owned).chain(headings).collect())
-        })
-        .collect();
+    let count = links_that_lead_somewhere(&boats());
+    assert!(count > 100, "{count} links");
+    let count = links_that_lead_somewhere(&rules());
+    assert!(count > RULES.len() * 2, "{count} links");
+}
+
+#[track_caller]
+fn links_that_lead_somewhere(files: &[OutputFile]) -> usize {
+    let targets = targets(files);
     let mut count = 0;
     for file in files.iter().filter(|file| is(file, "md")) {
         for event in events(&file.text) {
@@ -190,7 +213,68 @@ fn every_link_leads_somewhere() {
             assert!(is_found, "{}: {dest_url} has no such place", file.path);
         }
     }
-    assert!(count > 100, "{count} links");
+    count
+}
+
+#[test]
+fn reports_lead_to_the_pages_of_rules() {
+    let files = rules();
+    let targets = targets(&files);
+    let ids = RULES.iter().map(|rule| rule.id).chain(Problem::CODES.iter().copied());
+    for id in ids {
+        let url = rule_url(id);
+        let (path, anchor) = url.split_once('#').unwrap_or((&url, ""));
+        let path = path.strip_prefix(RULES_URL).and_then(|path| path.strip_suffix(".html")).expect("a page");
+        let anchors = targets.get(format!("rules/{path}.md").as_str()).unwrap_or_else(|| panic!("{url}"));
+        assert!(anchor.is_empty() || anchors.contains(anchor), "{url}");
+    }
+}
+
+#[test]
+fn a_page_of_a_rule_says_what_the_rule_says() {
+    let files = rules();
+    let page = text_of(&files, "rules/annotation-near-miss.md");
+    for expected in [
+        "\n# `annotation-near-miss`\n",
+        "as the standard has them: `[@enum PREFIX]`",
+        "\n- Level: warning in all presets\n",
+        "\n- Mended by: `cargo xtask lint --fix`\n",
+        "(@range 0, 1) How far the flaps are out\n```\n\nWhat is said of it:\n\n```text\nwarning[annotation-near-miss]: ",
+        "\n## Not found\n\n`Glider.msg`\n",
+        "write `# uavspec:ignore annotation-near-miss reason` behind its line. It may stand above the line, too. ",
+    ] {
+        assert!(page.contains(expected), "{expected}\nis not in\n{page}");
+    }
+    let all = text_of(&files, "rules/README.md");
+    assert!(all.contains("\n| [`annotation-near-miss`](annotation-near-miss.md) | Annotations are"), "{all}");
+    for rule in RULES {
+        let page = text_of(&files, &format!("rules/{}.md", rule.id));
+        assert!(page.contains(&format!("[{}]: ", rule.id)), "nothing is said of the example:\n{page}");
+        assert!(!page.contains("{{") && !page.contains("{%"), "{page}");
+    }
+}
+
+#[test]
+fn errors_of_the_readers_are_on_one_page() {
+    let files = rules();
+    let page = text_of(&files, "rules/reading.md");
+    for expected in [
+        "\n## `invalid-utf8`\n\n- error: the byte 0x&#123;byte} is not UTF-8\n- help: save the file as UTF-8\n",
+        "\n## `missing-name`\n\n- error: <code>&#123;type name&#125;</code> stands alone\n",
+        "\n- [`annotation-near-miss`](annotation-near-miss.md)\n",
+    ] {
+        assert!(page.contains(expected), "{expected}\nis not in\n{page}");
+    }
+}
+
+#[test]
+fn rules_are_described_only_where_that_is_asked_for() {
+    assert!(boats().iter().all(|file| !file.path.starts_with("rules/") && !file.text.contains("rules/")));
+    let files = rules();
+    let overview = text_of(&files, "README.md");
+    assert!(overview.contains("\n## Rules\n\n[All rules](rules/README.md)"), "{overview}");
+    let paths: BTreeSet<String> = files.iter().map(|file| file.path.to_lowercase()).collect();
+    assert_eq!(paths.len(), files.len(), "no two rules share a page");
 }
 
 /// The path that `link` means on the page `from`.
@@ -209,7 +293,7 @@ fn resolved(from: &str, link: &str) -> String {
 
 #[test]
 fn no_place_is_there_twice() {
-    for file in boats() {
+    for file in boats().into_iter().chain(rules()) {
         let mut seen = BTreeSet::new();
         for anchor in anchors(&file.text) {
             assert!(seen.insert(anchor), "{}: {anchor}", file.path);
@@ -220,17 +304,20 @@ fn no_place_is_there_twice() {
 #[test]
 fn the_contents_list_every_page() {
     let files = boats();
-    let summary = text_of(&files, "SUMMARY.md");
-    for file in files.iter().filter(|file| is(file, "md") && file.path != "SUMMARY.md") {
-        assert!(summary.contains(&format!("]({})", file.path)), "{}", file.path);
+    for files in [&files, &rules()] {
+        let summary = text_of(files, "SUMMARY.md");
+        for file in files.iter().filter(|file| is(file, "md") && file.path != "SUMMARY.md") {
+            assert!(summary.contains(&format!("]({})", file.path)), "{}", file.path);
+        }
     }
+    let summary = text_of(&files, "SUMMARY.md");
     let ordered = "- [boats](boats/README.md)\n  - [Boat](boats/Boat.md)\n  - [Order](boats/Order.md)\n";
     assert!(summary.contains(ordered), "{summary}");
 }
 
 #[test]
 fn every_file_says_what_made_it() {
-    for file in boats() {
+    for file in boats().into_iter().chain(rules()) {
         let first = file.text.lines().next().unwrap_or_default();
         assert!(
             first.contains("Generated by uavspec-codegen from definitions. Do not edit"),

@@ -1,0 +1,24 @@
+//! The layout of any definition or page: it says the same, and a second run changes nothing. The first byte
+//! says which kind of file it is.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::Form;
+use uavspec_codegen_fuzz::check_layout;
+
+fuzz_target!(|data: &[u8]| {
+    let Some((first, data)) = data.split_first() else { return };
+    let (form, path) = match first % 9 {
+        0 => (Form::Msg(Dialect::Px4), "A.msg"),
+        1 => (Form::Msg(Dialect::Px4), "A.srv"),
+        2 => (Form::Msg(Dialect::Px4), "A.action"),
+        3 => (Form::Msg(Dialect::Ros2), "A.msg"),
+        4 => (Form::Msg(Dialect::Ros2), "A.srv"),
+        5 => (Form::Msg(Dialect::Ros2), "A.action"),
+        6 => (Form::Table, "A.md"),
+        7 => (Form::Table, "A.adoc"),
+        _ => (Form::Table, "A.txt"),
+    };
+    check_layout(form, path, data);
+});

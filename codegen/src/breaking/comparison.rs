@@ -1,0 +1,263 @@
+//! What of one set stands for what in the other: packages, messages, services, error codes.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use super::Between;
+use super::message::{Pair, PairOf};
+use super::order::likeness;
+use super::signature::Signatures;
+use crate::schema::{ErrorCode, Interface, Kind, Message, MessageId, Package, Schema, Type};
+use crate::source::Span;
+
+/// Beyond this many comparisons of fields in messages that are in one set only, renamed messages are not
+/// looked for.
+const MAX_COMPARISONS: usize = 1_000_000;
+
+/// Two sets of definitions, matched.
+#[derive(Debug)]
+pub struct Comparison<'a> {
+    /// Messages that are in both sets, parts of services and actions too.
+    pub pairs: Vec<Pair<'a>>,
+    /// Messages, services and actions that are in one set only, or called otherwise in the other.
+    pub changes: Vec<MessageChange<'a>>,
+    /// Error codes.
+    pub codes: Vec<CodeChange<'a>>,
+}
+
+/// A message, a service or an action that is in one set only, or called otherwise in the other.
+#[derive(Debug)]
+pub enum MessageChange<'a> {
+    /// Only in the old set.
+    Removed(Named<'a>),
+    /// Only in the new set.
+    Added(Named<'a>),
+    /// With the same fields under another name.
+    Renamed(Named<'a>, Named<'a>),
+}
+
+/// A message, a service or an action.
+#[derive(Clone, Copy, Debug)]
+pub struct Named<'a> {
+    /// What it is.
+    pub kind: Kind,
+    /// Its name.
+    pub name: &'a str,
+    /// Its file.
+    pub span: Span,
+}
+
+/// An error code of two sets, or of one.
+#[derive(Clone, Copy, Debug)]
+pub enum CodeChange<'a> {
+    /// Only in the old set.
+    Removed(&'a ErrorCode),
+    /// Only in the new set.
+    Added(&'a ErrorCode),
+    /// Under the same abbreviation, but another number that was free before.
+    Renumbered(&'a ErrorCode, &'a ErrorCode),
+    /// The same number for something else.
+    Reused(&'a ErrorCode, &'a ErrorCode),
+    /// The same number for the same.
+    Same(&'a ErrorCode, &'a ErrorCode),
+}
+
+impl<'a> Comparison<'a> {
+    /// Matches two sets.
+    pub fn new(old: &'a Schema, new: &'a Schema, between: Between) -> Self {
+        let mut matcher = Matcher { old, new, twins: Vec::new(), changes: Vec::new(), codes: Vec::new() };
+        for (before, after) in packages(old, new) {
+            matcher.messages(before, after);
+            matcher.interfaces(before, after);
+            matcher.codes(before, after);
+        }
+        let twin_of: HashMap<MessageId, MessageId> = matcher.twins.iter().copied().collect();
+        let mut signatures = Signatures::default();
+        let context = PairOf {
+            old,
+            new,
+            twins: &twin_of,
+            old_signatures: signatures.of(old),
+            new_signatures: signatures.of(new),
+            between,
+        };
+        let pairs = matcher.twins.iter().map(|(before, after)| context.pair(*before, *after)).collect();
+        Self { pairs, changes: matcher.changes, codes: matcher.codes }
+    }
+}
+
+/// Packages of the same name; and where each set has one of a form left, those.
+fn packages<'a>(old: &'a Schema, new: &'a Schema) -> Vec<(Option<&'a Package>, Option<&'a Package>)> {
+    let find = |among: &'a Schema, name: &str| among.packages.iter().find(|package| package.name == name);
+    let mut pairs: Vec<(Option<&Package>, Option<&Package>)> = Vec::new();
+    let mut added: Vec<&Package> =
+        new.packages.iter().filter(|package| find(old, &package.name).is_none()).collect();
+    let removed = old.packages.iter().filter(|package| find(new, &package.name).is_none()).count();
+    for package in &old.packages {
+        let twin = find(new, &package.name).or_else(|| {
+            let is_only = removed == 1 && added.len() == 1 && added[0].form == package.form;
+            if is_only { added.pop() } else { None }
+        });
+        pairs.push((Some(package), twin));
+    }
+    pairs.extend(added.into_iter().map(|package| (None, Some(package))));
+    pairs
+}
+
+struct Matcher<'a> {
+    old: &'a Schema,
+    new: &'a Schema,
+    twins: Vec<(MessageId, MessageId)>,
+    changes: Vec<MessageChange<'a>>,
+    codes: Vec<CodeChange<'a>>,
+}
+
+impl<'a> Matcher<'a> {
+    fn messages(&mut self, old: Option<&'a Package>, new: Option<&'a Package>) {
+        let by_name = |schema: &'a Schema, package: Option<&'a Package>| -> BTreeMap<&'a str, MessageId> {
+            let ids = package.into_iter().flat_map(|package| &package.messages);
+            ids.map(|id| (schema.message(*id).name.as_str(), *id)).collect()
+        };
+        let (mut before, mut after) = (by_name(self.old, old), by_name(self.new, new));
+        let both: Vec<&str> = before.keys().copied().filter(|name| after.contains_key(name)).collect();
+        for name in both {
+            self.twins.extend(before.remove(name).zip(after.remove(name)));
+        }
+        for (name, twin) in self.renamed(&before, &after) {
+            let (Some(old), Some(new)) = (before.remove(name), after.remove(twin)) else { continue };
+            self.twins.push((old, new));
+            let change = MessageChange::Renamed(named(self.old.message(old)), named(self.new.message(new)));
+            self.changes.push(change);
+        }
+        let removed = before.into_values().map(|id| MessageChange::Removed(named(self.old.message(id))));
+        let added = after.into_values().map(|id| MessageChange::Added(named(self.new.message(id))));
+        self.changes.extend(removed.chain(added));
+    }
+
+    /// Names of messages whose fields are called so alike that they are the same, the most alike first.
+    fn renamed(
+        &self,
+        old: &BTreeMap<&'a str, MessageId>,
+        new: &BTreeMap<&'a str, MessageId>,
+    ) -> Vec<(&'a str, &'a str)> {
+        let count = |schema: &Schema, ids: &BTreeMap<&str, MessageId>| -> usize {
+            ids.values().map(|id| schema.message(*id).fields.len() + 1).sum()
+        };
+        let comparisons = count(self.old, old).saturating_mul(new.len());
+        if comparisons.saturating_add(count(self.new, new).saturating_mul(old.len())) > MAX_COMPARISONS {
+            return Vec::new();
+        }
+        let fields = |schema: &'a Schema, id: MessageId| -> BTreeSet<(&'a str, String)> {
+            let message = schema.message(id);
+            let text = |ty: Type| schema.type_text(message, ty);
+            message.fields.iter().map(|field| (field.name.as_str(), text(field.ty))).collect()
+        };
+        let new: Vec<_> = new.iter().map(|(name, id)| (*name, fields(self.new, *id))).collect();
+        let mut candidates = Vec::new();
+        for (name, id) in old {
+            let before = fields(self.old, *id);
+            for (twin, after) in &new {
+                let common = before.intersection(after).count();
+                let most = before.len().max(after.len());
+                // Messages of two or three fields are often alike: their names have to be, too.
+                let is_same = if common > 3 {
+                    common * 5 >= most * 4
+                } else {
+                    common > 1 && common == most && likeness(name, twin) >= 0.5
+                };
+                if is_same {
+                    candidates.push((common * 1000 / most, name.len().abs_diff(twin.len()), *name, *twin));
+                }
+            }
+        }
+        candidates
+            .sort_by_key(|(share, difference, name, twin)| (usize::MAX - share, *difference, *name, *twin));
+        let (mut names, mut twins) = (BTreeSet::new(), BTreeSet::new());
+        let mut renamed = Vec::new();
+        for (_, _, name, twin) in candidates {
+            if !names.contains(name) && !twins.contains(twin) {
+                names.insert(name);
+                twins.insert(twin);
+                renamed.push((name, twin));
+            }
+        }
+        renamed
+    }
+
+    fn interfaces(&mut self, old: Option<&'a Package>, new: Option<&'a Package>) {
+        let by_name = |package: Option<&'a Package>| -> BTreeMap<(Kind, &'a str), &'a Interface> {
+            let interfaces = package.into_iter().flat_map(|package| &package.interfaces);
+            interfaces.map(|found| ((found.kind, found.name.as_str()), found)).collect()
+        };
+        let named = |found: &'a Interface| Named { kind: found.kind, name: &found.name, span: found.span };
+        let mut added = by_name(new);
+        for (name, before) in by_name(old) {
+            match added.remove(&name) {
+                Some(after) => {
+                    self.twins.extend(before.parts.iter().copied().zip(after.parts.iter().copied()));
+                }
+                None => self.changes.push(MessageChange::Removed(named(before))),
+            }
+        }
+        self.changes.extend(added.into_values().map(|after| MessageChange::Added(named(after))));
+    }
+
+    fn codes(&mut self, old: Option<&'a Package>, new: Option<&'a Package>) {
+        let by_code = |package: Option<&'a Package>| -> BTreeMap<u32, &'a ErrorCode> {
+            let tables = package.into_iter().flat_map(|package| &package.error_tables);
+            tables.flat_map(|table| &table.codes).map(|code| (code.code, code)).collect()
+        };
+        let (before, mut after) = (by_code(old), by_code(new));
+        let mut gone = Vec::new();
+        for (number, old) in before {
+            match after.remove(&number) {
+                Some(new) if is_other(old, new) => self.codes.push(CodeChange::Reused(old, new)),
+                Some(new) => self.codes.push(CodeChange::Same(old, new)),
+                None => gone.push(old),
+            }
+        }
+        let mut by_abbreviation: BTreeMap<&str, Vec<&'a ErrorCode>> = BTreeMap::new();
+        for code in after.values() {
+            by_abbreviation.entry(code.abbreviation.as_deref().unwrap_or("")).or_default().push(code);
+        }
+        for old in gone {
+            // Of the same severity, where there is one, and the nearest.
+            let twins = old.abbreviation.as_deref().and_then(|text| by_abbreviation.get(text));
+            let twins = twins.into_iter().flatten().filter(|twin| after.contains_key(&twin.code));
+            let twin =
+                twins.min_by_key(|new| (new.severity() != old.severity(), new.code.abs_diff(old.code)));
+            self.codes.push(match twin.map(|twin| twin.code).and_then(|code| after.remove(&code)) {
+                Some(new) => CodeChange::Renumbered(old, new),
+                None => CodeChange::Removed(old),
+            });
+        }
+        self.codes.extend(after.into_values().map(CodeChange::Added));
+    }
+}
+
+fn named(message: &Message) -> Named<'_> {
+    Named { kind: message.kind, name: &message.name, span: message.span }
+}
+
+/// Whether a code stands for something else: neither its abbreviation nor its description reminds of the old.
+fn is_other(old: &ErrorCode, new: &ErrorCode) -> bool {
+    let abbreviations = [old, new].map(|code| code.abbreviation.as_deref().unwrap_or(""));
+    abbreviations[0] != abbreviations[1]
+        && likeness(abbreviations[0], abbreviations[1]) < 0.5
+        && common_words(&old.description, &new.description) < 0.5
+}
+
+/// How many of the words of two texts are common, from 0 to 1.
+pub(super) fn common_words(left: &str, right: &str) -> f64 {
+    let words = |text: &str| -> BTreeSet<String> {
+        let words = text.split(|c: char| !c.is_alphanumeric()).filter(|word| word.len() > 2);
+        words.map(str::to_lowercase).collect()
+    };
+    let (left, right) = (words(left), words(right));
+    let all = left.len() + right.len();
+    if all == 0 {
+        return 1.0;
+    }
+    #[allow(clippy::cast_precision_loss)] // counts of words
+    let share = 2.0 * left.intersection(&right).count() as f64 / all as f64;
+    share
+}

@@ -1,0 +1,35 @@
+//! `constant-added`: a constant that is new.
+
+use super::{Category, Check, ConstantChange, Example, Pair, Rule, Sink};
+use crate::diagnostic::Level;
+use crate::finding::Sides;
+
+pub(super) const RULE: Rule = Rule {
+    id: "constant-added",
+    purpose: "A constant is new. Enums are open, so readers of before take its value for one that they \
+              don't know.",
+    breaks: &[(Category::Semantic, Level::Note)],
+    old: &[Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n\
+               uint8 MODE_CRUISE = 0   # Straight on\n",
+    }],
+    new: &[Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n\
+               uint8 MODE_CRUISE = 0   # Straight on\n\
+               uint8 MODE_THERMAL = 1  # Circling in lift\n",
+    }],
+    check: Check::Constant(check),
+};
+
+fn check(pair: &Pair<'_>, change: &ConstantChange<'_>, sink: &mut Sink<'_>) {
+    let ConstantChange::Added(new) = change else { return };
+    let message = format!("`{}.{}` (= {}) is new", pair.name(), new.name, new.value);
+    sink.change(new.span, Sides { old: None, new: Some(new.span) }, message)
+        .breaks(Category::Semantic, "programs of before don't know what its value means");
+}

@@ -1,0 +1,42 @@
+//! `error-code-added`: an error code that is new.
+
+use super::error_code_removed::name;
+use super::{Category, Check, CodeChange, Example, Rule, Sink};
+use crate::diagnostic::Level;
+use crate::finding::Sides;
+
+pub(super) const RULE: Rule = Rule {
+    id: "error-code-added",
+    purpose: "An error code is new. Readers of before don't know it, but can tell its severity from its \
+              number.",
+    breaks: &[(Category::Semantic, Level::Note)],
+    old: &[Example {
+        path: "boats.md",
+        text: "# Boats\n\
+               \n\
+               ## Warnings (codes 64-127)\n\
+               \n\
+               | Code | Abbr | Description |\n\
+               |-----:|------|-------------|\n\
+               |   64 | LEAK | Water in the hull. |\n",
+    }],
+    new: &[Example {
+        path: "boats.md",
+        text: "# Boats\n\
+               \n\
+               ## Warnings (codes 64-127)\n\
+               \n\
+               | Code | Abbr | Description |\n\
+               |-----:|------|-------------|\n\
+               |   64 | LEAK | Water in the hull. |\n\
+               |   65 | LIST | The boat heels. |\n",
+    }],
+    check: Check::ErrorCode(check),
+};
+
+fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
+    let CodeChange::Added(new) = change else { return };
+    let message = format!("error code {} is new", name(new));
+    sink.change(new.span, Sides { old: None, new: Some(new.span) }, message)
+        .breaks(Category::Semantic, "programs of before show the number, and its severity");
+}

@@ -1,0 +1,51 @@
+//! `error-code-removed`: an error code that is gone.
+
+use super::{Category, Check, CodeChange, Example, Rule, Sink};
+use crate::diagnostic::Level;
+use crate::finding::Sides;
+use crate::schema::ErrorCode;
+
+pub(super) const RULE: Rule = Rule {
+    id: "error-code-removed",
+    purpose: "An error code is gone. Programs that use its name don't compile; whoever still sends it is \
+              no longer understood.",
+    breaks: &[(Category::Source, Level::Error), (Category::Semantic, Level::Error)],
+    old: &[Example {
+        path: "boats.md",
+        text: "# Boats\n\
+               \n\
+               ## Warnings (codes 64-127)\n\
+               \n\
+               | Code | Abbr | Description |\n\
+               |-----:|------|-------------|\n\
+               |   64 | LEAK | Water in the hull. |\n\
+               |   65 | LIST | The boat heels. |\n",
+    }],
+    new: &[Example {
+        path: "boats.md",
+        text: "# Boats\n\
+               \n\
+               ## Warnings (codes 64-127)\n\
+               \n\
+               | Code | Abbr | Description |\n\
+               |-----:|------|-------------|\n\
+               |   64 | LEAK | Water in the hull. |\n",
+    }],
+    check: Check::ErrorCode(check),
+};
+
+fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
+    let CodeChange::Removed(old) = change else { return };
+    let message = format!("error code {} is gone", name(old));
+    sink.change(old.span, Sides { old: Some(old.span), new: None }, message)
+        .breaks(Category::Source, "programs that use it by its name don't compile")
+        .breaks(Category::Semantic, "whoever still sends it is no longer understood");
+}
+
+/// A code as messages name it.
+pub(super) fn name(code: &ErrorCode) -> String {
+    match &code.abbreviation {
+        Some(abbreviation) => format!("{} ({abbreviation})", code.code),
+        None => code.code.to_string(),
+    }
+}

@@ -1,0 +1,41 @@
+//! `error-code-reused`: an error code that stands for something else.
+
+use super::error_code_removed::name;
+use super::message::both;
+use super::{Category, Check, CodeChange, Example, Rule, Sink};
+use crate::diagnostic::Level;
+
+pub(super) const RULE: Rule = Rule {
+    id: "error-code-reused",
+    purpose: "A number stands for another condition than before. Programs of before show the old one.",
+    breaks: &[(Category::Source, Level::Error), (Category::Semantic, Level::Error)],
+    old: &[Example {
+        path: "boats.md",
+        text: "# Boats\n\
+               \n\
+               ## Warnings (codes 64-127)\n\
+               \n\
+               | Code | Abbr | Description |\n\
+               |-----:|------|-------------|\n\
+               |   64 | LEAK | Water in the hull. |\n",
+    }],
+    new: &[Example {
+        path: "boats.md",
+        text: "# Boats\n\
+               \n\
+               ## Warnings (codes 64-127)\n\
+               \n\
+               | Code | Abbr | Description |\n\
+               |-----:|------|-------------|\n\
+               |   64 | MAST | Rigging is torn. |\n",
+    }],
+    check: Check::ErrorCode(check),
+};
+
+fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
+    let CodeChange::Reused(old, new) = change else { return };
+    let message = format!("error code {} is now {}", name(old), name(new));
+    sink.change(new.span, both(old.span, new.span), message)
+        .breaks(Category::Source, "programs that use it by its old name don't compile")
+        .breaks(Category::Semantic, "programs of before take it for what it was");
+}

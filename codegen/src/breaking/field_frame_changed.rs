@@ -1,0 +1,38 @@
+//! `field-frame-changed`: a field in another coordinate frame.
+
+use super::message::both;
+use super::{Category, Check, Example, Pair, Rule, Sink};
+use crate::diagnostic::Level;
+use crate::schema::Field;
+
+pub(super) const RULE: Rule = Rule {
+    id: "field-frame-changed",
+    purpose: "A field has another coordinate frame: the same numbers mean another direction or place. \
+              Where a frame is stated for the first time, nothing is reported.",
+    breaks: &[(Category::Semantic, Level::Error)],
+    old: &[Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n\
+               float32[3] wind   # [m/s] [@frame NED] Wind\n",
+    }],
+    new: &[Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n\
+               float32[3] wind   # [m/s] [@frame FRD] Wind\n",
+    }],
+    check: Check::Field(check),
+};
+
+fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
+    let (Some(before), Some(now)) = (&old.frame, &new.frame) else { return };
+    if before == now {
+        return;
+    }
+    let message = format!("`{}.{}` is in the frame {now}, and was in {before}", pair.name(), new.name);
+    sink.change(new.span, both(old.span, new.span), message)
+        .breaks(Category::Semantic, "programs of before take the numbers for another direction or place");
+}

@@ -1,0 +1,55 @@
+//! `field-invalid-changed`: a field that says otherwise that it has no data.
+
+use super::message::both;
+use super::{Category, Check, Example, Pair, Rule, Sink};
+use crate::diagnostic::Level;
+use crate::schema::{Field, Special};
+use crate::value::Value;
+
+pub(super) const RULE: Rule = Rule {
+    id: "field-invalid-changed",
+    purpose: "Another value than before says that a field has no data, or that a set point doesn't apply. \
+              Programs of before take it for data. Where such a value is stated for the first time, \
+              nothing is reported.",
+    breaks: &[(Category::Semantic, Level::Error)],
+    old: &[Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n\
+               float32 sink      # [m/s] [@invalid -1] Sink rate\n",
+    }],
+    new: &[Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n\
+               float32 sink      # [m/s] [@invalid NaN] Sink rate\n",
+    }],
+    check: Check::Field(check),
+};
+
+fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
+    let specials = [(&old.invalid, &new.invalid), (&old.uncontrolled, &new.uncontrolled)];
+    for (before, now) in specials {
+        let Some(before) = before else { continue };
+        let now_text = now.as_ref().map_or_else(|| "nothing".to_owned(), text);
+        if text(before) == now_text {
+            continue;
+        }
+        let message = format!(
+            "no data in `{}.{}` is said by {now_text}, and was by {}",
+            pair.name(),
+            new.name,
+            text(before)
+        );
+        sink.change(new.span, both(old.span, new.span), message).breaks(
+            Category::Semantic,
+            "programs of before take the new value for data, and wait for the old one",
+        );
+    }
+}
+
+fn text(special: &Special) -> String {
+    special.value.as_ref().map_or_else(|| "emptiness".to_owned(), Value::to_string)
+}

@@ -1,0 +1,70 @@
+//! `field-moved`: a field at another place among the others.
+
+use super::message::{Kept, both};
+use super::{Category, Check, Example, Pair, Rule, Sink};
+use crate::diagnostic::Level;
+use crate::schema::Element;
+
+pub(super) const RULE: Rule = Rule {
+    id: "field-moved",
+    purpose: "Fields stand in another order. CDR writes them in that order, so its bytes differ always. \
+              uORB sorts fields by size, so its layout differs only where fields of equal size change \
+              places.",
+    breaks: &[(Category::Cdr, Level::Error), (Category::Uorb, Level::Error)],
+    old: &[Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n\
+               float32 sink      # [m/s] Sink rate\n\
+               float32 bank      # [rad] Bank angle\n",
+    }],
+    new: &[Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n\
+               float32 bank      # [rad] Bank angle\n\
+               float32 sink      # [m/s] Sink rate\n",
+    }],
+    check: Check::Message(check),
+};
+
+/// Beyond this many comparisons the field that one changes places with is no longer looked for.
+const MAX_COMPARISONS: usize = 1_000_000;
+
+fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
+    let kept: Vec<&Kept> = pair.kept().collect();
+    let mut comparisons = 0;
+    for moved in kept.iter().filter(|kept| kept.is_moved) {
+        let (old, new) = (&pair.old.fields[moved.old], &pair.new.fields[moved.new]);
+        comparisons += kept.len();
+        let partner = kept.iter().filter(|_| comparisons <= MAX_COMPARISONS).find(|other| {
+            let is_crossed = (other.old < moved.old) != (other.new < moved.new);
+            is_crossed && size(pair, moved) == size(pair, other)
+        });
+        let message = format!("`{}.{}` stands at another place among the fields", pair.name(), new.name);
+        let cdr = "readers of before take its bytes for other fields";
+        let mut change = sink.change(new.span, both(old.span, new.span), message);
+        if !pair.is_uorb() {
+            change.breaks(Category::Cdr, cdr);
+        } else if let Some(partner) = partner {
+            let name = &pair.new.fields[partner.new].name;
+            change.breaks(Category::Cdr, cdr).breaks(
+                Category::Uorb,
+                format!("it changes places with `{name}`, which is of equal size: the layout differs"),
+            );
+        } else {
+            let help = format!("{cdr}; in uORB it stays where it is, as fields are sorted by size");
+            change.breaks(Category::Cdr, help);
+        }
+    }
+}
+
+/// What uORB sorts a field by: the size of its elements; nested messages come last.
+fn size(pair: &Pair<'_>, kept: &Kept) -> (usize, bool) {
+    match pair.new.fields[kept.new].ty.element {
+        Element::Scalar(scalar) => (scalar.size(), false),
+        Element::String { .. } | Element::Message(_) => (0, true),
+    }
+}

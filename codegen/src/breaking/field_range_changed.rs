@@ -1,0 +1,47 @@
+//! `field-range-changed`: a field with other bounds.
+
+use super::message::both;
+use super::{Category, Check, Example, Pair, Rule, Sink};
+use crate::diagnostic::Level;
+use crate::schema::{Field, Range};
+use crate::value::Value;
+
+pub(super) const RULE: Rule = Rule {
+    id: "field-range-changed",
+    purpose: "The range of a field changed: values that were within it may be outside now, or the reverse. \
+              Where a range is stated for the first time, nothing is reported.",
+    breaks: &[(Category::Semantic, Level::Warning)],
+    old: &[Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n\
+               float32 charge    # [-] [@range 0, 100] Charge\n",
+    }],
+    new: &[Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n\
+               float32 charge    # [-] [@range 0, 1] Charge\n",
+    }],
+    check: Check::Field(check),
+};
+
+fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
+    let (Some(before), Some(now)) = (&old.range, &new.range) else { return };
+    if before == now {
+        return;
+    }
+    let message =
+        format!("`{}.{}` is from {}, and was from {}", pair.name(), new.name, text(now), text(before));
+    sink.change(new.span, both(old.span, new.span), message).breaks(
+        Category::Semantic,
+        "what was a valid value may be none now, or may mean another share of the whole",
+    );
+}
+
+fn text(range: &Range) -> String {
+    let bound = |value: &Option<Value>, none: &str| value.as_ref().map_or(none.to_owned(), Value::to_string);
+    format!("{} to {}", bound(&range.low, "-inf"), bound(&range.high, "inf"))
+}

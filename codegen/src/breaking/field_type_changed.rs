@@ -1,0 +1,72 @@
+//! `field-type-changed`: a field of another type.
+
+use super::field_added::uorb;
+use super::message::{Held, both};
+use super::{Category, Check, Example, Pair, Rule, Sink};
+use crate::diagnostic::Level;
+use crate::schema::Element;
+
+pub(super) const RULE: Rule = Rule {
+    id: "field-type-changed",
+    purpose: "A field has another type. Its bytes mean something else, and those of all fields after it \
+              may have moved.",
+    breaks: &[
+        (Category::Source, Level::Error),
+        (Category::Json, Level::Error),
+        (Category::Cdr, Level::Error),
+        (Category::Uorb, Level::Error),
+    ],
+    old: &[Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n\
+               uint8 height     # [m] Height above ground\n",
+    }],
+    new: &[Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n\
+               int16 height     # [m] Height above ground\n",
+    }],
+    check: Check::Message(check),
+};
+
+fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
+    for kept in pair.kept().filter(|kept| kept.held == Held::Other) {
+        let (old, new) = (&pair.old.fields[kept.old], &pair.new.fields[kept.new]);
+        if is_same_string(old.ty.element, new.ty.element) {
+            continue;
+        }
+        let (before, now) = (pair.old_type(old.ty), pair.new_type(new.ty));
+        let message = format!("`{}.{}` is {now}, and was {before}", pair.name(), new.name);
+        let mut change = sink.change(new.span, both(old.span, new.span), message);
+        change.breaks(Category::Source, "programs that use it as before don't compile");
+        if !is_same_json(old.ty.element, new.ty.element) {
+            change.breaks(Category::Json, "values of the one type may be none of the other");
+        }
+        change.breaks(
+            Category::Cdr,
+            "its bytes are read as another type, and all that follows may stand elsewhere",
+        );
+        if pair.is_uorb() {
+            change.breaks(Category::Uorb, uorb(pair));
+        }
+    }
+}
+
+/// Whether both are strings of a kind: that they may have another length is told by `array-length-changed`.
+fn is_same_string(old: Element, new: Element) -> bool {
+    let wide = |element| match element {
+        Element::String { wide, .. } => Some(wide),
+        Element::Scalar(_) | Element::Message(_) => None,
+    };
+    wide(old).is_some() && wide(old) == wide(new)
+}
+
+/// Whether values of both types are the same in JSON: so all floats.
+fn is_same_json(old: Element, new: Element) -> bool {
+    let is_float = |element| matches!(element, Element::Scalar(scalar) if scalar.is_float());
+    is_float(old) && is_float(new)
+}

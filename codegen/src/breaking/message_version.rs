@@ -1,0 +1,58 @@
+//! `message-version`: a version that doesn't tell of a change.
+
+use super::message::VERSION;
+use super::{Between, Category, Check, Example, Pair, Rule, Sink};
+use crate::diagnostic::Level;
+use crate::finding::Sides;
+use crate::schema::Message;
+
+pub(super) const RULE: Rule = Rule {
+    id: "message-version",
+    purpose: "A versioned message of PX4 whose fields changed has a MESSAGE_VERSION that is higher by one, \
+              between releases by one or more; and a version never goes back. Otherwise two different \
+              messages have the same version, and nothing can tell them apart.",
+    breaks: &[(Category::Version, Level::Error)],
+    old: &[Example {
+        path: "Glider.msg",
+        text: "uint32 MESSAGE_VERSION = 0\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n",
+    }],
+    new: &[Example {
+        path: "Glider.msg",
+        text: "uint32 MESSAGE_VERSION = 0\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n\
+               float32 sink      # [m/s] Sink rate\n",
+    }],
+    check: Check::Message(check),
+};
+
+fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
+    let (Some(before), Some(now)) = (pair.old.version, pair.new.version) else { return };
+    let next = before.saturating_add(1);
+    let name = pair.name();
+    let (message, help) = if now < before {
+        (format!("the version of `{name}` goes back from {before} to {now}"), "versions only rise".to_owned())
+    } else if !pair.has_changed_fields() {
+        return;
+    } else if now == before {
+        let message = format!("the fields of `{name}` changed, and its version is still {now}");
+        (message, format!("raise {VERSION} to {next}"))
+    } else if now > next && pair.between == Between::Commits {
+        let message = format!("the version of `{name}` jumps from {before} to {now}");
+        (message, format!("one change raises {VERSION} by one: to {next}; between releases it may be more"))
+    } else {
+        return;
+    };
+    let sides = places(pair);
+    sink.change(sides.new.unwrap_or(pair.head()), sides, message).breaks(Category::Version, help);
+}
+
+/// Where the version stands.
+pub(super) fn places(pair: &Pair<'_>) -> Sides {
+    let place = |message: &Message| {
+        message.constants.iter().find(|constant| constant.name == VERSION).map(|found| found.span)
+    };
+    Sides { old: place(pair.old), new: place(pair.new) }
+}

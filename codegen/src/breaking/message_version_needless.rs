@@ -1,0 +1,39 @@
+//! `message-version-needless`: a version that tells of no change.
+
+use super::message_version::places;
+use super::{Category, Check, Example, Pair, Rule, Sink};
+use crate::diagnostic::Level;
+
+pub(super) const RULE: Rule = Rule {
+    id: "message-version-needless",
+    purpose: "The version of a message rose though no field changed. Peers of both versions refuse each \
+              other without a reason.",
+    breaks: &[(Category::Version, Level::Note)],
+    old: &[Example {
+        path: "Glider.msg",
+        text: "uint32 MESSAGE_VERSION = 0\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n",
+    }],
+    new: &[Example {
+        path: "Glider.msg",
+        text: "uint32 MESSAGE_VERSION = 1\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n",
+    }],
+    check: Check::Message(check),
+};
+
+fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
+    let (Some(before), Some(now)) = (pair.old.version, pair.new.version) else { return };
+    if now <= before || pair.has_changed_fields() {
+        return;
+    }
+    let message =
+        format!("the version of `{}` rises from {before} to {now}, and no field changed", pair.name());
+    let sides = places(pair);
+    sink.change(sides.new.unwrap_or(pair.head()), sides, message).breaks(
+        Category::Version,
+        "peers of both versions refuse each other, although they understand each other",
+    );
+}

@@ -1,0 +1,63 @@
+//! `nested-changed`: a field whose message changed.
+
+use super::field_added::uorb;
+use super::message::{Held, both};
+use super::{Category, Check, Example, Pair, Rule, Sink};
+use crate::diagnostic::Level;
+use crate::schema::Element;
+
+pub(super) const RULE: Rule = Rule {
+    id: "nested-changed",
+    purpose: "A field holds a message that changed, so the message that holds it has other bytes as well, \
+              though its own definition is the same.",
+    breaks: &[
+        (Category::Cdr, Level::Error),
+        (Category::Uorb, Level::Error),
+        (Category::Version, Level::Warning),
+    ],
+    old: &[
+        GLIDER,
+        Example { path: "Flap.msg", text: "# A flap\n\nfloat32 angle  # [rad] How far it is out\n" },
+    ],
+    new: &[
+        GLIDER,
+        Example {
+            path: "Flap.msg",
+            text: "# A flap\n\nfloat32 angle  # [rad] How far it is out\nbool is_stuck  # Whether it moves no more\n",
+        },
+    ],
+    check: Check::Message(check),
+};
+
+const GLIDER: Example = Example {
+    path: "Glider.msg",
+    text: "# State of a glider\n\nuint32 MESSAGE_VERSION = 0\n\nuint64 timestamp  # [us] Time since system start\n\
+           Flap[2] flaps     # Left and right\n",
+};
+
+fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
+    for kept in pair.kept() {
+        let Held::Changed { cdr, uorb: memory } = kept.held else { continue };
+        let (old, new) = (&pair.old.fields[kept.old], &pair.new.fields[kept.new]);
+        let Element::Message(id) = new.ty.element else { continue };
+        let nested = pair.new_schema.message(id);
+        let message = format!("`{}.{}` holds `{}`, which changed", pair.name(), new.name, nested.name);
+        let mut change = sink.change(new.span, both(old.span, new.span), message);
+        change.relate(nested.span.part(0..0), "this changed");
+        if cdr {
+            change.breaks(
+                Category::Cdr,
+                "readers of before take its bytes, and those after it, for other fields",
+            );
+        }
+        if memory && pair.is_uorb() {
+            change.breaks(Category::Uorb, uorb(pair));
+        }
+        let is_silent = pair.old.version.is_some() && pair.old.version == pair.new.version;
+        if is_silent && !pair.has_changed_fields() {
+            let help =
+                format!("`{}` has the same version as before: nobody can tell the two by it", pair.name());
+            change.breaks(Category::Version, help);
+        }
+    }
+}

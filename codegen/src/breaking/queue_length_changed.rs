@@ -1,0 +1,51 @@
+//! `queue-length-changed`: a queue of another length.
+
+use super::message::QUEUE_LENGTH;
+use super::{Category, Check, Example, Pair, Rule, Sink};
+use crate::diagnostic::Level;
+use crate::finding::Sides;
+use crate::schema::Message;
+
+pub(super) const RULE: Rule = Rule {
+    id: "queue-length-changed",
+    purpose: "ORB_QUEUE_LENGTH changed: subscribers may miss messages that they got before, or get more at \
+              once.",
+    breaks: &[(Category::Semantic, Level::Warning)],
+    old: &[Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n\
+               uint8 ORB_QUEUE_LENGTH = 8\n",
+    }],
+    new: &[Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n\
+               uint8 ORB_QUEUE_LENGTH = 4\n",
+    }],
+    check: Check::Message(check),
+};
+
+/// What PX4 keeps of a topic that doesn't say.
+const DEFAULT: u32 = 1;
+
+fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
+    let length = |message: &Message| message.queue_length.unwrap_or(DEFAULT);
+    let (before, now) = (length(pair.old), length(pair.new));
+    if before == now || !pair.is_uorb() {
+        return;
+    }
+    let place = |message: &Message| {
+        message.constants.iter().find(|constant| constant.name == QUEUE_LENGTH).map(|found| found.span)
+    };
+    let sides = Sides { old: place(pair.old), new: place(pair.new) };
+    let message = format!("`{}.{QUEUE_LENGTH}` is {now}, and was {before}", pair.name());
+    let help = if now < before {
+        "bursts that subscribers could catch up with are lost now"
+    } else {
+        "more memory is used, and subscribers may get more messages at once"
+    };
+    sink.change(sides.new.unwrap_or(pair.head()), sides, message).breaks(Category::Semantic, help);
+}

@@ -1,0 +1,73 @@
+//! Whether messages are the same bytes in two sets, with all that they nest.
+
+use std::collections::HashMap;
+
+use crate::schema::{Element, MessageId, Schema, Shape};
+use uavspec_runtime::Scalar;
+
+/// What decides on the bytes of a message, names left out. Equal numbers stand for equal contents.
+#[derive(Debug, Default)]
+pub(super) struct Signatures {
+    known: HashMap<Vec<Member>, u32>,
+}
+
+/// A member as it is written.
+#[derive(Debug, PartialEq, Eq, Hash)]
+enum Member {
+    Scalar(Scalar, Shape),
+    String(bool, Option<u32>, Shape),
+    /// By its signature.
+    Message(u32, Shape),
+    /// In memory: at which offset.
+    At(usize),
+}
+
+/// The signatures of all messages of a set, by index.
+#[derive(Debug)]
+pub(super) struct OfSet {
+    cdr: Vec<u32>,
+    uorb: Vec<u32>,
+}
+
+impl OfSet {
+    pub(super) fn cdr(&self, id: MessageId) -> u32 {
+        self.cdr[id.0 as usize]
+    }
+
+    pub(super) fn uorb(&self, id: MessageId) -> u32 {
+        self.uorb[id.0 as usize]
+    }
+}
+
+impl Signatures {
+    /// The signatures of all messages of `schema`, comparable with those of another set.
+    pub(super) fn of(&mut self, schema: &Schema) -> OfSet {
+        let count = schema.messages.len();
+        let mut found = OfSet { cdr: vec![0; count], uorb: vec![0; count] };
+        for id in schema.nested_first.iter().copied() {
+            let message = schema.message(id);
+            let member = |index: usize, nested: &[u32]| {
+                let ty = message.fields[index].ty;
+                match ty.element {
+                    Element::Scalar(scalar) => Member::Scalar(scalar, ty.shape),
+                    Element::String { wide, bound } => Member::String(wide, bound, ty.shape),
+                    Element::Message(nested_id) => Member::Message(nested[nested_id.0 as usize], ty.shape),
+                }
+            };
+            let cdr = (0..message.fields.len()).map(|index| member(index, &found.cdr)).collect();
+            found.cdr[id.0 as usize] = self.number(cdr);
+            let slots = message.uorb.iter().flat_map(|layout| &layout.slots);
+            let placed = slots.filter_map(|slot| Some((slot.offset, slot.field?)));
+            let mut uorb: Vec<Member> =
+                placed.flat_map(|(offset, index)| [Member::At(offset), member(index, &found.uorb)]).collect();
+            uorb.push(Member::At(message.uorb.as_ref().map_or(0, |layout| layout.size)));
+            found.uorb[id.0 as usize] = self.number(uorb);
+        }
+        found
+    }
+
+    fn number(&mut self, members: Vec<Member>) -> u32 {
+        let next = u32::try_from(self.known.len()).unwrap_or(u32::MAX);
+        *self.known.entry(members).or_insert(next)
+    }
+}

@@ -1,0 +1,42 @@
+//! `topic-removed`: a topic that is gone.
+
+use std::collections::BTreeSet;
+
+use super::message::both;
+use super::{Category, Check, Example, Pair, Rule, Sink};
+use crate::diagnostic::Level;
+
+pub(super) const RULE: Rule = Rule {
+    id: "topic-removed",
+    purpose: "A topic is gone from a message: programs that publish or subscribe it don't compile, or find \
+              no partner.",
+    breaks: &[(Category::Source, Level::Error)],
+    old: &[Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n\
+               \n\
+               # TOPICS glider glider_backup\n",
+    }],
+    new: &[Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n\
+               \n\
+               # TOPICS glider\n",
+    }],
+    check: Check::Message(check),
+};
+
+fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
+    let known: BTreeSet<&String> = pair.new.topics.iter().collect();
+    for topic in pair.old.topics.iter().filter(|topic| !known.contains(topic)) {
+        let message = format!("`{}` no longer has the topic `{topic}`", pair.name());
+        sink.change(pair.head(), both(pair.old.span.part(0..0), pair.head()), message).breaks(
+            Category::Source,
+            "programs that publish or subscribe it don't compile, or find no partner",
+        );
+    }
+}

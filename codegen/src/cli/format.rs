@@ -1,0 +1,98 @@
+//! `fmt`: definitions and pages in their one layout.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Args;
+use similar::TextDiff;
+
+use super::config::{Config, Plan};
+use super::load::{self, Loaded};
+use super::rewrite::{self, Change};
+use super::{Failure, PackageArgs, plural, report};
+use crate::format::{self, Formatted};
+use crate::source::{SourceId, SourceMap};
+
+/// Arguments of `fmt`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  cargo xtask fmt                 lay out all files that uavspec.toml names
+  cargo xtask fmt --check         write nothing; print a patch, and fail if there is one
+  cargo xtask fmt --package px4 --dialect px4 --input msg srv/Arm.srv
+
+White space changes, the order and spelling of annotations, and the columns of error-code tables; never what a definition says. A file with mistakes is left as it is.")]
+pub struct FmtArgs {
+    /// Write nothing; print what differs and fail if anything does.
+    #[arg(long)]
+    check: bool,
+    /// The configuration file, where it is not found by itself.
+    #[arg(long, value_name = "FILE", conflicts_with = "package")]
+    config: Option<PathBuf>,
+    #[command(flatten)]
+    package: Option<PackageArgs>,
+}
+
+pub(super) fn run(args: &FmtArgs) -> Result<bool, Failure> {
+    let started = Instant::now();
+    let plan = match &args.package {
+        Some(package) => package.plan(Path::new(""), &[]),
+        None => Config::find(args.config.as_deref())?.plan()?,
+    };
+    let (changes, loaded) = changes(&plan)?;
+    report("fmt", &loaded, &loaded.diagnostics, "left as they are");
+    let result = if args.check {
+        print(&changes);
+        let advice = if changes.is_empty() { "" } else { "; run `cargo xtask fmt`" };
+        format!("{} to be laid out anew{advice}", changes.len())
+    } else {
+        rewrite::write(&changes)?;
+        format!("{} laid out anew", changes.len())
+    };
+    let read = plural(loaded.files.len(), "file");
+    anstream::eprintln!("fmt: {read} read, {result} ({} ms)", started.elapsed().as_millis());
+    Ok(loaded.diagnostics.is_empty() && (changes.is_empty() || !args.check))
+}
+
+/// What the layout of the files would change. Of files with mistakes, what is loaded has the diagnostics.
+fn changes(plan: &Plan) -> Result<(Vec<Change>, Loaded), Failure> {
+    let mut loaded = load::load_named(plan)?;
+    let mut changes = Vec::new();
+    let mut seen = BTreeSet::new();
+    for package in &loaded.packages {
+        for id in &package.sources {
+            let Some(path) = loaded.paths.get(id) else { continue };
+            let shown = loaded.sources.path(*id);
+            // Behind a link stands the file that is meant, perhaps for a second time.
+            let path = fs::canonicalize(path).map_err(|error| Failure::new(format!("{shown}: {error}")))?;
+            if !seen.insert(path.clone()) {
+                continue;
+            }
+            match format::format(&loaded.sources, *id, package.form) {
+                Ok(formatted) => changes.extend(change(&loaded.sources, *id, path, formatted)),
+                Err(mut found) => loaded.diagnostics.append(&mut found),
+            }
+        }
+    }
+    Ok((changes, loaded))
+}
+
+fn change(sources: &SourceMap, id: SourceId, path: PathBuf, formatted: Formatted) -> Option<Change> {
+    let (shown, old) = (sources.path(id).to_owned(), sources.text(id).to_owned());
+    if formatted.is_kept {
+        anstream::eprintln!("fmt: {shown} is kept as it is: laid out it would say something else");
+    }
+    (formatted.text != old).then_some(Change { path, shown, old, new: formatted.text })
+}
+
+/// Prints the differences as one patch.
+fn print(changes: &[Change]) {
+    let mut stdout = io::stdout().lock();
+    for Change { shown, old, new, .. } in changes {
+        let difference = TextDiff::from_lines(old.as_str(), new.as_str());
+        // A reader that has seen enough closes the pipe: that is no failure.
+        let _ = write!(stdout, "{}", difference.unified_diff().header(shown, shown));
+    }
+}

@@ -1,0 +1,68 @@
+//! What the readers report and that is no rule: nothing is generated where there is any.
+
+use std::fmt::Write as _;
+
+use super::{OVERVIEW, rule_link};
+use crate::diagnostic::{Problem, ProblemKind};
+use crate::emit::OutputFile;
+use crate::emit::docs::markdown::{Page, code, href, link, with_code};
+use crate::lint;
+use crate::report::READING_PAGE;
+
+/// Its heading.
+pub(super) const TITLE: &str = "Errors of the readers";
+
+pub(super) fn path() -> String {
+    format!("rules/{READING_PAGE}.md")
+}
+
+pub(super) fn page() -> OutputFile {
+    let path = path();
+    let mut page = Page::new(&path, TITLE);
+    let rules = link("rules", &href(&path, OVERVIEW, ""));
+    page.block(&format!(
+        "What keeps a definition from being read as it is meant. Nothing is generated from it, and none of \
+         this can be ignored. Words in braces stand for what is found. What the readers only warn of are {rules}."
+    ));
+    // What a rule says of the same code stands on its page.
+    let (rules, others): (Vec<&ProblemKind>, Vec<&ProblemKind>) =
+        Problem::KINDS.iter().partition(|kind| lint::rule(kind.code).is_some());
+    for kind in others {
+        // The heading is the place that addresses lead to: GitHub and mdBook make it of the text.
+        page.heading(2, &code(kind.code));
+        page.gap();
+        page.item(0, &format!("{}: {}", kind.level.name(), with_code(&template(kind.message))));
+        page.item(0, &format!("help: {}", with_code(&template(kind.hint))));
+    }
+    page.heading(2, "Warnings");
+    page.gap();
+    for kind in rules {
+        page.item(0, &rule_link(&path, kind.code));
+    }
+    page.finish()
+}
+
+/// A template as people read it: `{byte:02x}` is `{byte}`.
+fn template(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some((before, after)) = rest.split_once('{') {
+        let (field, after) = after.split_once('}').unwrap_or((after, ""));
+        let name = field.split_once(':').map_or(field, |(name, _)| name).replace('_', " ");
+        // Writing to a `String` can't fail.
+        let _ = write!(shown, "{before}{{{name}}}");
+        rest = after;
+    }
+    shown + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn templates_are_shown_without_their_formats() {
+        assert_eq!(template("0x{byte:02x} of `{type_name}`"), "0x{byte} of `{type name}`");
+        assert_eq!(template("none"), "none");
+    }
+}

@@ -1,0 +1,206 @@
+//! `.msg`, `.srv` and `.action` files.
+
+use std::fmt::Write as _;
+
+use super::{ALIGNED_WITHIN, comment};
+use crate::msg::ast::{Comment, Definition, Item, Line};
+use crate::msg::{Dialect, is_separator};
+use crate::source::{SourceId, SourceMap};
+
+/// What starts a comment that lists topics, after its mark.
+const TOPICS: &str = " TOPICS ";
+
+/// What divides words.
+const BLANKS: [char; 2] = [' ', '\t'];
+
+/// A line in its layout, but for the place of its comment.
+enum Row {
+    Blank,
+    /// `---`, or a comment of its own, which ends a block.
+    Apart(String),
+    /// Topics or a directive, which a block may have in its midst.
+    Aside(String),
+    Declared {
+        declaration: String,
+        comment: Option<String>,
+    },
+    /// A comment that goes on with that of the declaration above.
+    Continued(String),
+}
+
+/// The definition laid out; it has no mistakes.
+pub(super) fn lay_out(
+    sources: &SourceMap,
+    id: SourceId,
+    definition: &Definition<'_>,
+    dialect: Dialect,
+) -> String {
+    let rows = tidy(rows(sources, id, definition, dialect));
+    let mut text = String::with_capacity(sources.text(id).len());
+    let is_apart = |row: &Row| matches!(row, Row::Blank | Row::Apart(_));
+    for block in rows.chunk_by(|first, second| !is_apart(first) && !is_apart(second)) {
+        print(block, &mut text);
+    }
+    text
+}
+
+fn rows(sources: &SourceMap, id: SourceId, definition: &Definition<'_>, dialect: Dialect) -> Vec<Row> {
+    let mut rows = Vec::new();
+    let mut parts = definition.parts.iter();
+    let mut reader = Reader { sources, dialect, is_after_declaration: false };
+    let mut lines = parts.next().map_or(&[][..], |part| &part.lines).iter();
+    // The tree doesn't hold the lines between its parts.
+    for written in sources.text(id).split_inclusive('\n') {
+        if is_separator(written.trim_end_matches(['\n', '\r'])) {
+            rows.push(separator(written));
+            reader.is_after_declaration = false;
+            lines = parts.next().map_or(&[][..], |part| &part.lines).iter();
+        } else if let Some(line) = lines.next() {
+            rows.push(reader.row(line));
+        }
+    }
+    rows
+}
+
+fn separator(line: &str) -> Row {
+    Row::Apart(match line.split_once('#') {
+        Some((_, text)) => format!("---  {}", comment::own(text.trim_end())),
+        None => "---".to_owned(),
+    })
+}
+
+/// Takes lines one by one, as the documentation is read from them.
+struct Reader<'m> {
+    sources: &'m SourceMap,
+    dialect: Dialect,
+    /// Whether an indented comment would go on with that of a declaration.
+    is_after_declaration: bool,
+}
+
+impl<'m> Reader<'m> {
+    fn row(&mut self, line: &Line<'_>) -> Row {
+        match (line.item.as_deref(), line.comment.as_deref()) {
+            (Some(item), comment) => {
+                self.is_after_declaration = true;
+                self.declared(line, item, comment)
+            }
+            (None, Some(comment)) => self.own(comment, self.written(line, comment)),
+            (None, None) => {
+                self.is_after_declaration = false;
+                Row::Blank
+            }
+        }
+    }
+
+    /// What follows the `#` of a comment up to the end of its line.
+    fn written(&self, line: &Line<'_>, comment: &Comment<'_>) -> &'m str {
+        self.sources.slice(line.span).get(comment.column + 1..).unwrap_or("").trim_end()
+    }
+
+    fn declared(&self, line: &Line<'_>, item: &Item<'_>, comment: Option<&Comment<'_>>) -> Row {
+        let written = self.sources.slice(line.span);
+        let end = comment.map_or(written.len(), |comment| comment.column);
+        let after = |position: u32| {
+            let rest = written.get((position - line.span.start) as usize..end).unwrap_or("");
+            rest.trim_start_matches(BLANKS).trim_end()
+        };
+        let name = match item {
+            Item::Field(field) => &field.name,
+            Item::Constant(constant) => &constant.name,
+        };
+        let ty = written.trim_start_matches(BLANKS).split(BLANKS).next().unwrap_or("");
+        let mut declaration = format!("{ty} {}", name.text);
+        let value = match item {
+            Item::Field(_) => after(name.span.end),
+            Item::Constant(constant) => {
+                declaration.push_str(" =");
+                self.sources.slice(constant.value_span)
+            }
+        };
+        if !value.is_empty() {
+            declaration.push(' ');
+            declaration.push_str(value);
+        }
+        let is_constant = matches!(item, Item::Constant(_));
+        let comment = comment.map(|comment| comment::trailing(self.written(line, comment), is_constant));
+        Row::Declared { declaration, comment }
+    }
+
+    /// A comment on a line of its own, of which `written` follows the `#`. It becomes a list of topics, or
+    /// ceases to be one, in no case.
+    fn own(&mut self, comment: &Comment<'_>, written: &str) -> Row {
+        let topics = comment.text.strip_prefix(TOPICS).filter(|_| self.dialect == Dialect::Px4);
+        let is_indented = comment.column > 0;
+        match topics {
+            Some(topics) if !is_indented => {
+                let (_, directive) = comment::split_directive(written);
+                let words = topics.split(BLANKS).chain([directive]).filter(|word| !word.is_empty());
+                return Row::Aside(words.fold("# TOPICS".to_owned(), |line, word| line + " " + word));
+            }
+            _ if self.is_after_declaration && is_indented => {
+                return Row::Continued(comment::continued(written));
+            }
+            _ if comment.is_directive() => return Row::Aside(comment::own(written)),
+            _ => self.is_after_declaration = false,
+        }
+        let laid_out = comment::own(written);
+        Row::Apart(match topics {
+            Some(_) => format!(" {laid_out}"),
+            None if self.dialect == Dialect::Px4 && laid_out[1..].starts_with(TOPICS) => {
+                format!("#{written}")
+            }
+            None => laid_out,
+        })
+    }
+}
+
+/// No blank line at the end, and never two together. At the start there is none but before a comment, which
+/// would otherwise be that of the whole.
+fn tidy(rows: Vec<Row>) -> Vec<Row> {
+    let mut tidy: Vec<Row> = Vec::with_capacity(rows.len());
+    for row in rows {
+        let is_after_blank = matches!(tidy.last(), Some(Row::Blank));
+        if is_after_blank && matches!(row, Row::Blank) {
+            continue;
+        }
+        if is_after_blank && tidy.len() == 1 && !is_comment(&row) {
+            tidy.clear();
+        }
+        tidy.push(row);
+    }
+    if matches!(tidy.last(), Some(Row::Blank)) {
+        tidy.pop();
+    }
+    tidy
+}
+
+fn is_comment(row: &Row) -> bool {
+    match row {
+        Row::Apart(line) => line.trim_start().starts_with('#'),
+        Row::Aside(_) => true,
+        Row::Blank | Row::Declared { .. } | Row::Continued(_) => false,
+    }
+}
+
+/// Writes the lines of a block, comments below each other.
+fn print(block: &[Row], text: &mut String) {
+    let widths = block.iter().filter_map(|row| match row {
+        Row::Declared { declaration, .. } => Some(declaration.chars().count()),
+        _ => None,
+    });
+    let widest = widths.filter(|width| *width <= ALIGNED_WITHIN).max().unwrap_or(0);
+    for row in block {
+        match row {
+            Row::Blank => {}
+            Row::Apart(line) | Row::Aside(line) => text.push_str(line),
+            Row::Declared { declaration, comment: None } => text.push_str(declaration),
+            Row::Declared { declaration, comment: Some(comment) } => {
+                let _ = write!(text, "{declaration:widest$}  {comment}");
+            }
+            Row::Continued(comment) => {
+                let _ = write!(text, "{:widest$}  {comment}", "");
+            }
+        }
+        text.push('\n');
+    }
+}

@@ -1,0 +1,239 @@
+//! Each format, read back as another program reads it: whatever texts hold, values are the same.
+
+use serde_json::{Value, json};
+
+use super::*;
+use crate::lint::RULES;
+
+/// All that ends, opens or escapes something in one of the formats.
+const HOSTILE: &str =
+    "50% ]]> <b a=\"'\"> &amp; [x](javascript:y) a:b,c\r\n::error::x\u{7}\u{1b}[31m\u{ffff} é 🛩";
+
+/// A path with blanks and characters that addresses and workflow commands escape.
+const PATH: &str = "msg/Flügel a%20b#1,2:3.msg";
+
+fn place(path: &str, line: usize, column: usize, end_column: usize) -> Place {
+    let start = Position { line, column };
+    Place { path: path.to_owned(), start, end: Position { line, column: end_column } }
+}
+
+fn entry(rule: &'static str, level: Level, message: &str) -> Entry {
+    Entry {
+        rule,
+        category: None,
+        level,
+        message: message.to_owned(),
+        help: "do so".to_owned(),
+        place: place(PATH, 3, 5, 9),
+        sides: None,
+        related: Vec::new(),
+        is_fixable: false,
+    }
+}
+
+fn report(entries: Vec<Entry>) -> Report {
+    let info = |id, level| RuleInfo { id, purpose: "Say `x`. Since y.", level };
+    let rules = vec![info("quiet", Level::Error), info("unit-missing", Level::Warning)];
+    Report { command: "lint", rules, entries }
+}
+
+fn hostile() -> Report {
+    let compared = Entry {
+        category: Some("wire"),
+        sides: Some((Some(place("old/A.msg", 1, 2, 3)), None)),
+        related: vec![(place("B.msg", 7, 8, 9), HOSTILE.to_owned())],
+        help: HOSTILE.to_owned(),
+        is_fixable: true,
+        ..entry("unit-missing", Level::Warning, HOSTILE)
+    };
+    let note = entry("unit-missing", Level::Note, "only a note");
+    report(vec![compared, entry("unknown-type", Level::Error, "no message `Wnd`"), note])
+}
+
+fn sarif(report: &Report) -> Value {
+    serde_json::from_str(&report.to_text(Format::Sarif)).expect("JSON")
+}
+
+#[test]
+fn sarif_holds_what_was_found() {
+    let report = hostile();
+    let log = sarif(&report);
+    let run = &log["runs"][0];
+    assert_eq!((&log["version"], &run["columnKind"]), (&json!("2.1.0"), &json!("unicodeCodePoints")));
+    assert_eq!(run["tool"]["driver"]["name"], "uavspec");
+    let [compared, error, note] = &run["results"].as_array().expect("results")[..] else { panic!("{run}") };
+    let texts = HOSTILE.replace("](", "] (");
+    assert_eq!(compared["message"]["text"], format!("{texts}\n{texts}"));
+    assert_eq!(compared["level"], "warning");
+    assert_eq!(compared["properties"], json!({ "category": "wire", "fixable": true }));
+    let physical = &compared["locations"][0]["physicalLocation"];
+    assert_eq!(physical["artifactLocation"]["uri"], "msg/Fl%C3%BCgel%20a%2520b%231%2C2%3A3.msg");
+    assert_eq!(physical["region"], json!({ "startLine": 3, "startColumn": 5, "endLine": 3, "endColumn": 9 }));
+    let related = compared["relatedLocations"].as_array().expect("places");
+    assert_eq!(related[0]["message"]["text"], "before");
+    assert_eq!(related[0]["physicalLocation"]["artifactLocation"]["uri"], "old/A.msg");
+    assert_eq!(related[1]["message"]["text"], texts);
+    assert_eq!((&error["level"], &note["level"]), (&json!("error"), &json!("note")));
+    assert!(error.get("relatedLocations").is_none() && error["properties"].get("category").is_none());
+}
+
+#[test]
+fn every_result_of_sarif_has_its_rule() {
+    let log = sarif(&hostile());
+    let rules = log["runs"][0]["tool"]["driver"]["rules"].as_array().expect("rules").clone();
+    let ids: Vec<&Value> = rules.iter().map(|rule| &rule["id"]).collect();
+    assert_eq!(ids, ["quiet", "unit-missing", "unknown-type"], "errors of the readers come after the rules");
+    for result in log["runs"][0]["results"].as_array().expect("results") {
+        let index = usize::try_from(result["ruleIndex"].as_u64().expect("an index")).expect("small");
+        assert_eq!(rules[index]["id"], result["ruleId"]);
+    }
+    assert_eq!(rules[1]["shortDescription"]["text"], "Say `x`.");
+    assert_eq!(rules[1]["fullDescription"]["text"], "Say `x`. Since y.");
+    assert_eq!(rules[1]["helpUri"], "https://uavspec.dev/docs/rules/unit-missing.html");
+    assert_eq!(rules[1]["defaultConfiguration"]["level"], "warning");
+    assert_eq!(rules[2]["helpUri"], "https://uavspec.dev/docs/rules/reading.html#unknown-type");
+    assert_eq!(rules[2]["defaultConfiguration"]["level"], "error");
+}
+
+#[test]
+fn fingerprints_outlast_moves_and_tell_findings_apart() {
+    let fingerprints = |report: &Report| -> Vec<String> {
+        let log = sarif(report);
+        let results = log["runs"][0]["results"].as_array().expect("results").clone();
+        results.iter().map(|result| result["partialFingerprints"]["uavspecFinding/v1"].to_string()).collect()
+    };
+    let first = entry("unit-missing", Level::Warning, "a");
+    let twin = Entry { place: place(PATH, 9, 1, 2), ..first.clone() };
+    let before = fingerprints(&report(vec![first.clone(), twin.clone()]));
+    assert_ne!(before[0], before[1]);
+    let moved = |entry: &Entry| Entry { place: place(PATH, 30, 7, 8), ..entry.clone() };
+    assert_eq!(before, fingerprints(&report(vec![moved(&first), moved(&twin)])));
+    for other in [
+        Entry { message: "b".to_owned(), ..first.clone() },
+        Entry { rule: "quiet", ..first.clone() },
+        Entry { category: Some("wire"), ..first.clone() },
+        Entry { place: place("other.msg", 3, 5, 9), ..first.clone() },
+    ] {
+        assert_ne!(before[0], fingerprints(&report(vec![other]))[0]);
+    }
+}
+
+#[test]
+fn addresses_of_absolute_paths_are_of_files() {
+    for (path, expected) in [
+        ("/a b/c.msg", "file:///a%20b/c.msg"),
+        ("C:/a b/c.msg", "file:///C:/a%20b/c.msg"),
+        ("../c.msg", "../c.msg"),
+        ("c:d.msg", "c%3Ad.msg"),
+        ("é", "%C3%A9"),
+    ] {
+        let entry = Entry { place: place(path, 1, 1, 1), ..entry("quiet", Level::Error, "a") };
+        let log = sarif(&report(vec![entry]));
+        let physical = &log["runs"][0]["results"][0]["locations"][0]["physicalLocation"];
+        assert_eq!(physical["artifactLocation"]["uri"], expected);
+    }
+}
+
+#[test]
+fn workflow_commands_hold_one_line_each() {
+    let text = hostile().to_text(Format::Github);
+    let lines: Vec<&str> = text.split_terminator('\n').collect();
+    assert_eq!(lines.len(), 3, "{text}");
+    let commands: Vec<&str> = lines.iter().filter_map(|line| line.split(' ').next()).collect();
+    assert_eq!(commands, ["::warning", "::error", "::notice"]);
+    let unescaped = |text: &str| {
+        let text = text.replace("%0A", "\n").replace("%0D", "\r").replace("%3A", ":").replace("%2C", ",");
+        text.replace("%25", "%")
+    };
+    // Neither `::` nor `,` within a property can end it.
+    let (properties, message) = lines[0]["::warning ".len()..].split_once("::").expect("a message");
+    let properties: Vec<String> = properties.split(',').map(unescaped).collect();
+    let file = format!("file={PATH}");
+    let title = "title=unit-missing (wire)";
+    assert_eq!(properties, [&file, "line=3", "endLine=3", "col=5", "endColumn=9", title]);
+    assert!(!message.contains('\r'), "{message}");
+    let url = "https://uavspec.dev/docs/rules/unit-missing.html";
+    assert_eq!(unescaped(message), format!("{HOSTILE}\n{HOSTILE}\n{url}"));
+}
+
+#[test]
+fn json_holds_texts_as_they_are() {
+    let list: Value = serde_json::from_str(&hostile().to_text(Format::Json)).expect("JSON");
+    assert_eq!((&list[0]["message"], &list[0]["file"]), (&json!(HOSTILE), &json!(PATH)));
+    assert_eq!(list[1]["url"], "https://uavspec.dev/docs/rules/reading.html#unknown-type");
+}
+
+#[test]
+fn addresses_tell_rules_from_errors_of_the_readers() {
+    for kind in Problem::KINDS {
+        let is_rule = RULES.iter().any(|rule| rule.id == kind.code);
+        let page =
+            if is_rule { format!("{}.html", kind.code) } else { format!("reading.html#{}", kind.code) };
+        assert_eq!(rule_url(kind.code), format!("{RULES_URL}{page}"));
+    }
+    assert_eq!(rule_url("field-removed"), format!("{RULES_URL}field-removed.html"));
+}
+
+#[cfg(feature = "junit")]
+mod junit {
+    use quick_junit::{Report as Read, TestCase, TestCaseStatus};
+
+    use super::*;
+
+    fn cases(report: &Report) -> Vec<TestCase> {
+        let text = report.to_text(Format::Junit);
+        let read = Read::deserialize_from_str(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let [suite] = &read.test_suites[..] else { panic!("{text}") };
+        assert_eq!((suite.name.as_str(), suite.tests), (report.command, suite.test_cases.len()));
+        suite.test_cases.clone()
+    }
+
+    fn class(case: &TestCase) -> &str {
+        case.classname.as_deref().unwrap_or_default()
+    }
+
+    #[test]
+    fn findings_fail_and_notes_do_not() {
+        let cases = cases(&hostile());
+        let classes: Vec<&str> = cases.iter().map(class).collect();
+        assert_eq!(classes, ["lint.unit-missing", "lint.unknown-type", "lint.unit-missing", "lint.quiet"]);
+        let TestCaseStatus::NonSuccess { message, ty, description, .. } = &cases[0].status else {
+            panic!("{cases:?}")
+        };
+        let shown =
+            "50% ]]> <b a=\"'\"> &amp; [x](javascript:y) a:b,c ::error::x\u{fffd}\u{fffd}[31m\u{fffd} é 🛩";
+        assert_eq!((message.as_deref(), ty.as_deref()), (Some(shown), Some("unit-missing")));
+        assert_eq!(cases[0].name.as_str(), format!("{PATH}: {shown} (wire)"));
+        let of_lines = HOSTILE.replace(['\r', '\u{7}', '\u{1b}', '\u{ffff}'], "\u{fffd}");
+        let expected = format!(
+            "{PATH}:3:5: warning[unit-missing] (wire): {of_lines}\nhelp: {of_lines}\nbefore: old/A.msg:1:2\n\
+             B.msg:7:8: {of_lines}\nsee: https://uavspec.dev/docs/rules/unit-missing.html"
+        );
+        assert_eq!(description.as_deref(), Some(&expected[..]));
+        assert_eq!(cases[0].extra["file"].as_str(), PATH);
+        assert!(matches!(cases[1].status, TestCaseStatus::NonSuccess { .. }));
+        for passed in &cases[2..] {
+            assert!(matches!(passed.status, TestCaseStatus::Success { .. }), "{passed:?}");
+        }
+        assert!(cases[2].system_out.as_deref().is_some_and(|text| text.contains("only a note")));
+    }
+
+    #[test]
+    fn names_are_unique_and_outlast_moves() {
+        let first = entry("unit-missing", Level::Warning, &"long ".repeat(100));
+        let twin = Entry { place: place(PATH, 9, 1, 2), ..first.clone() };
+        let found = cases(&report(vec![first.clone(), twin]));
+        assert_ne!(found[0].name, found[1].name);
+        assert!(found[0].name.chars().count() < 300, "{}", found[0].name.as_str());
+        let moved = Entry { place: place(PATH, 30, 7, 8), ..first };
+        assert_eq!(cases(&report(vec![moved]))[0].name, found[0].name);
+    }
+
+    #[test]
+    fn nothing_found_is_a_case_that_passed() {
+        let cases_of_rules = cases(&report(Vec::new()));
+        assert_eq!(cases_of_rules.iter().map(class).collect::<Vec<_>>(), ["lint.quiet", "lint.unit-missing"]);
+        let none = cases(&Report { command: "lint", rules: Vec::new(), entries: Vec::new() });
+        assert!(matches!(none[..], [TestCase { status: TestCaseStatus::Success { .. }, .. }]), "{none:?}");
+    }
+}

@@ -1,0 +1,102 @@
+//! What has to hold of every layout.
+
+use serde_json::Value as Json;
+use uavspec_codegen::diagnostic::Level;
+use uavspec_codegen::emit::inspect;
+use uavspec_codegen::format::{Formatted, format};
+use uavspec_codegen::msg::annotation::Note;
+use uavspec_codegen::msg::{self, Dialect, Kind};
+use uavspec_codegen::schema::Form;
+use uavspec_codegen::{Diagnostic, SourceMap, read, table};
+
+/// The layout of one file, or what is wrong with it.
+pub(crate) fn laid_out(path: &str, text: &str, form: Form) -> Result<Formatted, Vec<Diagnostic>> {
+    let mut sources = SourceMap::default();
+    let id = sources.add(path, text.as_bytes().to_vec()).map_err(|diagnostic| vec![diagnostic])?;
+    format(&sources, id, form)
+}
+
+/// The model of files, and the codes of errors in them.
+fn model(form: Form, files: &[(String, String)]) -> (Json, Vec<&'static str>) {
+    let mut sources = SourceMap::default();
+    let mut package = super::package("demo", form);
+    for (path, text) in files {
+        package.sources.extend(sources.add(path.as_str(), text.as_bytes().to_vec()));
+    }
+    let (schema, diagnostics) = read(&sources, &[package]);
+    let errors = diagnostics.iter().filter(|diagnostic| diagnostic.level() == Level::Error);
+    let mut errors: Vec<&str> = errors.map(|diagnostic| diagnostic.problem.code()).collect();
+    errors.sort_unstable();
+    (inspect::schema(&schema), errors)
+}
+
+/// Every comment: its text, the number of its annotations, and its parameters.
+fn comments(path: &str, text: &str, dialect: Dialect) -> Vec<String> {
+    fn words(note: &Note<'_>) -> String {
+        let parameters: Vec<String> = note.parameters.iter().map(words).collect();
+        format!("{} {} {parameters:?}", note.annotations.len(), note.text)
+    }
+    let mut sources = SourceMap::default();
+    let id = sources.add(path, text.as_bytes().to_vec()).expect("a text");
+    let kind = Kind::of(path).expect("a definition");
+    let (definition, _) = msg::parse(&sources, id, kind, dialect);
+    let lines = definition.parts.iter().flat_map(|part| &part.lines);
+    let comments = lines.filter_map(|line| line.comment.as_deref());
+    let words_alone = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    comments.map(|found| found.note.as_ref().map_or_else(|| words_alone(found.text), words)).collect()
+}
+
+/// All cells of a page.
+fn cells(path: &str, text: &str) -> Vec<Vec<String>> {
+    let mut sources = SourceMap::default();
+    let id = sources.add(path, text.as_bytes().to_vec()).expect("a text");
+    let (page, _) = table::parse(&sources, id);
+    let rows =
+        page.tables.iter().flat_map(|table| table.rows.iter().map(|row| &row.cells).chain([&table.header]));
+    rows.map(|row| row.iter().map(|cell| cell.text.as_str().to_owned()).collect()).collect()
+}
+
+/// What is wrong with the layout of a file; nothing, if all is as it should be. A file with mistakes has none.
+fn check_layout(path: &str, text: &str, form: Form) -> Result<Option<String>, String> {
+    let Ok(first) = laid_out(path, text, form) else { return Ok(None) };
+    let problem = |what: &str| Err(format!("{path}: {what}\n{text:?}\n{:?}", first.text));
+    if first.is_kept {
+        return problem("the layout says something else");
+    }
+    match laid_out(path, &first.text, form) {
+        Ok(second) if second.text == first.text && !second.is_kept => {}
+        Ok(second) => return problem(&format!("a second run gives another layout: {:?}", second.text)),
+        Err(diagnostics) => return problem(&format!("the layout is a mistake: {diagnostics:?}")),
+    }
+    let is_same = match form {
+        Form::Msg(dialect) => comments(path, text, dialect) == comments(path, &first.text, dialect),
+        Form::Table => cells(path, text) == cells(path, &first.text),
+    };
+    if !is_same {
+        return problem("not every comment or cell is kept");
+    }
+    let is_tidy = |line: &str| !line.ends_with([' ', '\t', '\r']);
+    if let (Form::Msg(_), Some(line)) = (form, first.text.split('\n').find(|line| !is_tidy(line))) {
+        return problem(&format!("white space at the end of {line:?}"));
+    }
+    // A page in which a carriage return may end a line is not touched.
+    let is_touched = !text.replace("\r\n", "\n").contains('\r');
+    if is_touched && !first.text.is_empty() && (!first.text.ends_with('\n') || first.text.ends_with("\n\n")) {
+        return problem("the end is no single end of a line");
+    }
+    Ok(Some(first.text))
+}
+
+/// Lays out files of one package, and compares their model with that of the layout.
+pub(crate) fn check_files(form: Form, files: &[(String, String)]) -> Result<usize, String> {
+    let mut laid_out = files.to_vec();
+    let mut count = 0;
+    for (path, text) in &mut laid_out {
+        if let Some(new) = check_layout(path, text, form)? {
+            *text = new;
+            count += 1;
+        }
+    }
+    let [before, after] = [files, &laid_out].map(|files| model(form, files));
+    if before == after { Ok(count) } else { Err(format!("another model: {files:?}\n{laid_out:?}")) }
+}
