@@ -51,6 +51,7 @@
 //! `uavspec-runtime`.
 
 pub mod breaking;
+mod characters;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod diagnostic;
