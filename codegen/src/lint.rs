@@ -58,6 +58,7 @@ mod trailing_white_space;
 mod unit_alias;
 mod unit_missing;
 mod unit_missing_integer;
+mod unit_unlisted;
 mod unknown_annotation;
 mod unknown_constant;
 mod unknown_enum;
@@ -125,6 +126,7 @@ pub const RULES: &[&Rule] = &[
     &unit_alias::RULE,
     &unit_missing::RULE,
     &unit_missing_integer::RULE,
+    &unit_unlisted::RULE,
     &unknown_annotation::RULE,
     &unknown_constant::RULE,
     &unknown_enum::RULE,
@@ -246,7 +248,7 @@ pub enum Preset {
     /// What PX4's documentation standard asks, and whatever makes readers go wrong.
     #[default]
     Px4,
-    /// All rules.
+    /// All rules but that on PX4's own list of units.
     Strict,
 }
 

@@ -28,8 +28,11 @@ fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/lint")
 }
 
-fn strict() -> Settings {
-    Settings { preset: Preset::Strict, ..Settings::default() }
+/// Every rule is on, also one that `strict` leaves out.
+fn all() -> Settings {
+    let others = RULES.iter().filter(|rule| rule.levels.strict.is_none());
+    let levels = others.map(|rule| (rule.id.to_owned(), rule.levels.px4)).collect();
+    Settings { preset: Preset::Strict, levels, ignores: Vec::new() }
 }
 
 /// What all rules say of some files: paths and texts.
@@ -37,7 +40,7 @@ fn judge(files: &[File]) -> (SourceMap, Vec<Finding>) {
     let mut sources = SourceMap::default();
     let files = files.iter().map(|(path, text)| (path.as_str(), text.as_str()));
     let packages = packages(files, "", &mut sources);
-    let findings = lint(&sources, &packages, &strict());
+    let findings = lint(&sources, &packages, &all());
     (sources, findings)
 }
 
@@ -186,7 +189,7 @@ impl Definitions {
     fn counts(&self) -> BTreeMap<&'static str, usize> {
         let (sources, packages) = self.load();
         let mut counts = BTreeMap::new();
-        for finding in lint(&sources, &packages, &strict()) {
+        for finding in lint(&sources, &packages, &all()) {
             *counts.entry(finding.rule).or_default() += 1;
         }
         counts
@@ -214,7 +217,7 @@ impl Definitions {
     /// Mends once all that can be; none where nothing can.
     fn mended(&self) -> Option<Self> {
         let (sources, packages) = self.load();
-        let mended = apply(&lint(&sources, &packages, &strict()), &sources);
+        let mended = apply(&lint(&sources, &packages, &all()), &sources);
         if mended.is_empty() {
             return None;
         }
@@ -375,11 +378,11 @@ fn what_was_measured_holds() {
         assert_eq!(found, measured, "findings of {}", rule.id);
         if let Some(measured) = rule.measured {
             assert!(measured.sample == measured.findings.min(30), "{}", rule.id);
-            assert!(
-                measured.right <= measured.sample && 10 * measured.right >= 8 * measured.sample,
-                "{}",
-                rule.id
-            );
+            // What is only worth a look may well be meant; what is called wrong mostly has to be.
+            let is_note =
+                [rule.levels.px4, rule.levels.strict].into_iter().flatten().max() == Some(Level::Note);
+            let is_mostly_right = is_note || 10 * measured.right >= 8 * measured.sample;
+            assert!(measured.right <= measured.sample && is_mostly_right, "{}", rule.id);
         }
     }
 }
@@ -425,9 +428,12 @@ fn what_no_rule_allows_for_is_still_looked_at_in_linear_time() {
 }
 
 #[test]
-fn the_definitions_of_this_project_keep_all_rules() {
+fn the_definitions_of_this_project_keep_all_strict_rules() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../definitions");
     let mut messages = Definitions::of_folder(&folder.join("px4"), Form::Msg(Dialect::Px4));
     messages.packages.append(&mut Definitions::of_folder(&folder.join("flockwave"), Form::Table).packages);
-    assert_eq!(messages.counts(), BTreeMap::new());
+    let counts = messages.counts();
+    let found: Vec<&&str> =
+        counts.keys().filter(|id| rule(id).is_none_or(|rule| rule.levels.strict.is_some())).collect();
+    assert_eq!(found, Vec::<&&str>::new());
 }

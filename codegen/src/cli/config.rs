@@ -79,7 +79,7 @@ struct LintIgnore {
 pub(super) enum PresetName {
     /// What PX4's documentation standard asks, and whatever makes readers go wrong.
     Px4,
-    /// All rules.
+    /// All rules but that on PX4's own list of units.
     Strict,
 }
 

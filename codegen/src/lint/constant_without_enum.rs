@@ -1,9 +1,10 @@
 //! `constant-without-enum`: a constant that no field claims.
 
+use std::collections::BTreeSet;
+
 use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
 use crate::diagnostic::Level;
 use crate::schema::{Message, enumeration};
-use std::collections::BTreeSet;
 
 pub(super) const RULE: Rule = Rule {
     id: "constant-without-enum",

@@ -1,8 +1,9 @@
 //! `enum-alias`: two names of one value.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
 use crate::diagnostic::Level;
-use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) const RULE: Rule = Rule {
     id: "enum-alias",

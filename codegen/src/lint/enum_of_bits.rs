@@ -1,9 +1,10 @@
 //! `enum-of-bits`: constants that are combined under `@enum`.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
 use crate::diagnostic::Level;
 use crate::schema::{Enum, EnumRef, Field, Message, Schema};
-use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) const RULE: Rule = Rule {
     id: "enum-of-bits",

@@ -1,15 +1,16 @@
 //! `PX-FSF-01`: flags of `FailsafeFlags` name a failure.
 
+use uavspec_runtime::Scalar;
+
 use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
 use crate::diagnostic::Level;
 use crate::schema::{Element, Field};
-use uavspec_runtime::Scalar;
 
 pub(super) const RULE: Rule = Rule {
     id: "PX-FSF-01",
     purpose: "A flag of FailsafeFlags is named after the failure that it tells of, so that false means that \
               all is well. The failsafe state machine and its simulation take every true flag for a failure.",
-    levels: Levels::both(Level::Warning),
+    levels: Levels::both(Level::Error),
     bad: Example {
         path: "FailsafeFlags.msg",
         text: "# What the failsafe state machine decides on\n\n\

@@ -1,15 +1,16 @@
 //! `PX-FSF-02`: flags of `FailsafeFlags` have a label.
 
+use uavspec_runtime::Scalar;
+
 use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, px_fsf_01};
 use crate::diagnostic::Level;
 use crate::schema::Element;
-use uavspec_runtime::Scalar;
 
 pub(super) const RULE: Rule = Rule {
     id: "PX-FSF-02",
     purpose: "A flag of FailsafeFlags has a comment. It is the label under which the simulation of the \
               failsafe state machine shows it; without, there is a check box that says nothing.",
-    levels: Levels::both(Level::Warning),
+    levels: Levels::both(Level::Error),
     bad: Example {
         path: "FailsafeFlags.msg",
         text: "# What the failsafe state machine decides on\n\n\

@@ -1,10 +1,11 @@
 //! `severity-bits`: codes as grave as their texts say.
 
+use uavspec_runtime::Severity;
+
 use super::{Check, Example, Levels, Rule, Sink};
 use crate::diagnostic::Level;
 use crate::schema::{ErrorCode, Package};
 use crate::source::SourceMap;
-use uavspec_runtime::Severity;
 
 pub(super) const RULE: Rule = Rule {
     id: "severity-bits",

@@ -1,9 +1,10 @@
 //! `timestamp-type`: a timestamp of another type.
 
+use uavspec_runtime::Scalar;
+
 use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
 use crate::diagnostic::Level;
 use crate::schema::{Element, Shape, Type};
-use uavspec_runtime::Scalar;
 
 pub(super) const RULE: Rule = Rule {
     id: "timestamp-type",

@@ -1,4 +1,4 @@
-//! `topic-default-absent`: a list of topics with nearly the one of the message's name.
+//! `topic-default-absent`: a list of topics without the one of the message's name.
 
 use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, topics};
 use crate::diagnostic::Level;
@@ -6,9 +6,9 @@ use crate::schema::resolve::default_topic;
 
 pub(super) const RULE: Rule = Rule {
     id: "topic-default-absent",
-    purpose: "A message that lists topics no longer has that of its own name unless it lists it too. Where \
-              one of the list is that name but for a letter or two, it is a slip, and readers wait for a \
-              topic that isn't there. A list without anything like the name is meant.",
+    purpose: "A message that lists topics no longer has that of its own name unless it lists it too. Most often \
+              that is meant, so look whether anything waits for that topic; where one of the list is that name \
+              but for a letter or two, it is a slip.",
     levels: Levels::both(Level::Note),
     bad: Example {
         path: "Glider.msg",
@@ -20,7 +20,12 @@ pub(super) const RULE: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
                # TOPICS glider tow_plane\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    measured: Some(Measured {
+        findings: 10,
+        sample: 10,
+        right: 0,
+        remark: "all are meant; PX4's own checker notes them too",
+    }),
     check: Check::Message(check),
 };
 
@@ -45,11 +50,13 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
             && !word.starts_with(&default)
             && strsim::damerau_levenshtein(word, &default) <= MAX_DISTANCE
     };
-    for (word, place) in listed().filter(|(word, _)| is_slip(word)) {
-        sink.report(
-            place,
-            format!("`{word}` is nearly `{default}`, the topic of the message's name"),
-            format!("write `{default}`, or add it if both are meant"),
-        );
-    }
+    let name = &subject.message.name;
+    let Some((_, first)) = listed().next() else { return };
+    let slip = listed().find(|(word, _)| is_slip(word));
+    let help = match slip {
+        Some((word, _)) => format!("`{word}` is nearly that: write `{default}`, or add it if both are meant"),
+        None => "add it, if anything is to find the message by its name".to_owned(),
+    };
+    let place = slip.map_or(first, |(_, place)| place);
+    sink.report(place, format!("the topics of `{name}` lack `{default}`, which is that of its name"), help);
 }

@@ -1,9 +1,10 @@
 //! `version-type`: the types of the constants that PX4 knows by name.
 
+use uavspec_runtime::Scalar;
+
 use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
 use crate::diagnostic::Level;
 use crate::schema::Element;
-use uavspec_runtime::Scalar;
 
 pub(super) const RULE: Rule = Rule {
     id: "version-type",
