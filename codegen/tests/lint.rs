@@ -22,7 +22,7 @@ use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::{PackageInput, SourceMap, read};
 
-use support::{files_below, package, shared};
+use support::{differs, files_below, package, shared};
 
 fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/lint")
@@ -52,19 +52,6 @@ fn of_rule(findings: Vec<Finding>, rule: &str) -> Vec<Finding> {
     findings.into_iter().filter(|finding| finding.rule == rule).collect()
 }
 
-/// What is wrong with `found`; nothing, where the file at `path` holds it.
-fn compare(path: &Path, found: &str) -> Option<String> {
-    let expected = fs::read_to_string(path).unwrap_or_default();
-    if found == expected {
-        return None;
-    }
-    if std::env::var_os("UAVSPEC_UPDATE_FIXTURES").is_some() {
-        fs::write(path, found).expect("a writable file");
-        return None;
-    }
-    Some(format!("{}: found\n{found}and not\n{expected}", path.display()))
-}
-
 fn check_examples(rule: &Rule) -> Vec<String> {
     let mut failures = Vec::new();
     let (sources, findings) = judge_example(rule.bad);
@@ -73,7 +60,7 @@ fn check_examples(rule: &Rule) -> Vec<String> {
         failures.push(format!("{}: nothing is found in the bad example", rule.id));
     }
     let found = render::findings(&findings, &sources, false);
-    failures.extend(compare(&fixtures().join(format!("{}.txt", rule.id)), &found));
+    failures.extend(differs(&fixtures().join(format!("{}.txt", rule.id)), &found));
     if findings.iter().any(|finding| !finding.fix.is_empty()) {
         let mended: Vec<String> = apply(&findings, &sources).into_values().collect();
         if mended != [rule.good.text] {
@@ -129,8 +116,8 @@ fn each_further_case_says_what_is_expected() {
             .iter()
             .map(|(source, text)| format!("== {}\n{text}", sources.path(*source)))
             .collect();
-        let mended = (!mended.is_empty()).then(|| compare(&folder.join("mended.txt"), &mended)).flatten();
-        for failure in compare(&folder.join("expected.txt"), &found).into_iter().chain(mended) {
+        let mended = (!mended.is_empty()).then(|| differs(&folder.join("mended.txt"), &mended)).flatten();
+        for failure in differs(&folder.join("expected.txt"), &found).into_iter().chain(mended) {
             writeln!(failures, "{failure}").expect("a string");
         }
     }
