@@ -214,6 +214,25 @@ pub fn generate(config: impl AsRef<Path>) -> Result<Generated, Failure> {
     })
 }
 
+/// Reads definitions for whoever judges by them: a configuration file, a folder with one, or files and folders
+/// of PX4's messages. Mistakes in them are a failure, warnings are not.
+pub fn read_definitions(path: impl AsRef<Path>) -> Result<(SourceMap, Schema), Failure> {
+    let path = path.as_ref();
+    let file = if path.is_file() { Some(path.to_path_buf()) } else { Config::in_folder(path) };
+    let plan = match file {
+        Some(file) if file.extension().is_some_and(|extension| extension == "toml") => {
+            Config::read(&file)?.plan()?
+        }
+        _ => Plan::from_arguments("px4", Dialect::Px4.into(), &[path.to_path_buf()], Path::new(""), &[]),
+    };
+    let (loaded, schema, diagnostics) = read(&plan)?;
+    if has_errors(&diagnostics) {
+        let rendered = render::render(&diagnostics, &loaded.sources, false);
+        return Err(Failure::new(format!("the definitions have mistakes\n{rendered}")));
+    }
+    Ok((loaded.sources, schema))
+}
+
 /// The whole command line of an `xtask` that does nothing else.
 pub fn main() -> ExitCode {
     Cli::parse().command.run()
