@@ -45,18 +45,19 @@
 //! A message is believed if its kind is known, its size isn't below that kind's least, and the same holds of
 //! the header that follows it. Where this fails, the reader looks ahead, at most [`Reader::LOOKAHEAD`] bytes:
 //!
-//! - If sound messages follow, then only this one is odd (a kind of the future, or too short) and it alone is
-//!   told.
-//! - If a sound run of messages begins within the bytes that it claims, then its size is wrong: it is skipped
-//!   up to that run. So a wrong size doesn't swallow what follows.
+//! - If a sound run of messages begins within the bytes that the message claims, its size is wrong: it is
+//!   skipped up to that run. So a wrong size doesn't swallow what follows.
+//! - Else, if its own kind is known and its size large enough, it is believed, and the doubt goes to what follows.
+//! - Else, if a sound message or the end follows, only this one is odd (a kind of the future, or too short)
+//!   and it alone is told.
 //! - Else what follows is searched for the next sound run.
 //!
 //! A run is sound if it begins with a sync message (its header and magic are 11 fixed bytes), or if four
 //! messages of known kinds follow each other whose contents look right in their first bytes: keys and
-//! names in ASCII, levels that exist, data of ids that were subscribed. Between them there may be others: data of
-//! unknown ids, kinds that are letters; sixteen messages in a row are enough, whatever they are. At the end
-//! of the log or of a section, two are enough. No byte is searched twice as a start, and no look takes
-//! more than some thousand steps: time is linear in the size of the log, whatever is in it.
+//! names in ASCII, levels that exist, data of ids that were subscribed. Between them there may be others: data
+//! of unknown ids, kinds that are letters; sixteen messages in a row are enough, whatever they are. At the end
+//! of the log or of a section, two are enough. No byte is searched twice as a start, and no look takes more
+//! than some thousand steps: time is linear in the size of the log, whatever is in it.
 //!
 //! Each range of bytes that was skipped is told with its ends ([`Problem::Skipped`]). What can't be seen here
 //! is a changed byte within a payload, and a size that was changed so that it ends just before what looks

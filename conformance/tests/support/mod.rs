@@ -125,11 +125,12 @@ pub(crate) fn typical(rounds: u64) -> Vec<u8> {
             payload.push(1);
             log.data(id.into(), &payload);
         }
-        match round % 7 {
-            2 => drop(log.line(b"[commander] Takeoff detected")),
-            4 => drop(log.sync()),
-            6 => drop(log.dropout(12)),
-            _ => {}
+        if round % 7 == 2 {
+            log.line(b"[commander] Takeoff detected");
+        } else if round % 7 == 4 {
+            log.sync();
+        } else if round % 7 == 6 {
+            log.dropout(12);
         }
     }
     log.bytes

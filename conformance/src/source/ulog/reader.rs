@@ -215,9 +215,9 @@ impl<R: Read> Reader<R> {
                 let to = self.window.offset();
                 Some(Step::Problem(from, Problem::Skipped { to, resync }))
             }
-            Verdict::Lost => {
+            Verdict::Lost(searched) => {
                 self.state = State::Lost(self.window.offset());
-                self.window.advance(1);
+                self.window.advance(searched);
                 None
             }
         }

@@ -5,18 +5,22 @@ use std::ops::Range;
 use super::kind::{HEADER, Header, LARGEST, SYNC};
 use super::problem::Resync;
 
-/// So many messages of known kinds with contents that look right are no accident: hardly more than one in
-/// 256 starts looks like any, so that one in four thousand million looks like four.
+/// So many sound messages that follow each other are no accident.
 const RUN: usize = 4;
 
 /// The same where the log or a section ends, so that there may be no more.
 const RUN_AT_END: usize = 2;
 
 /// The same where the start isn't chosen, but where a message ended.
-const RUN_BEHIND_MESSAGE: usize = 2;
+const RUN_BEHIND_MESSAGE: usize = 1;
 
-/// So many messages are no accident even if none is of a known kind: one start in five looks like such.
+/// So many messages are no accident even if most are only possible: one start in five looks like such.
 const LONG_RUN: usize = 16;
+
+/// The largest message that is the start of a run though it is only possible. In noise before a log, one
+/// start in 256 looks like data of up to 64 KiB, and some of these end by accident where a message starts,
+/// which makes them starts of a run that swallows the messages between. Data of PX4 is smaller than this.
+const LARGEST_POSSIBLE_START: usize = 1_024;
 
 /// How much of a text is looked at: names are shorter, and time must not depend on sizes that may be wrong.
 const TEXT: usize = 64;
@@ -35,27 +39,35 @@ pub(super) enum Verdict {
     Cut,
     /// Bytes to skip; how many.
     Skip(usize, Resync),
-    /// No message, and none near.
-    Lost,
+    /// No message, and none starts in so many bytes.
+    Lost(usize),
 }
 
-/// The ids that were subscribed.
+/// The ids that were subscribed, one bit each.
 #[derive(Debug)]
-pub(super) struct Ids(Box<[u64; 1024]>);
+pub(super) struct Ids {
+    bits: Box<[u64; 1024]>,
+    is_empty: bool,
+}
 
 impl Default for Ids {
     fn default() -> Self {
-        Self(Box::new([0; 1024]))
+        Self { bits: Box::new([0; 1024]), is_empty: true }
     }
 }
 
 impl Ids {
     pub(super) fn insert(&mut self, id: u16) {
-        self.0[usize::from(id / 64)] |= 1 << (id % 64);
+        self.bits[usize::from(id / 64)] |= 1 << (id % 64);
+        self.is_empty = false;
     }
 
     fn contains(&self, id: u16) -> bool {
-        self.0[usize::from(id / 64)] >> (id % 64) & 1 != 0
+        self.bits[usize::from(id / 64)] >> (id % 64) & 1 != 0
+    }
+
+    fn is_empty(&self) -> bool {
+        self.is_empty
     }
 }
 
@@ -85,7 +97,10 @@ enum Walk {
 /// How much the look of a message says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Looks {
+    /// Its kind is known and its contents are in order: less than one in a hundred thousand starts is so
+    /// by accident.
     Sound,
+    /// Data of an id that isn't known, or a kind that may be one of the future.
     Possible,
     Wrong,
 }
@@ -109,17 +124,16 @@ impl Look<'_> {
     pub(super) fn judge_ahead(&self) -> Verdict {
         let Some(header) = Header::read(self.bytes) else { return Verdict::Cut };
         let end = header.total();
+        let searched = end.min(self.bytes.len());
+        if let Some((count, resync)) = self.search(1..searched) {
+            return Verdict::Skip(count, resync);
+        }
         let is_complete = end <= self.bytes.len();
-        if is_complete && self.follows(end) {
-            return Verdict::Message(header);
-        }
-        if !header.is_believable() {
-            return Verdict::Lost;
-        }
-        match self.search(1..end.min(self.bytes.len())) {
-            Some((count, resync)) => Verdict::Skip(count, resync),
-            None if is_complete => Verdict::Message(header),
-            None => Verdict::Cut,
+        match header.is_believable() {
+            true if is_complete => Verdict::Message(header),
+            true => Verdict::Cut,
+            false if is_complete && self.follows(end) => Verdict::Message(header),
+            false => Verdict::Lost(searched),
         }
     }
 
@@ -139,11 +153,18 @@ impl Look<'_> {
                 .filter(|found| *found == SYNC)
                 .map(|_| Resync::Synchronisation);
         }
-        let is_run = match self.walk(at, RUN) {
-            Walk::Enough => true,
-            Walk::End { sound } | Walk::Cut { sound } => sound >= RUN_AT_END,
-            Walk::Broken => false,
+        let is_start = match self.looks(header, rest.get(HEADER..header.total())?) {
+            Looks::Sound => true,
+            // While no id is known, no data is sound.
+            Looks::Possible => self.ids.is_empty() && header.total() <= LARGEST_POSSIBLE_START,
+            Looks::Wrong => false,
         };
+        let is_run = is_start
+            && match self.walk(at, RUN) {
+                Walk::Enough => true,
+                Walk::End { sound } | Walk::Cut { sound } => sound >= RUN_AT_END,
+                Walk::Broken => false,
+            };
         is_run.then_some(Resync::Messages)
     }
 
