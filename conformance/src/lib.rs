@@ -1,2 +1,4 @@
-//! The place of the conformance suite: it will judge logs, captures, codecs and live servers by the
-//! definitions that `uavspec-codegen` reads. Nothing is here yet.
+//! The conformance suite: it judges logs, captures, codecs and live servers by the definitions that
+//! `uavspec-codegen` reads. So far it reads logs.
+
+pub mod source;

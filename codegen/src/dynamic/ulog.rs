@@ -95,6 +95,9 @@ impl Types {
     /// `char[N]` is text as in px4, no value breaks a rule but text that isn't UTF-8, and fields whose names
     /// start with `_padding` are none.
     ///
+    /// The [`MessageId`](crate::schema::MessageId) of a type is the index of its format among the given ones
+    /// without repeated names. So ids stay what they are when more formats are added at the end.
+    ///
     /// ```
     /// use uavspec_codegen::dynamic::{Types, ULOG_PACKAGE};
     ///

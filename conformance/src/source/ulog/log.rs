@@ -1,0 +1,348 @@
+//! What a log says about its data.
+
+use std::collections::BTreeMap;
+
+use uavspec_codegen::dynamic::{FormatProblem, MessageType, Types};
+use uavspec_codegen::schema::MessageId;
+use uavspec_runtime::layout::Size;
+
+use super::log_problem::LogProblem;
+use super::message::Event;
+use super::reader::Item;
+
+/// Most formats that are kept. PX4 has 261 messages; ids of data are 65,536, but nothing logs that many topics.
+pub(super) const MAX_FORMATS: usize = 8_192;
+
+/// Most bytes of formats and topics that are kept. The formats of a PX4 log take about 60 kB.
+pub(super) const MAX_TEXT: usize = 4 << 20;
+
+/// Most bytes of formats that are made into types, counted again each time: some hundred times for a log
+/// that sends each format just before its data, a few seconds for one that is made to take long.
+const MAX_COMPILED: usize = 64 << 20;
+
+/// The formats and subscriptions of a log, as far as it was read.
+#[derive(Debug)]
+pub struct Log {
+    /// In the order in which they came; the ids of their types are the indices.
+    formats: Vec<Format>,
+    by_name: BTreeMap<Box<str>, usize>,
+    types: Types,
+    /// How many of the formats have types.
+    known: usize,
+    /// Bytes of formats that were made into types.
+    compiled: usize,
+    /// Bytes of formats and topics.
+    text: usize,
+    /// By id; none where it was never subscribed.
+    subscriptions: Vec<Option<Box<Subscription>>>,
+    /// Data that came before any subscription of its id.
+    orphans: BTreeMap<u16, Orphans>,
+    /// Whether the definitions have ended.
+    is_in_data: bool,
+    is_limit_told: bool,
+}
+
+#[derive(Debug)]
+struct Format {
+    offset: u64,
+    fields: Box<str>,
+    name: Box<str>,
+    /// What was told about it.
+    told: Option<FormatProblem>,
+}
+
+#[derive(Debug)]
+struct Orphans {
+    first: u64,
+    count: u64,
+}
+
+/// What data of an id is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Subscription {
+    /// The id.
+    pub id: u16,
+    /// The topic, which is the name of its format.
+    pub topic: String,
+    /// Which instance of the topic.
+    pub multi_id: u8,
+    /// Where it was subscribed.
+    pub offset: u64,
+    /// Whether it wasn't unsubscribed.
+    pub is_active: bool,
+    binding: Binding,
+}
+
+/// The type of a topic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Binding {
+    /// There is none, as long as there are so many formats and types.
+    None {
+        formats: usize,
+        known: usize,
+        is_missing: bool,
+    },
+    Type {
+        id: MessageId,
+        size: Size,
+    },
+}
+
+/// Data whose type is known and whose size is right.
+#[derive(Clone, Copy, Debug)]
+pub struct Record<'l> {
+    /// What it is.
+    pub subscription: &'l Subscription,
+    /// Its type.
+    pub of: MessageType<'l>,
+    /// The message as it lies in memory, perhaps without the padding at its end.
+    pub payload: &'l [u8],
+}
+
+/// Takes what is wrong, and where.
+type Tell<'t> = &'t mut dyn FnMut(u64, LogProblem);
+
+impl Default for Log {
+    fn default() -> Self {
+        Self {
+            formats: Vec::new(),
+            by_name: BTreeMap::new(),
+            types: Types::from_ulog_formats([]).0,
+            known: 0,
+            compiled: 0,
+            text: 0,
+            subscriptions: Vec::new(),
+            orphans: BTreeMap::new(),
+            is_in_data: false,
+            is_limit_told: false,
+        }
+    }
+}
+
+impl Log {
+    /// Takes the next item of a reader, and calls `tell` with what is wrong, and where. A record, if the item
+    /// is data that can be read.
+    #[inline]
+    pub fn take<'l>(
+        &'l mut self,
+        item: &Item<'l>,
+        tell: &mut dyn FnMut(u64, LogProblem),
+    ) -> Option<Record<'l>> {
+        if let Event::Data { id, payload } = item.event {
+            self.data(item.offset, id, payload, tell)
+        } else {
+            self.learn(item, tell);
+            None
+        }
+    }
+
+    /// Ends the log: tells what is wrong with formats that nothing needed.
+    pub fn finish(&mut self, tell: &mut dyn FnMut(u64, LogProblem)) {
+        self.compile(tell);
+    }
+
+    /// The types of the formats, in [`ULOG_PACKAGE`](uavspec_codegen::dynamic::ULOG_PACKAGE), as far as they
+    /// were needed.
+    pub fn types(&self) -> &Types {
+        &self.types
+    }
+
+    /// Names and fields of the formats, in the order in which they came.
+    pub fn formats(&self) -> impl ExactSizeIterator<Item = (&str, &str)> {
+        self.formats.iter().map(|format| (&*format.name, &*format.fields))
+    }
+
+    /// What data of an id is at this place of the log.
+    pub fn subscription(&self, id: u16) -> Option<&Subscription> {
+        self.subscriptions.get(usize::from(id))?.as_deref()
+    }
+
+    /// All subscriptions, by id; of each the newest.
+    pub fn subscriptions(&self) -> impl Iterator<Item = &Subscription> {
+        self.subscriptions.iter().flatten().map(|subscription| &**subscription)
+    }
+
+    #[inline]
+    fn data<'l>(&'l mut self, offset: u64, id: u16, payload: &'l [u8], tell: Tell<'_>) -> Option<Record<'l>> {
+        if self.type_of(id).is_none() {
+            self.bind(offset, id, tell);
+        }
+        let (of, size) = self.type_of(id)?;
+        let found = payload.len();
+        if found != size.padded && found != size.no_padding {
+            let Size { padded, no_padding } = size;
+            tell(offset, LogProblem::DataSize { id, padded, no_padding, found });
+            return None;
+        }
+        let subscription = self.subscription(id)?;
+        Some(Record { subscription, of: self.types.get(of), payload })
+    }
+
+    /// The type of the data of an id, if that is subscribed and has one.
+    #[inline]
+    fn type_of(&self, id: u16) -> Option<(MessageId, Size)> {
+        let subscription = self.subscription(id).filter(|subscription| subscription.is_active)?;
+        match subscription.binding {
+            Binding::Type { id, size } => Some((id, size)),
+            Binding::None { .. } => None,
+        }
+    }
+
+    /// Finds the type of the data of an id, or tells why there is none.
+    #[cold]
+    fn bind(&mut self, offset: u64, id: u16, tell: Tell<'_>) {
+        self.end_definitions(tell);
+        let Some(subscription) = self.subscription(id) else {
+            self.orphans.entry(id).or_insert(Orphans { first: offset, count: 0 }).count += 1;
+            return tell(offset, LogProblem::UnknownId { id });
+        };
+        if !subscription.is_active {
+            return tell(offset, LogProblem::Unsubscribed { id });
+        }
+        let mut binding = subscription.binding;
+        let is_stale = matches!(binding, Binding::None { formats, known, .. }
+            if (formats, known) != (self.formats.len(), self.known));
+        if is_stale {
+            let topic = subscription.topic.clone();
+            binding = self.binding(&topic, tell);
+            if let Some(Some(subscription)) = self.subscriptions.get_mut(usize::from(id)) {
+                subscription.binding = binding;
+            }
+        }
+        match binding {
+            Binding::Type { .. } => {}
+            Binding::None { is_missing: true, .. } => tell(offset, LogProblem::MissingFormat { id }),
+            Binding::None { is_missing: false, .. } => tell(offset, LogProblem::UnusableFormat { id }),
+        }
+    }
+
+    fn binding(&mut self, topic: &str, tell: Tell<'_>) -> Binding {
+        let index = self.by_name.get(topic).copied();
+        let mut found = index.and_then(|index| self.usable(index));
+        if index.is_some() && found.is_none() {
+            self.compile(tell);
+            found = index.and_then(|index| self.usable(index));
+        }
+        match found {
+            Some((id, size)) => Binding::Type { id, size },
+            None => {
+                Binding::None { formats: self.formats.len(), known: self.known, is_missing: index.is_none() }
+            }
+        }
+    }
+
+    fn usable(&self, index: usize) -> Option<(MessageId, Size)> {
+        let id = MessageId(u32::try_from(index).ok().filter(|_| index < self.known)?);
+        Some((id, self.types.get(id).size()?))
+    }
+
+    fn learn(&mut self, item: &Item<'_>, tell: Tell<'_>) {
+        match item.event {
+            Event::Format { name, fields } => self.add_format(item.offset, name, fields, tell),
+            Event::Subscription { multi_id, id, name } => {
+                self.end_definitions(tell);
+                self.subscribe(item.offset, id, (name, multi_id), tell);
+            }
+            Event::Unsubscription { id } => {
+                self.end_definitions(tell);
+                match self.subscriptions.get_mut(usize::from(id)) {
+                    Some(Some(subscription)) if subscription.is_active => subscription.is_active = false,
+                    _ => tell(item.offset, LogProblem::NotSubscribed { id }),
+                }
+            }
+            Event::Logging { .. } | Event::Dropout { .. } | Event::Synchronisation => {
+                self.end_definitions(tell);
+            }
+            _ => {}
+        }
+    }
+
+    fn add_format(&mut self, offset: u64, name: &str, fields: &str, tell: Tell<'_>) {
+        if let Some(known) = self.by_name.get(name) {
+            if *self.formats[*known].fields != *fields {
+                tell(offset, LogProblem::FormatChanged { name: name.to_owned() });
+            }
+            return;
+        }
+        if self.is_in_data {
+            tell(offset, LogProblem::LateFormat { name: name.to_owned() });
+        }
+        if self.formats.len() == MAX_FORMATS {
+            return tell(offset, LogProblem::TooManyFormats);
+        }
+        // A name is kept twice.
+        if !self.add_text(fields.len() + 2 * name.len()) {
+            return tell(offset, LogProblem::TooMuchText);
+        }
+        self.by_name.insert(name.into(), self.formats.len());
+        self.formats.push(Format { offset, name: name.into(), fields: fields.into(), told: None });
+    }
+
+    fn subscribe(&mut self, offset: u64, id: u16, (topic, multi_id): (&str, u8), tell: Tell<'_>) {
+        let slot = usize::from(id);
+        if slot >= self.subscriptions.len() {
+            self.subscriptions.resize_with(slot + 1, || None);
+        }
+        if let Some(before) = self.subscriptions[slot].take() {
+            self.text -= before.topic.len();
+            let is_same = before.topic == topic && before.multi_id == multi_id;
+            if before.is_active && is_same {
+                tell(offset, LogProblem::Resubscribed { id });
+            } else if before.is_active {
+                let after = (topic.to_owned(), multi_id);
+                tell(offset, LogProblem::Redefined { id, before: (before.topic, before.multi_id), after });
+            }
+        }
+        if let Some(Orphans { first, count }) = self.orphans.remove(&id) {
+            tell(offset, LogProblem::LateSubscription { id, count, first });
+        }
+        if !self.add_text(topic.len()) {
+            return tell(offset, LogProblem::TooMuchText);
+        }
+        let topic = topic.to_owned();
+        // Stale from the start, so that the first data looks for the type.
+        let binding = Binding::None { formats: usize::MAX, known: usize::MAX, is_missing: true };
+        self.subscriptions[slot] =
+            Some(Box::new(Subscription { id, topic, multi_id, offset, is_active: true, binding }));
+    }
+
+    /// Whether there is room for so much text.
+    fn add_text(&mut self, size: usize) -> bool {
+        let has_room = self.text + size <= MAX_TEXT;
+        if has_room {
+            self.text += size;
+        }
+        has_room
+    }
+
+    fn end_definitions(&mut self, tell: Tell<'_>) {
+        if !self.is_in_data {
+            self.is_in_data = true;
+            self.compile(tell);
+        }
+    }
+
+    /// Makes types of all formats. Those that had types keep their ids.
+    fn compile(&mut self, tell: Tell<'_>) {
+        let Some(newest) = self.formats.last().filter(|_| self.known < self.formats.len()) else { return };
+        let size: usize = self.formats.iter().map(|format| format.name.len() + format.fields.len()).sum();
+        if self.compiled + size > MAX_COMPILED {
+            if !self.is_limit_told {
+                tell(newest.offset, LogProblem::TooManyLateFormats);
+            }
+            self.is_limit_told = true;
+            return;
+        }
+        self.compiled += size;
+        self.known = self.formats.len();
+        let (types, errors) = Types::from_ulog_formats(self.formats());
+        self.types = types;
+        for error in errors {
+            let format = &mut self.formats[error.index];
+            if format.told.as_ref() != Some(&error.problem) {
+                format.told = Some(error.problem.clone());
+                tell(format.offset, LogProblem::Format { name: error.name, problem: error.problem });
+            }
+        }
+    }
+}

@@ -1,0 +1,372 @@
+//! Cuts bytes into messages.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::io::{self, Read};
+
+use super::kind::{HEADER, Header};
+use super::message::{Event, parse};
+use super::problem::{Problem, Resync};
+use super::resync::{Ids, LOOKAHEAD, Look, Verdict};
+use super::window::{CAPACITY, Window};
+
+/// Bytes of the header of a file.
+const FILE_HEADER: usize = 16;
+
+const MAGIC: [u8; 7] = *b"ULog\x01\x12\x35";
+
+/// The newest version of the format that is known.
+const VERSION: u8 = 1;
+
+/// Bytes of flag bits that are known.
+const FLAG_BITS: usize = 40;
+
+/// The bits of `incompat_flags` that are known: data was appended.
+const KNOWN_INCOMPATIBLE: [u8; 8] = [1, 0, 0, 0, 0, 0, 0, 0];
+
+/// A message or a problem, and where it is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Item<'b> {
+    /// Where its first byte is, from the start of the log. A message starts with its header.
+    pub offset: u64,
+    /// What it is.
+    pub event: Event<'b>,
+}
+
+/// Reads a log from anything, without seeking.
+///
+/// Bytes are read in large pieces, so the input needs no buffer. Memory doesn't grow with the log.
+#[derive(Debug)]
+pub struct Reader<R> {
+    window: Window<R>,
+    state: State,
+    sections: Sections,
+    /// What is still to be told, before anything else is read.
+    queued: VecDeque<(u64, Problem)>,
+    ids: Ids,
+    unknown: BTreeMap<u8, u64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    Start,
+    /// Before the first message of a log of this version.
+    First(u8),
+    Messages,
+    /// Behind bytes from here on that are no messages.
+    Lost(u64),
+    Ended,
+}
+
+/// What to do next; it borrows nothing, so that only its execution has to.
+enum Step {
+    Start { version: u8, timestamp: u64 },
+    Message(Header),
+    Problem(u64, Problem),
+    End,
+}
+
+/// Where data was appended.
+#[derive(Debug)]
+struct Sections {
+    /// Where the section ends that is read.
+    end: u64,
+    /// Where those after it end.
+    later: VecDeque<u64>,
+}
+
+impl<R: Read> Reader<R> {
+    /// Bytes of the buffer, whatever the size of the log.
+    pub const CAPACITY: usize = CAPACITY;
+
+    /// How far the reader looks ahead when it is in doubt.
+    pub const LOOKAHEAD: usize = LOOKAHEAD;
+
+    /// Starts to read. Nothing is read yet.
+    pub fn new(input: R) -> Self {
+        Self {
+            window: Window::new(input),
+            state: State::Start,
+            sections: Sections { end: u64::MAX, later: VecDeque::new() },
+            queued: VecDeque::new(),
+            ids: Ids::default(),
+            unknown: BTreeMap::new(),
+        }
+    }
+
+    /// The next message or problem; none at the end. An error is one of the input, and the call may be
+    /// repeated.
+    // Iterators can't lend.
+    #[allow(clippy::should_implement_trait)]
+    #[inline]
+    pub fn next(&mut self) -> io::Result<Option<Item<'_>>> {
+        let Some(size) = self.data_ahead() else { return self.next_of_any_kind() };
+        let offset = self.window.offset();
+        self.window.advance(HEADER + size);
+        let event = match self.window.behind(size) {
+            [low, high, payload @ ..] => Event::Data { id: u16::from_le_bytes([*low, *high]), payload },
+            payload => Event::Unknown { kind: b'D', payload },
+        };
+        Ok(Some(Item { offset, event }))
+    }
+
+    /// The size of the message ahead if it is data, has been read, and needs no thought. Nearly all of a log
+    /// is that.
+    #[inline]
+    fn data_ahead(&self) -> Option<usize> {
+        if self.state != State::Messages || !self.queued.is_empty() {
+            return None;
+        }
+        let bytes = self.window.ahead();
+        let header = Header::read(bytes)?;
+        let next = Header::read(bytes.get(header.total()..)?)?;
+        let end = self.window.offset() + (header.total() + HEADER) as u64;
+        let is_plain =
+            header.kind == b'D' && header.is_believable() && next.is_believable() && end <= self.sections.end;
+        is_plain.then_some(header.size.into())
+    }
+
+    fn next_of_any_kind(&mut self) -> io::Result<Option<Item<'_>>> {
+        Ok(Some(match self.step()? {
+            Step::Start { version, timestamp } => {
+                Item { offset: 0, event: Event::Start { version, timestamp } }
+            }
+            Step::Message(header) => self.lend(header),
+            Step::Problem(offset, problem) => Item { offset, event: Event::Problem(problem) },
+            Step::End => return Ok(None),
+        }))
+    }
+
+    fn step(&mut self) -> io::Result<Step> {
+        loop {
+            if let Some((offset, problem)) = self.queued.pop_front() {
+                return Ok(Step::Problem(offset, problem));
+            }
+            match self.state {
+                State::Start => return self.start(),
+                State::First(version) => {
+                    let verdict = self.judge()?;
+                    self.state = State::Messages;
+                    match verdict {
+                        Verdict::Message(header) if header.kind == b'B' => {
+                            self.state = State::First(version);
+                            return Ok(Step::Message(header));
+                        }
+                        Verdict::End => {}
+                        _ => return Ok(self.problem(Problem::NoFlagBits { version })),
+                    }
+                }
+                State::Messages => {
+                    let verdict = self.judge()?;
+                    if let Some(step) = self.follow(verdict) {
+                        return Ok(step);
+                    }
+                }
+                State::Lost(from) => return self.search(from),
+                State::Ended => return Ok(Step::End),
+            }
+        }
+    }
+
+    fn start(&mut self) -> io::Result<Step> {
+        self.window.require(FILE_HEADER)?;
+        let header = self.window.ahead();
+        let found = header.len();
+        let magic = header.first_chunk::<7>();
+        if let Some(magic) = magic.filter(|magic| **magic != MAGIC) {
+            self.state = State::Ended;
+            return Ok(Step::Problem(0, Problem::ForeignMagic(*magic)));
+        }
+        let Some([.., version, a, b, c, d, e, f, g, h]) = header.first_chunk::<FILE_HEADER>() else {
+            self.state = State::Ended;
+            return Ok(Step::Problem(0, Problem::ShortHeader { found }));
+        };
+        let (version, timestamp) = (*version, u64::from_le_bytes([*a, *b, *c, *d, *e, *f, *g, *h]));
+        self.window.advance(FILE_HEADER);
+        self.state = State::First(version);
+        if version > VERSION {
+            self.queued.push_back((MAGIC.len() as u64, Problem::NewerVersion(version)));
+        }
+        Ok(Step::Start { version, timestamp })
+    }
+
+    /// Judges what is ahead by as little of it as will do, so that messages of a slow input aren't late.
+    fn judge(&mut self) -> io::Result<Verdict> {
+        self.window.require(HEADER)?;
+        let wanted = Header::read(self.window.ahead()).map_or(0, |header| header.total() + HEADER);
+        self.window.require(wanted)?;
+        if let Some(verdict) = self.look().judge() {
+            return Ok(verdict);
+        }
+        self.window.require(LOOKAHEAD)?;
+        Ok(self.look().judge_ahead())
+    }
+
+    fn follow(&mut self, verdict: Verdict) -> Option<Step> {
+        match verdict {
+            Verdict::Message(header) => Some(Step::Message(header)),
+            Verdict::End => {
+                self.end_section();
+                None
+            }
+            Verdict::Cut => Some(self.cut()),
+            Verdict::Skip(count, resync) => {
+                let from = self.window.offset();
+                self.window.advance(count);
+                let to = self.window.offset();
+                Some(Step::Problem(from, Problem::Skipped { to, resync }))
+            }
+            Verdict::Lost(searched) => {
+                self.state = State::Lost(self.window.offset());
+                self.window.advance(searched);
+                None
+            }
+        }
+    }
+
+    /// Searches the next run of messages.
+    fn search(&mut self, from: u64) -> io::Result<Step> {
+        loop {
+            self.window.require(LOOKAHEAD)?;
+            let look = self.look();
+            let (size, is_closed) = (look.bytes.len(), look.is_closed);
+            // What starts later is looked at when all that it might need has been read.
+            let starts = if is_closed { size } else { size - LOOKAHEAD + 1 };
+            let found = look.search(0..starts);
+            self.window.advance(found.map_or(starts, |(at, _)| at));
+            let end = if self.is_before_appended() { Resync::Appended } else { Resync::End };
+            if let Some(resync) = found.map(|(_, resync)| resync).or(is_closed.then_some(end)) {
+                self.state = State::Messages;
+                let to = self.window.offset();
+                return Ok(Step::Problem(from, Problem::Skipped { to, resync }));
+            }
+        }
+    }
+}
+
+impl<R> Reader<R> {
+    /// How often messages came of each kind that isn't known.
+    pub fn unknown_kinds(&self) -> impl Iterator<Item = (u8, u64)> {
+        self.unknown.iter().map(|(kind, count)| (*kind, *count))
+    }
+
+    /// Bytes of the buffer.
+    pub fn capacity(&self) -> usize {
+        self.window.capacity()
+    }
+
+    /// Lends the message ahead.
+    fn lend(&mut self, header: Header) -> Item<'_> {
+        let offset = self.window.offset();
+        self.window.advance(header.total());
+        let Header { size, kind } = header;
+        let payload = self.window.behind(size.into());
+        let event = match parse(kind, payload) {
+            Ok((event, odd)) => {
+                self.queued.extend(odd.map(|what| (offset, Problem::Odd { kind, what })));
+                event
+            }
+            Err(what) => Event::Problem(Problem::Malformed { kind, size: size.into(), what }),
+        };
+        match event {
+            Event::Subscription { id, .. } => self.ids.insert(id),
+            Event::Unknown { kind, .. } => {
+                let count = self.unknown.entry(kind).or_default();
+                *count += 1;
+                if *count == 1 {
+                    self.queued.push_back((offset, Problem::UnknownKind(kind)));
+                }
+            }
+            Event::FlagBits { .. } if self.state == State::Messages => {
+                self.queued.push_back((offset, Problem::FlagBitsNotFirst));
+            }
+            Event::FlagBits { incompatible, appended, .. } => {
+                if payload.len() > FLAG_BITS {
+                    self.queued.push_back((offset, Problem::FlagBitsLonger { size: payload.len() }));
+                }
+                let refused: [u8; 8] = std::array::from_fn(|at| incompatible[at] & !KNOWN_INCOMPATIBLE[at]);
+                if refused == [0; 8] {
+                    let is_flagged = incompatible[0] & 1 != 0;
+                    let refused = self.sections.append(self.window.offset(), appended, is_flagged);
+                    self.queued.extend(refused.map(|at| (offset, Problem::AppendedOffset(at))));
+                } else {
+                    self.queued.push_back((offset, Problem::UnknownIncompatible(refused)));
+                    self.state = State::Ended;
+                }
+            }
+            _ => {}
+        }
+        if matches!(self.state, State::First(_)) {
+            self.state = State::Messages;
+        }
+        Item { offset, event }
+    }
+
+    /// Passes a message that goes beyond the end of the section, which is all that it has left.
+    fn cut(&mut self) -> Step {
+        let offset = self.window.offset();
+        let bytes = self.look().bytes;
+        let found = bytes.len();
+        let header = Header::read(bytes);
+        self.window.advance(found);
+        let problem = if self.is_before_appended() {
+            Problem::Straddles { appended: self.sections.end }
+        } else if let Some(Header { size, kind }) = header {
+            Problem::EndsInPayload { kind, size: size.into(), found: found - HEADER }
+        } else {
+            Problem::EndsInHeader { found }
+        };
+        Step::Problem(offset, problem)
+    }
+
+    /// Goes on with the data that was appended here, if the log hasn't ended.
+    fn end_section(&mut self) {
+        if self.is_before_appended() {
+            self.sections.end = self.sections.later.pop_front().unwrap_or(u64::MAX);
+            return;
+        }
+        self.state = State::Ended;
+        let offset = self.window.offset();
+        let left = [self.sections.end].into_iter().chain(self.sections.later.drain(..));
+        let left = left.filter(|at| *at != u64::MAX);
+        self.queued.extend(left.map(|at| (offset, Problem::AppendedBeyondEnd(at))));
+    }
+
+    /// Whether data was appended just here.
+    fn is_before_appended(&self) -> bool {
+        self.window.offset() == self.sections.end
+    }
+
+    fn problem(&self, problem: Problem) -> Step {
+        Step::Problem(self.window.offset(), problem)
+    }
+
+    /// What is left of the section, as far as it has been read.
+    fn look(&self) -> Look<'_> {
+        let ahead = self.window.ahead();
+        let left = self.sections.end - self.window.offset();
+        let within = usize::try_from(left).ok().and_then(|left| ahead.get(..left));
+        Look {
+            bytes: within.unwrap_or(ahead),
+            is_closed: within.is_some() || self.window.is_at_end(),
+            ids: &self.ids,
+        }
+    }
+}
+
+impl Sections {
+    /// Takes the offsets of appended data, which must go up from `at`, and gives back the others.
+    fn append(&mut self, at: u64, offsets: [u64; 3], is_flagged: bool) -> impl Iterator<Item = u64> {
+        let mut last = at.saturating_sub(1);
+        let mut refused = Vec::new();
+        for offset in offsets.into_iter().filter(|offset| *offset != 0) {
+            if is_flagged && offset > last && offset != u64::MAX {
+                self.later.push_back(offset);
+                last = offset;
+            } else {
+                refused.push(offset);
+            }
+        }
+        self.end = self.later.pop_front().unwrap_or(u64::MAX);
+        refused.into_iter()
+    }
+}

@@ -1,0 +1,259 @@
+//! Whether bytes are a message, and where the next one starts if they aren't.
+
+use std::ops::Range;
+
+use super::kind::{HEADER, Header, LARGEST, SYNC};
+use super::problem::Resync;
+
+/// So many sound messages that follow each other are no accident.
+const RUN: usize = 4;
+
+/// The same where the log or a section ends, so that there may be no more.
+const RUN_AT_END: usize = 2;
+
+/// The same where the start isn't chosen, but where a message ended.
+const RUN_BEHIND_MESSAGE: usize = 1;
+
+/// So many messages are no accident even if most are only possible: one start in five looks like such.
+const LONG_RUN: usize = 16;
+
+/// The largest message that is the start of a run though it is only possible. In noise before a log, one
+/// start in 256 looks like data of up to 64 KiB, and some of these end by accident where a message starts,
+/// which makes them starts of a run that swallows the messages between. Data of PX4 is smaller than this.
+const LARGEST_POSSIBLE_START: usize = 1_024;
+
+/// How much of a text is looked at: names are shorter, and time must not depend on sizes that may be wrong.
+const TEXT: usize = 64;
+
+/// How far ahead is looked: a message and a run behind it, all of them as large as can be.
+pub(super) const LOOKAHEAD: usize = (RUN + 1) * LARGEST;
+
+/// What the bytes of a section start with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Verdict {
+    /// Nothing: it ends here.
+    End,
+    /// A message.
+    Message(Header),
+    /// A message, or a part of a header, that goes beyond the end.
+    Cut,
+    /// Bytes to skip; how many.
+    Skip(usize, Resync),
+    /// No message, and none starts in so many bytes.
+    Lost(usize),
+}
+
+/// The ids that were subscribed, one bit each.
+#[derive(Debug)]
+pub(super) struct Ids {
+    bits: Box<[u64; 1024]>,
+    is_empty: bool,
+}
+
+impl Default for Ids {
+    fn default() -> Self {
+        Self { bits: Box::new([0; 1024]), is_empty: true }
+    }
+}
+
+impl Ids {
+    pub(super) fn insert(&mut self, id: u16) {
+        self.bits[usize::from(id / 64)] |= 1 << (id % 64);
+        self.is_empty = false;
+    }
+
+    fn contains(&self, id: u16) -> bool {
+        self.bits[usize::from(id / 64)] >> (id % 64) & 1 != 0
+    }
+
+    fn is_empty(&self) -> bool {
+        self.is_empty
+    }
+}
+
+/// What is ahead.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Look<'b> {
+    /// Bytes of this section.
+    pub(super) bytes: &'b [u8],
+    /// Whether these are all that it has.
+    pub(super) is_closed: bool,
+    pub(super) ids: &'b Ids,
+}
+
+/// How a walk from message to message ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Walk {
+    /// There are as many messages as were wanted.
+    Enough,
+    /// The section ends with a message.
+    End { sound: usize },
+    /// The section ends within a message.
+    Cut { sound: usize },
+    /// At something else than a message.
+    Broken,
+}
+
+/// How much the look of a message says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Looks {
+    /// Its kind is known and its contents are in order: less than one in a hundred thousand starts is so
+    /// by accident.
+    Sound,
+    /// Data of an id that isn't known, or a kind that may be one of the future.
+    Possible,
+    Wrong,
+}
+
+impl Look<'_> {
+    /// Judges by the message and the header behind it alone, which is enough nearly always.
+    pub(super) fn judge(&self) -> Option<Verdict> {
+        if self.bytes.is_empty() && self.is_closed {
+            return Some(Verdict::End);
+        }
+        let header = Header::read(self.bytes).filter(|header| header.is_believable())?;
+        let behind = self.bytes.get(header.total()..)?;
+        let goes_on = match Header::read(behind) {
+            Some(next) => next.is_believable(),
+            None => self.is_closed,
+        };
+        goes_on.then_some(Verdict::Message(header))
+    }
+
+    /// Judges by what follows.
+    pub(super) fn judge_ahead(&self) -> Verdict {
+        let Some(header) = Header::read(self.bytes) else { return Verdict::Cut };
+        let end = header.total();
+        let searched = end.min(self.bytes.len());
+        if let Some((count, resync)) = self.search(1..searched) {
+            return Verdict::Skip(count, resync);
+        }
+        let is_complete = end <= self.bytes.len();
+        match header.is_believable() {
+            true if is_complete => Verdict::Message(header),
+            true => Verdict::Cut,
+            false if is_complete && self.follows(end) => Verdict::Message(header),
+            false => Verdict::Lost(searched),
+        }
+    }
+
+    /// The first start of a run.
+    pub(super) fn search(&self, mut starts: Range<usize>) -> Option<(usize, Resync)> {
+        starts.find_map(|at| Some((at, self.run(at)?)))
+    }
+
+    /// Whether a run starts here.
+    #[inline]
+    fn run(&self, at: usize) -> Option<Resync> {
+        let rest = self.bytes.get(at..)?;
+        let header = Header::read(rest).filter(|header| header.is_believable())?;
+        if header.kind == b'S' {
+            return rest
+                .get(HEADER..header.total())
+                .filter(|found| *found == SYNC)
+                .map(|_| Resync::Synchronisation);
+        }
+        let is_start = match self.looks(header, rest.get(HEADER..header.total())?) {
+            Looks::Sound => true,
+            // While no id is known, no data is sound.
+            Looks::Possible => self.ids.is_empty() && header.total() <= LARGEST_POSSIBLE_START,
+            Looks::Wrong => false,
+        };
+        let is_run = is_start
+            && match self.walk(at, RUN) {
+                Walk::Enough => true,
+                Walk::End { sound } | Walk::Cut { sound } => sound >= RUN_AT_END,
+                Walk::Broken => false,
+            };
+        is_run.then_some(Resync::Messages)
+    }
+
+    /// Whether messages follow where one ends.
+    fn follows(&self, at: usize) -> bool {
+        match self.walk(at, RUN_BEHIND_MESSAGE) {
+            Walk::Enough | Walk::End { .. } => true,
+            Walk::Cut { sound } => sound > 0,
+            Walk::Broken => false,
+        }
+    }
+
+    fn walk(&self, mut at: usize, wanted: usize) -> Walk {
+        let mut sound = 0;
+        for _ in 0..LONG_RUN {
+            let rest = self.bytes.get(at..).unwrap_or_default();
+            let Some(header) = Header::read(rest) else {
+                return match (self.is_closed, rest) {
+                    (true, []) => Walk::End { sound },
+                    (true, _) => Walk::Cut { sound },
+                    (false, _) => Walk::Broken,
+                };
+            };
+            let Some(payload) = rest.get(HEADER..header.total()) else {
+                let is_cut = self.is_closed && header.is_believable();
+                return if is_cut { Walk::Cut { sound } } else { Walk::Broken };
+            };
+            match self.looks(header, payload) {
+                Looks::Sound => sound += 1,
+                Looks::Possible => {}
+                Looks::Wrong => return Walk::Broken,
+            }
+            if sound >= wanted {
+                return Walk::Enough;
+            }
+            at += header.total();
+        }
+        Walk::Enough
+    }
+
+    fn looks(&self, header: Header, payload: &[u8]) -> Looks {
+        if !header.is_known() {
+            return if header.kind.is_ascii_alphabetic() { Looks::Possible } else { Looks::Wrong };
+        }
+        if !header.is_believable() {
+            return Looks::Wrong;
+        }
+        let is_sound = match (header.kind, payload) {
+            (b'D', [low, high, ..]) if self.ids.contains(u16::from_le_bytes([*low, *high])) => true,
+            (b'D', _) => return Looks::Possible,
+            (b'F', text) => is_format(text),
+            (b'I' | b'P', entry) | (b'M' | b'Q', [_, entry @ ..]) => is_entry(entry),
+            (b'A', [_, _, _, name @ ..]) => name.iter().take(TEXT).all(is_word),
+            (b'L', [level, ..]) => is_line(*level, &payload[9..]),
+            (b'C', [level, ..]) => is_line(*level, &payload[11..]),
+            (b'S', magic) => magic == SYNC,
+            (b'R' | b'O', _) => payload.len() == 2,
+            // Flag bits are only at the start of a log, which needs no search.
+            _ => false,
+        };
+        if is_sound { Looks::Sound } else { Looks::Wrong }
+    }
+}
+
+/// Of a name of a topic or a field.
+fn is_word(byte: &u8) -> bool {
+    byte.is_ascii_alphanumeric() || b"_/-.".contains(byte)
+}
+
+fn is_format(text: &[u8]) -> bool {
+    let text = &text[..text.len().min(TEXT)];
+    let name = text.iter().take_while(|byte| is_word(byte)).count();
+    name > 0 && text.get(name).is_none_or(|byte| *byte == b':') && text.iter().all(is_printable)
+}
+
+/// The length of a key, the key with its type, and a value.
+fn is_entry(entry: &[u8]) -> bool {
+    let Some((length, rest)) = entry.split_first() else { return false };
+    let Some(key) = rest.get(..usize::from(*length)) else { return false };
+    let key = &key[..key.len().min(TEXT)];
+    key.first().is_some_and(u8::is_ascii_alphabetic) && key.iter().all(is_printable) && key.contains(&b' ')
+}
+
+fn is_printable(byte: &u8) -> bool {
+    matches!(byte, b' '..=b'~')
+}
+
+fn is_line(level: u8, text: &[u8]) -> bool {
+    // Tabs, ends of lines and the escapes of colours are in real logs.
+    let is_text = |byte: &u8| !byte.is_ascii_control() || b"\t\n\r\x1b".contains(byte);
+    level.is_ascii_digit() && level < b'8' && text.iter().take(TEXT).all(is_text)
+}

@@ -1,0 +1,286 @@
+//! What several tests need: the corpus, and logs of our own.
+#![allow(dead_code)] // each test uses its part
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use uavspec_conformance::source::ulog::{Event, Item, Log, LogProblem, Problem, Reader};
+
+/// A folder beside the corpus, such as `corpus/ulog` or `oracle/ulog`; none where there is no corpus.
+///
+/// # Panics
+///
+/// Where there is none although `UAVSPEC_REQUIRE_CORPUS` is set.
+pub(crate) fn shared(path: &str) -> Option<PathBuf> {
+    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/corpus");
+    let corpus = std::env::var_os("UAVSPEC_CORPUS").map_or(default, PathBuf::from);
+    let found = corpus.parent()?.join(path);
+    if found.exists() {
+        return Some(found);
+    }
+    assert!(
+        std::env::var_os("UAVSPEC_REQUIRE_CORPUS").is_none_or(|value| value == "0"),
+        "{} is required but absent",
+        found.display()
+    );
+    eprintln!("left out: {path} is absent; set UAVSPEC_CORPUS to the corpus to run this test");
+    None
+}
+
+/// Writes logs.
+#[derive(Clone)]
+pub(crate) struct Writer {
+    pub(crate) bytes: Vec<u8>,
+}
+
+impl Writer {
+    /// The header of a log.
+    pub(crate) fn new(version: u8) -> Self {
+        let mut bytes = b"ULog\x01\x12\x35".to_vec();
+        bytes.push(version);
+        bytes.extend(1_000_u64.to_le_bytes());
+        Self { bytes }
+    }
+
+    /// A log of version 1 with flag bits.
+    pub(crate) fn with_flags() -> Self {
+        let mut log = Self::new(1);
+        log.flag_bits([0; 8], [0; 3], 0);
+        log
+    }
+
+    /// Where the next message starts.
+    pub(crate) fn offset(&self) -> u64 {
+        self.bytes.len() as u64
+    }
+
+    /// A message of any kind; where it starts.
+    pub(crate) fn message(&mut self, kind: u8, parts: &[&[u8]]) -> u64 {
+        let offset = self.offset();
+        let payload = parts.concat();
+        self.bytes.extend(u16::try_from(payload.len()).expect("a size").to_le_bytes());
+        self.bytes.push(kind);
+        self.bytes.extend(payload);
+        offset
+    }
+
+    pub(crate) fn flag_bits(&mut self, incompatible: [u8; 8], appended: [u64; 3], more: usize) -> u64 {
+        let appended: Vec<u8> = appended.iter().flat_map(|offset| offset.to_le_bytes()).collect();
+        self.message(b'B', &[&[0; 8], &incompatible, &appended, &vec![0; more]])
+    }
+
+    pub(crate) fn format(&mut self, text: &str) -> u64 {
+        self.message(b'F', &[text.as_bytes()])
+    }
+
+    /// `I` or `P`; for `M` and `Q`, `first` is the byte before the key.
+    pub(crate) fn entry(&mut self, kind: u8, first: &[u8], key: &str, value: &[u8]) -> u64 {
+        let length = u8::try_from(key.len()).expect("a short key");
+        self.message(kind, &[first, &[length], key.as_bytes(), value])
+    }
+
+    pub(crate) fn subscribe(&mut self, id: u16, multi_id: u8, topic: &str) -> u64 {
+        self.message(b'A', &[&[multi_id], &id.to_le_bytes(), topic.as_bytes()])
+    }
+
+    pub(crate) fn unsubscribe(&mut self, id: u16) -> u64 {
+        self.message(b'R', &[&id.to_le_bytes()])
+    }
+
+    pub(crate) fn data(&mut self, id: u16, payload: &[u8]) -> u64 {
+        self.message(b'D', &[&id.to_le_bytes(), payload])
+    }
+
+    pub(crate) fn line(&mut self, text: &[u8]) -> u64 {
+        self.message(b'L', &[b"6", &5_u64.to_le_bytes(), text])
+    }
+
+    pub(crate) fn sync(&mut self) -> u64 {
+        self.message(b'S', &[&[0x2f, 0x73, 0x13, 0x20, 0x25, 0x0c, 0xbb, 0x12]])
+    }
+
+    pub(crate) fn dropout(&mut self, milliseconds: u16) -> u64 {
+        self.message(b'O', &[&milliseconds.to_le_bytes()])
+    }
+}
+
+/// A log of all that PX4 writes: definitions, then data of three topics with some text between.
+pub(crate) fn typical(rounds: u64) -> Vec<u8> {
+    let mut log = Writer::with_flags();
+    log.entry(b'I', &[], "char[3] sys_name", b"PX4");
+    for topic in 0..20 {
+        log.format(&format!("topic_{topic}:uint64_t timestamp;float[{}] xyz;uint8_t kind;", topic + 1));
+        log.entry(b'P', &[], &format!("int32_t PARAM_{topic}"), &[topic; 4]);
+    }
+    log.entry(b'M', &[0], "char[5] notes", b"first");
+    for id in 0..20_u8 {
+        log.subscribe(id.into(), 0, &format!("topic_{id}"));
+    }
+    let mut random = Random(7);
+    for round in 0..rounds {
+        for id in 0..20_u8 {
+            let mut payload = (1_000_000 + round * 4_000).to_le_bytes().to_vec();
+            payload.extend((0..=id).flat_map(|_| random.below(1 << 32).to_le_bytes().into_iter().take(4)));
+            payload.push(1);
+            log.data(id.into(), &payload);
+        }
+        if round % 7 == 2 {
+            log.line(b"[commander] Takeoff detected");
+        } else if round % 7 == 4 {
+            log.sync();
+        } else if round % 7 == 6 {
+            log.dropout(12);
+        }
+    }
+    log.bytes
+}
+
+/// An item of a reader, without what it lends.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Seen {
+    pub(crate) offset: u64,
+    /// A checksum of the event.
+    pub(crate) digest: u64,
+    /// The kind of the event where it is a message.
+    pub(crate) kind: &'static str,
+    pub(crate) problem: Option<Problem>,
+}
+
+impl Seen {
+    fn new(item: &Item<'_>) -> Self {
+        let mut hasher = DefaultHasher::new();
+        let kind = match &item.event {
+            Event::Data { id, payload } => {
+                (id, payload).hash(&mut hasher);
+                "data"
+            }
+            Event::Start { .. } => "start",
+            Event::Problem(_) => "problem",
+            other => {
+                format!("{other:?}").hash(&mut hasher);
+                "other"
+            }
+        };
+        let problem = match &item.event {
+            Event::Problem(problem) => Some(problem.clone()),
+            _ => None,
+        };
+        Self { offset: item.offset, digest: hasher.finish(), kind, problem }
+    }
+
+    pub(crate) fn is_message(&self) -> bool {
+        matches!(self.kind, "data" | "other")
+    }
+}
+
+/// All items of a log, which must lie one behind the other without a gap.
+pub(crate) fn read(bytes: &[u8]) -> Vec<Seen> {
+    let seen = read_from(bytes);
+    check_extents(bytes, &seen);
+    seen
+}
+
+/// All items of a log.
+pub(crate) fn read_from(input: impl Read) -> Vec<Seen> {
+    let mut reader = Reader::new(input);
+    let mut seen = Vec::new();
+    while let Some(item) = reader.next().expect("an input without errors") {
+        seen.push(Seen::new(&item));
+    }
+    assert_eq!(reader.next().expect("an end"), None, "nothing follows the end");
+    seen
+}
+
+/// All problems of both layers as text, each with its offset; and how many records were typed.
+pub(crate) fn problems(bytes: &[u8]) -> (Vec<String>, usize) {
+    let (mut reader, mut log) = (Reader::new(bytes), Log::default());
+    let (mut found, mut records) = (Vec::new(), 0);
+    while let Some(item) = reader.next().expect("a slice") {
+        if let Event::Problem(problem) = &item.event {
+            found.push(format!("{}: {problem}", item.offset));
+        }
+        let mut tell = |offset, problem: LogProblem| found.push(format!("{offset}: {problem}"));
+        if let Some(record) = log.take(&item, &mut tell) {
+            record.of.view_uorb(record.payload).expect("data of the right size");
+            records += 1;
+        }
+    }
+    log.finish(&mut |offset, problem| found.push(format!("{offset}: {problem}")));
+    (found, records)
+}
+
+/// Holds items to what the documentation says: every byte behind the header belongs to exactly one of them.
+fn check_extents(bytes: &[u8], seen: &[Seen]) {
+    let size = bytes.len() as u64;
+    let message_end = |offset: u64| {
+        let at = usize::try_from(offset).expect("an offset");
+        offset + 3 + u64::from(u16::from_le_bytes([bytes[at], bytes[at + 1]]))
+    };
+    let mut position = 0;
+    let mut is_refused = false;
+    for item in seen {
+        let end = match (&item.problem, item.kind) {
+            (None, "start") => 16,
+            (None, _) | (Some(Problem::Malformed { .. }), _) => message_end(item.offset),
+            (Some(Problem::Skipped { to, .. } | Problem::Straddles { appended: to }), _) => *to,
+            (Some(Problem::EndsInHeader { .. } | Problem::EndsInPayload { .. }), _) => size,
+            (Some(problem), _) => {
+                is_refused |= matches!(
+                    problem,
+                    Problem::ForeignMagic(_) | Problem::ShortHeader { .. } | Problem::UnknownIncompatible(_)
+                );
+                assert!(item.offset <= position, "{item:?} is ahead of {position}");
+                continue;
+            }
+        };
+        assert_eq!(item.offset, position, "{item:?}");
+        assert!(end <= size, "{item:?} goes beyond {size}");
+        position = end;
+    }
+    assert!(is_refused || position == size, "read up to {position} of {size}");
+}
+
+/// Numbers that are the same in every run (splitmix64).
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    pub(crate) fn below(&mut self, limit: u64) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (mixed ^ mixed >> 31) % limit
+    }
+
+    pub(crate) fn index(&mut self, limit: usize) -> usize {
+        usize::try_from(self.below(limit as u64)).expect("an index")
+    }
+
+    pub(crate) fn bytes(&mut self, count: usize) -> Vec<u8> {
+        let mut bytes: Vec<u8> =
+            (0..count.div_ceil(8)).flat_map(|_| self.below(u64::MAX).to_le_bytes()).collect();
+        bytes.truncate(count);
+        bytes
+    }
+}
+
+/// Gives the bytes of a slice in pieces of these sizes, again and again; 0 is an interruption.
+pub(crate) struct Pieces<'b> {
+    pub(crate) rest: &'b [u8],
+    pub(crate) sizes: Vec<usize>,
+    pub(crate) turn: usize,
+}
+
+impl Read for Pieces<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let size = self.sizes[self.turn % self.sizes.len()];
+        self.turn += 1;
+        if size == 0 {
+            return Err(io::ErrorKind::Interrupted.into());
+        }
+        let (now, rest) = self.rest.split_at(size.min(buffer.len()).min(self.rest.len()));
+        buffer[..now.len()].copy_from_slice(now);
+        self.rest = rest;
+        Ok(now.len())
+    }
+}
