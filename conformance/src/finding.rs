@@ -144,6 +144,8 @@ impl Findings {
     }
 }
 
+/// The place of a rule in the list. It is asked for with each message, and an address is compared faster than an
+/// id.
 fn index(rule: &Rule) -> Option<usize> {
-    RULES.binary_search_by_key(&rule.id, |known| known.id).ok()
+    RULES.iter().position(|known| std::ptr::eq(*known, rule))
 }
