@@ -42,8 +42,8 @@
 //!
 //! # How damage is survived
 //!
-//! A message is believed if its kind is known, its size isn't below that kind's least, and the same holds of
-//! the header that follows it. Where this fails, the reader looks ahead, at most [`Reader::LOOKAHEAD`] bytes:
+//! A message is believed at once if it looks sound (see below), and the header that follows it says something
+//! usual, too. Where this fails, the reader looks ahead, at most [`Reader::LOOKAHEAD`] bytes:
 //!
 //! - If a sound run of messages begins within the bytes that the message claims, its size is wrong: it is
 //!   skipped up to that run. So a wrong size doesn't swallow what follows.
@@ -61,7 +61,7 @@
 //!
 //! Each range of bytes that was skipped is told with its ends ([`Problem::Skipped`]). What can't be seen here
 //! is a changed byte within a payload, and a size that was changed so that it ends just before what looks
-//! like another header (a chance of some percent); then [`Log`] mostly tells that the size of the data is wrong.
+//! like another header (a chance of one in a thousand); then [`Log`] tells that the size of the data is wrong.
 
 mod kind;
 mod log;

@@ -52,6 +52,8 @@ enum State {
     /// Before the first message of a log of this version.
     First(u8),
     Messages,
+    /// At the start of a run that was searched, whose first message isn't doubted again.
+    Found,
     /// Behind bytes from here on that are no messages.
     Lost(u64),
     Ended,
@@ -118,10 +120,14 @@ impl<R: Read> Reader<R> {
         }
         let bytes = self.window.ahead();
         let header = Header::read(bytes)?;
-        let next = Header::read(bytes.get(header.total()..)?)?;
-        let end = self.window.offset() + (header.total() + HEADER) as u64;
-        let is_plain =
-            header.kind == b'D' && header.is_believable() && next.is_believable() && end <= self.sections.end;
+        let next = bytes.get(header.total()..header.total() + Look::NEXT)?;
+        let end = self.window.offset() + (header.total() + Look::NEXT) as u64;
+        let is_plain = header.kind == b'D'
+            && header.is_believable()
+            && self.ids.contains(&bytes[HEADER..])
+            && next[2] == b'D'
+            && self.ids.contains(&next[HEADER..])
+            && end <= self.sections.end;
         is_plain.then_some(header.size.into())
     }
 
@@ -153,6 +159,12 @@ impl<R: Read> Reader<R> {
                         }
                         Verdict::End => {}
                         _ => return Ok(self.problem(Problem::NoFlagBits { version })),
+                    }
+                }
+                State::Found => {
+                    self.state = State::Messages;
+                    if let Some(header) = Header::read(self.window.ahead()) {
+                        return Ok(Step::Message(header));
                     }
                 }
                 State::Messages => {
@@ -192,7 +204,7 @@ impl<R: Read> Reader<R> {
     /// Judges what is ahead by as little of it as will do, so that messages of a slow input aren't late.
     fn judge(&mut self) -> io::Result<Verdict> {
         self.window.require(HEADER)?;
-        let wanted = Header::read(self.window.ahead()).map_or(0, |header| header.total() + HEADER);
+        let wanted = Header::read(self.window.ahead()).map_or(0, |header| header.total() + Look::NEXT);
         self.window.require(wanted)?;
         if let Some(verdict) = self.look().judge() {
             return Ok(verdict);
@@ -212,6 +224,7 @@ impl<R: Read> Reader<R> {
             Verdict::Skip(count, resync) => {
                 let from = self.window.offset();
                 self.window.advance(count);
+                self.state = State::Found;
                 let to = self.window.offset();
                 Some(Step::Problem(from, Problem::Skipped { to, resync }))
             }
@@ -235,7 +248,7 @@ impl<R: Read> Reader<R> {
             self.window.advance(found.map_or(starts, |(at, _)| at));
             let end = if self.is_before_appended() { Resync::Appended } else { Resync::End };
             if let Some(resync) = found.map(|(_, resync)| resync).or(is_closed.then_some(end)) {
-                self.state = State::Messages;
+                self.state = if found.is_some() { State::Found } else { State::Messages };
                 let to = self.window.offset();
                 return Ok(Step::Problem(from, Problem::Skipped { to, resync }));
             }

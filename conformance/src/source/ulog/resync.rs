@@ -62,8 +62,13 @@ impl Ids {
         self.is_empty = false;
     }
 
-    fn contains(&self, id: u16) -> bool {
-        self.bits[usize::from(id / 64)] >> (id % 64) & 1 != 0
+    /// Whether `bytes` start with one of them.
+    #[inline]
+    pub(super) fn contains(&self, bytes: &[u8]) -> bool {
+        let Some(id) = bytes.first_chunk().map(|id| usize::from(u16::from_le_bytes(*id))) else {
+            return false;
+        };
+        self.bits[id / 64] >> (id % 64) & 1 != 0
     }
 
     fn is_empty(&self) -> bool {
@@ -106,18 +111,23 @@ enum Looks {
 }
 
 impl Look<'_> {
-    /// Judges by the message and the header behind it alone, which is enough nearly always.
+    /// A header, and the id that follows it if it is one of data.
+    pub(super) const NEXT: usize = HEADER + 2;
+
+    /// Judges by the message and what [`NEXT`](Self::NEXT) bytes behind it say, which is enough nearly always.
     pub(super) fn judge(&self) -> Option<Verdict> {
         if self.bytes.is_empty() && self.is_closed {
             return Some(Verdict::End);
         }
-        let header = Header::read(self.bytes).filter(|header| header.is_believable())?;
-        let behind = self.bytes.get(header.total()..)?;
-        let goes_on = match Header::read(behind) {
-            Some(next) => next.is_believable(),
-            None => self.is_closed,
+        let header = Header::read(self.bytes)?;
+        let (message, behind) = self.bytes.split_at_checked(header.total())?;
+        let goes_on = match (Header::read(behind), behind.get(HEADER..Self::NEXT)) {
+            (None, _) => self.is_closed,
+            (Some(Header { kind: b'D', .. }), Some(id)) => self.ids.contains(id),
+            (Some(next), _) => next.is_usual(),
         };
-        goes_on.then_some(Verdict::Message(header))
+        let is_sound = goes_on && self.looks(header, &message[HEADER..]) == Looks::Sound;
+        is_sound.then_some(Verdict::Message(header))
     }
 
     /// Judges by what follows.
@@ -213,7 +223,7 @@ impl Look<'_> {
             return Looks::Wrong;
         }
         let is_sound = match (header.kind, payload) {
-            (b'D', [low, high, ..]) if self.ids.contains(u16::from_le_bytes([*low, *high])) => true,
+            (b'D', id) if self.ids.contains(id) => true,
             (b'D', _) => return Looks::Possible,
             (b'F', text) => is_format(text),
             (b'I' | b'P', entry) | (b'M' | b'Q', [_, entry @ ..]) => is_entry(entry),
