@@ -214,6 +214,25 @@ pub fn generate(config: impl AsRef<Path>) -> Result<Generated, Failure> {
     })
 }
 
+/// Reads definitions for whoever judges by them: a configuration file, a folder with one, or files and folders
+/// of PX4's messages. Mistakes in them are a failure, warnings are not.
+pub fn read_definitions(path: impl AsRef<Path>) -> Result<(SourceMap, Schema), Failure> {
+    let path = path.as_ref();
+    let file = if path.is_file() { Some(path.to_path_buf()) } else { Config::in_folder(path) };
+    let plan = match file {
+        Some(file) if file.extension().is_some_and(|extension| extension == "toml") => {
+            Config::read(&file)?.plan()?
+        }
+        _ => Plan::from_arguments("px4", Dialect::Px4.into(), &[path.to_path_buf()], Path::new(""), &[]),
+    };
+    let (loaded, schema, diagnostics) = read(&plan)?;
+    if has_errors(&diagnostics) {
+        let rendered = render::render(&diagnostics, &loaded.sources, false);
+        return Err(Failure::new(format!("the definitions have mistakes\n{rendered}")));
+    }
+    Ok((loaded.sources, schema))
+}
+
 /// The whole command line of an `xtask` that does nothing else.
 pub fn main() -> ExitCode {
     Cli::parse().command.run()
@@ -349,13 +368,23 @@ fn emit_rust(_: &Schema, _: &SourceMap, _: &config::RustOptions) -> Result<Vec<O
     Err(Failure::new("this build can't emit Rust").with_hint("enable the feature `rust` of uavspec-codegen"))
 }
 
+/// Prints a text to standard error, with colours where they are shown. A stream that takes them out would
+/// write each stretch between two of them by itself, which takes as long as all the rest.
+fn print_rendered(render: impl FnOnce(bool) -> String) {
+    let is_plain = anstream::AutoStream::choice(&std::io::stderr()) == anstream::ColorChoice::Never;
+    let _ = if is_plain {
+        std::io::stderr().write_all(render(false).as_bytes())
+    } else {
+        anstream::stderr().write_all(render(true).as_bytes())
+    };
+}
+
 /// Prints all diagnostics, and how many there are.
 fn report(command: &str, loaded: &Loaded, diagnostics: &[Diagnostic], consequence: &str) {
     if diagnostics.is_empty() {
         return;
     }
-    // The stream drops the colours where they would not be shown.
-    let _ = write!(anstream::stderr(), "{}", render::render(diagnostics, &loaded.sources, true));
+    print_rendered(|styled| render::render(diagnostics, &loaded.sources, styled));
     let count = |level| diagnostics.iter().filter(|diagnostic| diagnostic.level() == level).count();
     let (errors, warnings) = (count(Level::Error), count(Level::Warning));
     let mut files: Vec<_> =

@@ -117,6 +117,9 @@ macro_rules! problems {
             /// The code of every problem, each a permanent name.
             pub const CODES: &[&str] = &[$($code),*];
 
+            /// How grave each is, in the order of [`Problem::CODES`].
+            pub const LEVELS: &[Level] = &[$(Level::$level),*];
+
             /// Its code, a permanent name.
             pub fn code(&self) -> &'static str {
                 match self { $(Self::$kind $({ $($field: _),* })? => $code,)* }
@@ -206,7 +209,7 @@ problems! {
         "`---` where no further part can start", "a .srv file has one of them, an .action file two, a .msg file none";
     MissingSeparator { found: usize, expected: usize } = Error "missing-separator"
         "the file has {found} of {expected} parts", "divide the parts by a line `---`, also where one is empty";
-    NotPortable { text: String } = Warning "not-portable"
+    NotPortable { text: String, instead: Option<String> } = Warning "not-portable"
         "PX4's own generator doesn't read `{text}` as it stands", "write it as PX4 does";
 
     // Annotations in comments
@@ -216,7 +219,7 @@ problems! {
         "`{text}` can't be read", "write `{form}`; as it is, it stays part of the text";
     AnnotationNearMiss { found: String, meant: String } = Warning "annotation-near-miss"
         "`{found}` is read as `{meant}`", "write `{meant}`";
-    AnnotationAfterText { found: String } = Warning "annotation-after-text"
+    AnnotationAfterText { found: String, meant: String, head: Option<Span> } = Warning "annotation-after-text"
         "`{found}` stands after the text", "annotations come first: `# [unit] [@…] text`";
     UnknownUnit { unit: String } = Warning "unknown-unit"
         "`{unit}` is no known unit", "units are written as in `m/s`, `deg` or `us`; `-` says that the number has none";

@@ -3,7 +3,7 @@
 use crate::source::Span;
 
 /// What a directive starts with.
-const MARK: &str = "uavspec:ignore";
+pub(crate) const MARK: &str = "uavspec:ignore";
 
 /// What may open the comment that holds a directive, before it.
 const OPENINGS: [&str; 3] = ["<!--", "//", "#"];

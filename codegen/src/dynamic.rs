@@ -50,6 +50,7 @@ mod walk;
 
 use serde::Deserializer;
 use serde::de::{DeserializeSeed, Error as _};
+use uavspec_runtime::Scalar;
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_runtime::layout::Size;
 
@@ -59,7 +60,7 @@ use self::plan::Plan;
 pub use self::ulog::{FormatError, FormatProblem, ULOG_PACKAGE};
 pub use self::validate::Violation;
 pub use self::view::{DynamicView, Elements, Value};
-use crate::schema::{MessageId, Schema};
+use crate::schema::{MessageId, Schema, Shape};
 
 /// The types of all messages of a schema, or of a log.
 #[derive(Debug)]
@@ -124,6 +125,25 @@ impl<'t> MessageType<'t> {
     /// Names of its fields, in declared order.
     pub fn field_names(self) -> impl ExactSizeIterator<Item = &'t str> {
         self.plan.fields.iter().map(|field| &*field.name)
+    }
+
+    /// Where its fields lie in a payload of uORB, in declared order.
+    pub fn layout(self) -> impl ExactSizeIterator<Item = Placed<'t>> {
+        self.plan.fields.iter().map(move |field| Placed {
+            name: &field.name,
+            element: match field.element {
+                plan::Element::Scalar(scalar) => PlacedElement::Scalar(scalar),
+                plan::Element::Text(length) => PlacedElement::Text(length),
+                plan::Element::String(_) => PlacedElement::String,
+                plan::Element::Message(index) => PlacedElement::Message(MessageType {
+                    types: self.types,
+                    plan: &self.types.plans[index],
+                }),
+            },
+            shape: field.shape,
+            offset: field.offset,
+            stride: field.stride,
+        })
     }
 
     /// Its size in uORB, in bytes; none where it varies.
@@ -227,6 +247,34 @@ impl<'de, 't> DeserializeSeed<'de> for MessageType<'t> {
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<DynamicMessage<'t>, D::Error> {
         self.build(deserializer).map_err(D::Error::custom)
     }
+}
+
+/// A field and its place.
+#[derive(Clone, Copy, Debug)]
+pub struct Placed<'t> {
+    /// Its name.
+    pub name: &'t str,
+    /// What it holds.
+    pub element: PlacedElement<'t>,
+    /// How many of them.
+    pub shape: Shape,
+    /// Its first byte, from the start of the message.
+    pub offset: usize,
+    /// Bytes from one element to the next.
+    pub stride: usize,
+}
+
+/// What a field holds.
+#[derive(Clone, Copy, Debug)]
+pub enum PlacedElement<'t> {
+    /// A number or a `bool`.
+    Scalar(Scalar),
+    /// PX4's `char[N]` as a whole, of so many bytes.
+    Text(u32),
+    /// A string, of which only the slot stands here.
+    String,
+    /// A message.
+    Message(MessageType<'t>),
 }
 
 /// A message.

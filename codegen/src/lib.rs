@@ -2,7 +2,9 @@
 //!
 //! ```text
 //!  text ──msg, table──▶ syntax tree ──schema::resolve──▶ Schema ──▶ emit (rust, json_schema, docs, vectors)
-//!                                                              └──▶ dynamic (codecs and checks at run time)
+//!                            │                                ├──▶ dynamic (codecs and checks at run time)
+//!                            └──▶ format                      ├──▶ lint ──────┐
+//!                                                             └──▶ breaking ──┴──▶ report
 //! ```
 //!
 //! A stage can't see the types of the stage before the last. Reading never stops at the first
@@ -28,6 +30,9 @@
 //!   fails when one of them is none any more.
 //! - The layout of a definition ([`mod@format`]) is read again, and must say the same and be its own layout; else
 //!   the text is kept as it was. White space within the text of a comment belongs to what it says.
+//! - What the readers warn of are rules of [`lint`] too, so that their level can be chosen; rules that look at
+//!   comments and white space get the syntax tree beside the model.
+//! - Two sets of definitions that are compared stand in one [`SourceMap`], so that a finding names places in both.
 //! - A vector's JSON and its verdict come from the model, its bytes from [`dynamic`]; ids say what is tried,
 //!   not what comes of it, so that they last.
 //!
@@ -51,6 +56,7 @@
 //! `uavspec-runtime`.
 
 pub mod breaking;
+mod characters;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod diagnostic;

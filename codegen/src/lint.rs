@@ -12,14 +12,64 @@
 mod fix;
 mod ignore;
 mod subject;
+mod topics;
 
+mod annotation_after_text;
 mod annotation_near_miss;
+mod annotation_value_type;
+mod blank_start;
+mod command_parameters;
+mod comment_continued;
+mod comment_lost;
+mod constant_comment_missing;
+mod constant_without_enum;
+mod count_missing;
+mod description_missing;
+mod duplicate_topic;
+mod enum_alias;
+mod enum_of_bits;
+mod enum_on_non_integer;
+mod enum_type;
+mod enum_value_out_of_range;
+mod field_comment_missing;
+mod frame_unknown;
+mod header_end;
+mod header_missing;
+mod invisible_character;
+mod leading_white_space;
+mod malformed_annotation;
+mod message_name_style;
+mod missing_abbreviation;
+mod name_style;
+mod not_portable;
+mod one_sided_alternative;
+mod px_fsf_01;
+mod px_fsf_02;
+mod queue_length;
+mod range_reversed;
+mod repeated_white_space;
+mod severity_bits;
+mod timestamp_missing;
+mod timestamp_type;
+mod topic_default_absent;
+mod topic_list_empty;
+mod topic_redundant;
 mod trailing_white_space;
+mod unit_alias;
 mod unit_missing;
+mod unit_missing_integer;
+mod unit_unlisted;
+mod unknown_annotation;
+mod unknown_constant;
+mod unknown_enum;
+mod unknown_escape;
+mod unknown_unit;
+mod version_type;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 pub use self::fix::apply;
+use self::subject::annotations;
 pub use self::subject::{Subject, Text};
 
 use crate::diagnostic::{Diagnostic, Level, has_errors};
@@ -31,11 +81,59 @@ use crate::{PackageInput, parse_all};
 
 /// Every rule, by id.
 pub const RULES: &[&Rule] = &[
+    &px_fsf_01::RULE,
+    &px_fsf_02::RULE,
+    &annotation_after_text::RULE,
     &annotation_near_miss::RULE,
+    &annotation_value_type::RULE,
+    &blank_start::RULE,
+    &command_parameters::RULE,
+    &comment_continued::RULE,
+    &comment_lost::RULE,
+    &constant_comment_missing::RULE,
+    &constant_without_enum::RULE,
+    &count_missing::RULE,
+    &description_missing::RULE,
+    &duplicate_topic::RULE,
+    &enum_alias::RULE,
+    &enum_of_bits::RULE,
+    &enum_on_non_integer::RULE,
+    &enum_type::RULE,
+    &enum_value_out_of_range::RULE,
+    &field_comment_missing::RULE,
+    &frame_unknown::RULE,
+    &header_end::RULE,
+    &header_missing::RULE,
     &ignore::INVALID,
+    &invisible_character::RULE,
+    &leading_white_space::RULE,
+    &malformed_annotation::RULE,
+    &message_name_style::RULE,
+    &missing_abbreviation::RULE,
+    &name_style::RULE,
+    &not_portable::RULE,
+    &one_sided_alternative::RULE,
+    &queue_length::RULE,
+    &range_reversed::RULE,
+    &repeated_white_space::RULE,
+    &severity_bits::RULE,
+    &timestamp_missing::RULE,
+    &timestamp_type::RULE,
+    &topic_default_absent::RULE,
+    &topic_list_empty::RULE,
+    &topic_redundant::RULE,
     &trailing_white_space::RULE,
+    &unit_alias::RULE,
     &unit_missing::RULE,
+    &unit_missing_integer::RULE,
+    &unit_unlisted::RULE,
+    &unknown_annotation::RULE,
+    &unknown_constant::RULE,
+    &unknown_enum::RULE,
+    &unknown_escape::RULE,
+    &unknown_unit::RULE,
     &ignore::UNUSED,
+    &version_type::RULE,
 ];
 
 /// A rule.
@@ -150,7 +248,7 @@ pub enum Preset {
     /// What PX4's documentation standard asks, and whatever makes readers go wrong.
     #[default]
     Px4,
-    /// All rules.
+    /// All rules but that on PX4's own list of units.
     Strict,
 }
 

@@ -5,7 +5,6 @@
 
 pub mod annotation;
 pub mod ast;
-mod characters;
 pub mod literal;
 mod parser;
 pub(crate) use parser::is_separator;

@@ -6,11 +6,11 @@
 
 pub(crate) mod constraint;
 pub(crate) mod documentation;
-mod enumeration;
+pub(crate) mod enumeration;
 pub mod error_codes;
 pub mod fingerprint;
 pub mod layout;
-mod resolve;
+pub(crate) mod resolve;
 
 use uavspec_runtime::Scalar;
 

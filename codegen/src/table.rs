@@ -12,6 +12,7 @@ mod text;
 
 pub use text::Text;
 
+use crate::characters;
 use crate::diagnostic::Diagnostic;
 use crate::source::{SourceId, SourceMap, Span};
 
@@ -129,11 +130,15 @@ impl Form {
 /// Parses the source `id`. The page holds all that could be read.
 pub fn parse(sources: &SourceMap, id: SourceId) -> (Page, Vec<Diagnostic>) {
     let (text, span) = (sources.text(id), sources.span(id));
-    match Form::of(sources.path(id), text) {
+    let (page, mut diagnostics) = match Form::of(sources.path(id), text) {
         Form::Markdown => (markdown::parse(text, span), Vec::new()),
         Form::AsciiDoc => asciidoc::parse(text, span),
         Form::Flattened => (flattened::parse(text, span), Vec::new()),
+    };
+    for (at, line) in lines(text) {
+        characters::check_invisible(line, span.part(at..at + line.len()), &mut diagnostics);
     }
+    (page, diagnostics)
 }
 
 /// The lines of `text` without their ends, each with its position.

@@ -19,7 +19,7 @@ use uavspec_codegen::lint;
 use uavspec_codegen::schema::Schema;
 use uavspec_codegen::{SourceMap, read};
 
-use support::{files_below, shared};
+use support::{differs, files_below, shared};
 
 /// Files as they are shown, and their texts.
 type Files = Vec<(String, String)>;
@@ -56,19 +56,6 @@ fn files_in(folder: &Path) -> Files {
         (path, fs::read_to_string(file).expect("a text"))
     };
     files.iter().map(shown).collect()
-}
-
-/// What is wrong with `found`; nothing, where the file at `path` holds it.
-fn differs(path: &Path, found: &str) -> Option<String> {
-    let expected = fs::read_to_string(path).unwrap_or_default();
-    if found == expected {
-        return None;
-    }
-    if std::env::var_os("UAVSPEC_UPDATE_FIXTURES").is_some() {
-        fs::write(path, found).expect("a writable file");
-        return None;
-    }
-    Some(format!("{}: found\n{found}and not\n{expected}", path.display()))
 }
 
 fn check_examples(rule: &Rule) -> Vec<String> {

@@ -17,7 +17,7 @@ use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::{Diagnostic, PackageInput, SourceMap, read};
 
-use support::{files_below, package};
+use support::{differs, files_below, package};
 
 const DEFINITIONS: [&str; 6] = ["msg", "srv", "action", "md", "adoc", "txt"];
 
@@ -88,16 +88,7 @@ fn check(kind: &str, case: &str) -> Option<String> {
     if !is_as_named {
         return Some(format!("{kind}/{case} says not what its name tells:\n{found}"));
     }
-    let path = folder.join("expected.txt");
-    let expected = fs::read_to_string(&path).unwrap_or_default();
-    if found == expected {
-        return None;
-    }
-    if std::env::var_os("UAVSPEC_UPDATE_FIXTURES").is_some() {
-        fs::write(&path, found).expect("a writable file");
-        return None;
-    }
-    Some(format!("{kind}/{case} says\n{found}and not\n{expected}"))
+    differs(&folder.join("expected.txt"), &found)
 }
 
 #[test]

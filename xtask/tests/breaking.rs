@@ -138,7 +138,11 @@ fn what_cannot_be_carried_out_is_status_2_with_a_hint() {
     fs::create_dir(path.join("empty")).expect("a folder");
     refuses(path, &["--against", "empty"], &["no definitions below empty", "help: the dialect px4"]);
     write(path, "definitions/uavspec.toml", &format!("{CONFIG}dialekt = \"px4\"\n"));
-    refuses(path, &["--against", "before"], &["definitions/uavspec.toml:5:1", "unknown field `dialekt`"]);
+    refuses(
+        path,
+        &["--against", "before"],
+        &["definitions/uavspec.toml:5:1", "unknown field `dialekt`", "help: the README"],
+    );
     write(path, "definitions/uavspec.toml", CONFIG);
     write(path, "broken/uavspec.toml", CONFIG);
     write(path, "broken/msg/Wind.msg", "uint64\n");

@@ -1,17 +1,18 @@
 //! What to read and what to write: from `uavspec.toml`, or from the command line.
 
-use std::collections::BTreeMap;
+mod lint;
+
 use std::path::{Component, Path, PathBuf};
 
 use clap::ValueEnum;
-use globset::{GlobBuilder, GlobMatcher};
 use serde::Deserialize;
 use toml::Spanned;
 
+pub(super) use self::lint::PresetName;
+use self::lint::{Lint, PlannedLint};
 use super::Failure;
-use crate::diagnostic::{Level, render};
+use crate::diagnostic::render;
 use crate::emit::{docs, json_schema, vectors};
-use crate::lint::{self, Preset};
 use crate::schema::Form;
 use crate::source::SourceMap;
 
@@ -52,84 +53,6 @@ struct File {
     packages: Vec<Package>,
     #[serde(default)]
     lint: Lint,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Lint {
-    preset: Option<PresetName>,
-    #[serde(default)]
-    levels: BTreeMap<Spanned<String>, LevelName>,
-    #[serde(default, rename = "ignore")]
-    ignores: Vec<Spanned<LintIgnore>>,
-}
-
-/// Findings of a rule that are let stand.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct LintIgnore {
-    rule: String,
-    path: Option<String>,
-    reason: String,
-}
-
-/// A set of levels for the rules of `lint`.
-#[derive(Clone, Copy, Debug, Deserialize, ValueEnum)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum PresetName {
-    /// What PX4's documentation standard asks, and whatever makes readers go wrong.
-    Px4,
-    /// All rules.
-    Strict,
-}
-
-impl From<PresetName> for Preset {
-    fn from(name: PresetName) -> Self {
-        match name {
-            PresetName::Px4 => Self::Px4,
-            PresetName::Strict => Self::Strict,
-        }
-    }
-}
-
-/// How grave findings of a rule are.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum LevelName {
-    Off,
-    Note,
-    Warning,
-    Error,
-}
-
-impl LevelName {
-    fn level(self) -> Option<Level> {
-        match self {
-            Self::Off => None,
-            Self::Note => Some(Level::Note),
-            Self::Warning => Some(Level::Warning),
-            Self::Error => Some(Level::Error),
-        }
-    }
-}
-
-/// What `lint` is to do.
-#[derive(Debug, Default)]
-pub(super) struct PlannedLint {
-    pub(super) preset: Option<PresetName>,
-    pub(super) levels: BTreeMap<String, Option<Level>>,
-    pub(super) ignores: Vec<PlannedIgnore>,
-}
-
-/// Findings of a rule that are let stand.
-#[derive(Debug)]
-pub(super) struct PlannedIgnore {
-    pub(super) rule: String,
-    /// Which files, by a pattern below the folder of the configuration file; all, where absent.
-    pub(super) files: Option<GlobMatcher>,
-    pub(super) reason: String,
-    /// Its place in the configuration file.
-    pub(super) range: std::ops::Range<usize>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -389,36 +312,6 @@ impl Config {
     }
 }
 
-impl Lint {
-    fn plan(self, folder: &Path, path: &str, text: &str) -> Result<PlannedLint, Failure> {
-        let mut levels = BTreeMap::new();
-        for (id, level) in self.levels {
-            if lint::rule(id.get_ref()).is_none() {
-                let message = format!("no rule `{}`", id.get_ref());
-                return Err(misplaced(path, text, id.span(), &message)
-                    .with_hint("`cargo xtask lint --rules` lists all rules"));
-            }
-            levels.insert(id.into_inner(), level.level());
-        }
-        let mut ignores = Vec::new();
-        for ignore in self.ignores {
-            let range = ignore.span();
-            let LintIgnore { rule, path: pattern, reason } = ignore.into_inner();
-            let glob = |pattern: String| {
-                let below = folder.join(&pattern);
-                let glob =
-                    GlobBuilder::new(&normalise(&below).to_string_lossy()).literal_separator(true).build();
-                glob.map(|glob| glob.compile_matcher()).map_err(|error| {
-                    misplaced(path, text, range.clone(), &format!("`{pattern}`: {}", error.kind()))
-                })
-            };
-            let files = pattern.map(glob).transpose()?;
-            ignores.push(PlannedIgnore { rule, files, reason, range });
-        }
-        Ok(PlannedLint { preset: self.preset, levels, ignores })
-    }
-}
-
 fn json_schema_options(base: Option<String>) -> json_schema::Options {
     let default = json_schema::Options::default();
     json_schema::Options { base: base.unwrap_or(default.base) }
@@ -436,7 +329,8 @@ fn docs_options(title: Option<String>) -> docs::Options {
 /// A configuration file that can't be read, shown like any other mistake.
 fn unreadable(path: &str, text: &str, error: &toml::de::Error) -> Failure {
     match error.span() {
-        Some(range) => misplaced(path, text, range, error.message()),
+        Some(range) => misplaced(path, text, range, error.message())
+            .with_hint("the README of uavspec lists all keys, under \"Use it in your build\""),
         None => Failure::new(format!("{path}: {}", error.message())),
     }
 }

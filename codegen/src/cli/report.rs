@@ -78,10 +78,7 @@ impl ReportArgs {
         sources: &SourceMap,
     ) -> bool {
         match self.format.format() {
-            None => {
-                // The stream drops the colours where they would not be shown.
-                let _ = write!(anstream::stderr(), "{}", render::findings(findings, sources, true));
-            }
+            None => super::print_rendered(|styled| render::findings(findings, sources, styled)),
             Some(format) => {
                 let entries = findings.iter().map(|finding| Entry::of(finding, sources)).collect();
                 let text = Report { command, rules, entries }.to_text(format);

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{Check, Example, Ignore, Levels, Rule, Settings, Text, rule, subject};
+use super::{Check, Example, Ignore, Levels, Measured, Rule, Settings, Text, rule, subject};
 use crate::diagnostic::Level;
 use crate::directive::{self, Directive};
 use crate::finding::Finding;
@@ -26,7 +26,7 @@ pub(super) const INVALID: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32 sink      # Sink rate  # uavspec:ignore unit-missing taken over as it is\n",
     },
-    measured: None,
+    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
     check: Check::Ignores,
 };
 
@@ -46,7 +46,7 @@ pub(super) const UNUSED: Rule = Rule {
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
                float32 sink      # [m/s] Sink rate\n",
     },
-    measured: None,
+    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
     check: Check::Ignores,
 };
 

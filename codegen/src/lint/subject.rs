@@ -2,9 +2,10 @@
 
 use std::collections::{BTreeSet, HashMap};
 
+use crate::msg::annotation::Annotation;
 use crate::msg::ast::{Definition, Line, Part};
 use crate::msg::{Dialect, Kind};
-use crate::schema::{Constant, Field, Form, Message, PackageSource, Schema};
+use crate::schema::{Constant, Element, Field, Form, Message, MessageId, PackageSource, Schema};
 use crate::source::{SourceId, SourceMap, Span};
 
 /// A message, or a part of a service or action, with its lines.
@@ -20,12 +21,19 @@ pub struct Subject<'a> {
     pub message: &'a Message,
     /// Its lines.
     pub part: &'a Part<'a>,
+    /// Whether another message holds it.
+    pub is_nested: bool,
 }
 
 impl<'a> Subject<'a> {
     /// Whether it is a message of PX4, neither of ROS 2 nor a part of a service.
     pub fn is_px4_message(&self) -> bool {
         self.dialect == Dialect::Px4 && self.message.kind == Kind::Message
+    }
+
+    /// Whether it is written in PX4's dialect: whatever asks for its documentation standard asks only that.
+    pub fn is_px4(&self) -> bool {
+        self.dialect == Dialect::Px4
     }
 
     /// The place to name where the matter is the message as a whole: its first line.
@@ -43,11 +51,28 @@ impl<'a> Subject<'a> {
         self.message.constants.iter().filter_map(|constant| Some((constant, self.line(constant.span)?)))
     }
 
+    /// Its lines that declare something, with the text before their comment and its place.
+    pub fn declarations(&self) -> impl Iterator<Item = (&'a Line<'a>, &'a str, Span)> {
+        let sources = self.sources;
+        self.part.lines.iter().filter(|line| line.item.is_some()).map(move |line| {
+            let end = line.comment.as_ref().map_or(line.span.end, |comment| comment.span.start);
+            let place = Span { start: line.span.start, end };
+            (line, sources.slice(place), place)
+        })
+    }
+
     /// The line that holds `span`.
     pub fn line(&self, span: Span) -> Option<&'a Line<'a>> {
         let after = self.part.lines.partition_point(|line| line.span.start <= span.start);
         self.part.lines.get(after.checked_sub(1)?)
     }
+}
+
+/// The annotations of a declaration, those of the parameters of a command too.
+pub(super) fn annotations<'l>(line: &'l Line<'_>) -> impl Iterator<Item = &'l Annotation<'l>> {
+    let note = line.comment.as_ref().and_then(|comment| comment.note.as_ref());
+    let notes = note.into_iter().flat_map(|note| std::iter::once(note).chain(&note.parameters));
+    notes.flat_map(|note| &note.annotations)
 }
 
 /// A source as text.
@@ -84,15 +109,25 @@ pub(super) fn subjects<'a>(
 ) -> Vec<Subject<'a>> {
     let files: HashMap<(Span, Kind), &(&str, Kind, Span, Definition<'_>)> =
         parsed.iter().flat_map(|package| &package.files).map(|file| ((file.2, file.1), file)).collect();
-    let subject = |message: &'a Message| {
+    let nested: BTreeSet<MessageId> = schema
+        .messages
+        .iter()
+        .flat_map(|message| &message.fields)
+        .filter_map(|field| match field.ty.element {
+            Element::Message(id) => Some(id),
+            Element::Scalar(_) | Element::String { .. } => None,
+        })
+        .collect();
+    let subject = |(id, message): (u32, &'a Message)| {
         let Form::Msg(dialect) = parsed[message.package].form else { return None };
         let (stem, kind, _, definition) = files.get(&(message.span, message.kind))?;
         let suffix = message.name.strip_prefix(stem)?;
         let part = kind.part_suffixes().iter().position(|known| *known == suffix)?;
-        Some(Subject { sources, schema, dialect, message, part: definition.parts.get(part)? })
+        let part = definition.parts.get(part)?;
+        Some(Subject { sources, schema, dialect, message, part, is_nested: nested.contains(&MessageId(id)) })
     };
-    let is_whole = |message: &&Message| !broken.contains(&sources.source_of(message.span));
-    schema.messages.iter().filter(is_whole).filter_map(subject).collect()
+    let is_whole = |(_, message): &(u32, &Message)| !broken.contains(&sources.source_of(message.span));
+    (0..).zip(&schema.messages).filter(is_whole).filter_map(subject).collect()
 }
 
 /// All sources.

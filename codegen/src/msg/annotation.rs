@@ -187,6 +187,9 @@ impl<'s> Reader<'s, '_> {
     /// The text, and annotations with `@` that stand in it by mistake.
     fn rest(&mut self) {
         let mut text = String::new();
+        // Beyond a pipe it may belong to a parameter.
+        let head = self.text.len() - self.text[self.at..].trim_start().len();
+        let head = (!self.text.contains('|')).then_some(head);
         let mut copied = self.at;
         let mut from = self.at;
         // Past the last end of a bracket nothing is left to be found.
@@ -200,9 +203,15 @@ impl<'s> Reader<'s, '_> {
             }
             let Some((content, end)) = bracketed(self.text, start) else { continue };
             match classify(content, self.text.as_bytes()[start] == b'(') {
-                Reading::Statement(statement) | Reading::NearMiss(statement, _) => {
+                reading @ (Reading::Statement(_) | Reading::NearMiss(..)) => {
                     let found = self.text[start..end].to_owned();
-                    self.report(Problem::AnnotationAfterText { found }, start..end);
+                    let (statement, meant) = match reading {
+                        Reading::NearMiss(statement, meant) => (statement, meant),
+                        Reading::Statement(statement) => (statement, found.clone()),
+                        Reading::Text(_) => continue,
+                    };
+                    let head = head.map(|head| self.span.part(head..head));
+                    self.report(Problem::AnnotationAfterText { found, meant, head }, start..end);
                     self.push(statement, start..end);
                     text.push_str(self.text[copied..start].trim_end());
                     copied = end;
@@ -268,6 +277,11 @@ fn bracketed(text: &str, start: usize) -> Option<(&str, usize)> {
     None
 }
 
+/// Whether `text` would be read as one pair of brackets: what stands in it may close them early.
+pub(crate) fn is_bracketed(text: &str) -> bool {
+    bracketed(text, 0).is_some_and(|(_, end)| end == text.len())
+}
+
 fn classify(content: &str, in_parentheses: bool) -> Reading<'_> {
     if let Some(annotation) = content.strip_prefix('@') {
         let (name, argument) = split_word(annotation);
@@ -294,9 +308,9 @@ fn classify(content: &str, in_parentheses: bool) -> Reading<'_> {
     if let Some((low, high)) = content.split_once(',')
         && !low.trim().is_empty()
         && !high.trim().is_empty()
-        && let (Ok(low), Ok(high)) = (bound(low), bound(high))
+        && let Some(statement) = range(content)
     {
-        return Reading::NearMiss(Statement::Range { low, high }, format!("[@range {content}]"));
+        return Reading::NearMiss(statement, format!("[@range {content}]"));
     }
     if looks_like_unit(content) {
         return Reading::Statement(Statement::Unit(content));

@@ -6,7 +6,8 @@ use super::ast::{
     Comment, Constant, ConstantType, Definition, Element, Field, Item, Line, Name, Part, Shape, Type,
 };
 use super::literal::{self, LiteralError};
-use super::{Dialect, Kind, annotation, characters, is_identifier};
+use super::{Dialect, Kind, annotation, is_identifier};
+use crate::characters;
 use crate::diagnostic::{Diagnostic, Problem, has_errors};
 use crate::directive;
 use crate::source::Span;
@@ -118,7 +119,8 @@ impl<'s> LineParser<'s, '_> {
         let ty = self.parse_type(type_text, type_span)?;
         let name = self.name(type_text)?;
         if self.dialect == Dialect::Px4 && !blanks.contains(' ') {
-            let problem = Problem::NotPortable { text: format!("{type_text}<tab>{}", name.text) };
+            let instead = Some(format!("{type_text} {}", name.text));
+            let problem = Problem::NotPortable { text: format!("{type_text}<tab>{}", name.text), instead };
             self.report_with(problem, type_span.to(name.span), "put a blank between them");
         }
         self.skip_blanks();
@@ -370,13 +372,17 @@ impl<'s> LineParser<'s, '_> {
         match literal::parse_scalar(text, scalar) {
             Ok(value) => {
                 if self.dialect == Dialect::Px4 && !literal::is_portable(text, &value) {
-                    let hint = match value {
-                        Value::Bool(true) => "write `True`".to_owned(),
-                        Value::Bool(false) => "write `False`".to_owned(),
-                        Value::Float(_) => "it cuts every constant to an integer".to_owned(),
-                        ref value => format!("write `{value}`"),
+                    let instead = match &value {
+                        Value::Bool(true) => Some("True".to_owned()),
+                        Value::Bool(false) => Some("False".to_owned()),
+                        Value::Float(_) => None,
+                        value => Some(value.to_string()),
                     };
-                    self.report_with(Problem::NotPortable { text: text.to_owned() }, span, hint);
+                    let hint = match &instead {
+                        Some(instead) => format!("write `{instead}`"),
+                        None => "it cuts every constant to an integer".to_owned(),
+                    };
+                    self.report_with(Problem::NotPortable { text: text.to_owned(), instead }, span, hint);
                 }
                 Ok(value)
             }

@@ -127,8 +127,21 @@ impl ByPrefix {
     }
 }
 
+/// Whether a constant counts or bounds those of `names` that start like it, whether or not a field claims them.
+pub(crate) fn is_sentinel_among(name: &str, names: &BTreeSet<&str>) -> bool {
+    let prefix = SENTINELS.iter().find_map(|word| name.strip_suffix(word)?.strip_suffix('_'));
+    prefix.is_some_and(|prefix| {
+        let start = format!("{prefix}_");
+        let mut alike = names.range(start.as_str()..).take_while(|other| other.starts_with(&start));
+        alike.any(|other| *other != name)
+    })
+}
+
 /// The longest claimed prefix that `name` starts with, and what follows its `_`.
-fn longest_prefix<'n, 'c>(name: &'n str, claimed: &'c BTreeSet<String>) -> Option<(&'c str, &'n str)> {
+pub(crate) fn longest_prefix<'n, 'c>(
+    name: &'n str,
+    claimed: &'c BTreeSet<String>,
+) -> Option<(&'c str, &'n str)> {
     // From the last `_` on, so that the first hit is the longest.
     name.rmatch_indices('_').find_map(|(at, _)| {
         let prefix = claimed.get(&name[..at])?;
@@ -136,6 +149,7 @@ fn longest_prefix<'n, 'c>(name: &'n str, claimed: &'c BTreeSet<String>) -> Optio
     })
 }
 
+/// Whether a constant that belongs to a prefix, after which `rest` follows, counts or bounds an enum.
 fn is_sentinel(rest: &str) -> bool {
     SENTINELS.contains(&rest) || SENTINEL_ENDINGS.iter().any(|ending| rest.ends_with(ending))
 }

@@ -7,6 +7,8 @@ mod measure;
 mod order;
 mod reference;
 
+pub(crate) use lower::default_topic;
+
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::enumeration::{ByPrefix, EnumRef};

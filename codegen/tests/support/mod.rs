@@ -114,3 +114,17 @@ pub(crate) fn texts(form: Form, files: &[(&str, &str)]) -> (SourceMap, Schema, V
     diagnostics.append(&mut found);
     (sources, schema, diagnostics)
 }
+
+/// What is wrong with `found`; nothing, where the file at `path` holds just that. With
+/// `UAVSPEC_UPDATE_FIXTURES` the file holds it from now on.
+pub(crate) fn differs(path: &Path, found: &str) -> Option<String> {
+    let expected = fs::read_to_string(path).unwrap_or_default();
+    if found == expected {
+        return None;
+    }
+    if std::env::var_os("UAVSPEC_UPDATE_FIXTURES").is_some() {
+        fs::write(path, found).expect("a writable file");
+        return None;
+    }
+    Some(format!("{}: found\n{found}and not\n{expected}", path.display()))
+}

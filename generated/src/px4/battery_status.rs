@@ -146,7 +146,7 @@ pub struct BatteryStatus {
     ///
     /// Group: Energy; unit: W (watts).
     pub average_power: f32,
-    /// Forecast of what is left in the battery; charge or energy, the source defines no unit
+    /// Forecast of what is left in the battery; charge or energy: no unit is defined
     ///
     /// Group: Energy.
     pub available_energy: f32,
@@ -158,7 +158,7 @@ pub struct BatteryStatus {
     ///
     /// Group: Energy; unit: Wh (watt hours).
     pub remaining_capacity_wh: f32,
-    /// What the pack held by design; the source defines no unit
+    /// What the pack held by design; no unit is defined
     ///
     /// Group: Energy.
     pub design_capacity: f32,

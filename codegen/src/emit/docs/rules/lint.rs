@@ -27,7 +27,7 @@ pub(super) fn chapter() -> Chapter {
 /// What stands above the table.
 const ABOUT: &str = "\
 `cargo xtask lint` looks at definitions for what should be written otherwise. The preset `px4` holds what \
-PX4's documentation standard asks and whatever makes readers go wrong, `strict` holds all rules; \
+PX4's documentation standard asks and whatever makes readers go wrong, `strict` holds all rules but that on PX4's own list of units; \
 `lint.preset` and `lint.levels` in `uavspec.toml` choose. Findings were counted in all messages of PX4 \
 (`px4_msgs` main at a4a9864), and a sample of them was judged by hand: right is what somebody who knows the \
 definition would change.";

@@ -1,4 +1,4 @@
-//! Characters that have no place in a definition: they end lines for other tools, or hide text.
+//! Characters that have no place in a definition or a page: they end lines for other tools, or hide text.
 
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::Span;
@@ -28,9 +28,21 @@ fn line_separator(character: char) -> Option<&'static str> {
 /// How many of them are reported of one line: a line may hold millions.
 const MAX_PER_LINE: usize = 100;
 
+/// Diagnoses what hides text in a line of a page. Pages are prose: what ends a line there is no matter.
+pub(crate) fn check_invisible(line: &str, span: Span, diagnostics: &mut Vec<Diagnostic>) {
+    if line.is_ascii() {
+        return;
+    }
+    let invisible = line.char_indices().filter(|(_, character)| is_invisible(*character));
+    for (at, character) in invisible.take(MAX_PER_LINE) {
+        let place = span.part(at..at + character.len_utf8());
+        diagnostics.push(Diagnostic::new(Problem::InvisibleCharacter { code: character.into() }, place));
+    }
+}
+
 /// Diagnoses each such character of a line. The common line, plain text and tabs, costs one pass
 /// over its bytes.
-pub(super) fn check(line: &str, span: Span, diagnostics: &mut Vec<Diagnostic>) {
+pub(crate) fn check(line: &str, span: Span, diagnostics: &mut Vec<Diagnostic>) {
     if line.bytes().all(|byte| matches!(byte, b'\t' | b' '..=b'~')) {
         return;
     }

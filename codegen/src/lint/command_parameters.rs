@@ -1,0 +1,64 @@
+//! `command-parameters`: commands with seven parameters.
+
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, constant_without_enum};
+use crate::diagnostic::Level;
+use crate::schema::enumeration;
+
+pub(super) const RULE: Rule = Rule {
+    id: "command-parameters",
+    purpose: "The comment of a command in VehicleCommand ends in its seven parameters, each between pipes. \
+              With fewer or more, nobody can tell which is which, and the documentation of the command has \
+              none.",
+    levels: Levels::both(Level::Warning),
+    bad: Example {
+        path: "VehicleCommand.msg",
+        text: "# Command to the vehicle\n\nuint64 timestamp  # [us] Time since system start\n\n\
+               uint16 VEHICLE_CMD_TOW = 900  # Tow a glider |[m] Height|[m/s] Speed|\n\n\
+               uint16 command  # [@enum VEHICLE_CMD] Command\n",
+    },
+    good: Example {
+        path: "VehicleCommand.msg",
+        text: "# Command to the vehicle\n\nuint64 timestamp  # [us] Time since system start\n\n\
+               uint16 VEHICLE_CMD_TOW = 900  # Tow a glider |[m] Height|[m/s] Speed|Unused|Unused|Unused|Unused|Unused|\n\nuint16 command  # [@enum VEHICLE_CMD] Command\n",
+    },
+    measured: Some(Measured {
+        findings: 42,
+        sample: 30,
+        right: 28,
+        remark: "the others are marks and tests, no commands",
+    }),
+    check: Check::Message(check),
+};
+
+/// How many parameters a command of `MAVLink` has.
+const COUNT: usize = 7;
+
+fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    if !subject.is_px4_message() || subject.message.name != "VehicleCommand" {
+        return;
+    }
+    let names = constant_without_enum::names(subject.message);
+    for (constant, line) in subject.constants() {
+        let is_command = constant.name.starts_with("VEHICLE_CMD_")
+            && !enumeration::is_sentinel_among(&constant.name, &names);
+        if !is_command || !constant.parameters.is_empty() {
+            continue;
+        }
+        let text = line.comment.as_ref().map_or("", |comment| comment.text);
+        let found = match text.split('|').count() {
+            1 => 0,
+            // What follows the last pipe is a parameter too, where the pipe that closes it is left out.
+            parts => parts - 2 + usize::from(!text.trim_end().ends_with('|')),
+        };
+        let found = match found {
+            0 => "no parameters".to_owned(),
+            1 => "one parameter".to_owned(),
+            found => format!("{found} parameters"),
+        };
+        sink.report(
+            constant.span,
+            format!("`{}` has {found}, not {COUNT}", constant.name),
+            "end the comment in `|p1|p2|p3|p4|p5|p6|p7|`",
+        );
+    }
+}

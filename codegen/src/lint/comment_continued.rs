@@ -1,0 +1,48 @@
+//! `comment-continued`: the comment of a declaration on its line.
+
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
+use crate::diagnostic::Level;
+
+pub(super) const RULE: Rule = Rule {
+    id: "comment-continued",
+    purpose: "The comment of a field or constant stands wholly on its line. What goes on below is added here; \
+              PX4's documentation leaves it out.",
+    levels: Levels::both(Level::Note),
+    bad: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               float32 sink  # [m/s] Sink rate,\n              # down is positive\n",
+    },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               float32 sink  # [m/s] Sink rate, down is positive\n",
+    },
+    measured: Some(Measured { findings: 15, sample: 15, right: 15, remark: "" }),
+    check: Check::Message(check),
+};
+
+fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    if !subject.is_px4() {
+        return;
+    }
+    let mut is_after_item = false;
+    for line in &subject.part.lines {
+        let comment =
+            line.comment.as_deref().filter(|comment| line.item.is_none() && !comment.is_directive());
+        match comment {
+            Some(comment) if is_after_item && comment.column > 0 => {
+                if !comment.text.trim().is_empty() {
+                    sink.report(
+                        comment.span,
+                        "a comment that goes on below its declaration",
+                        "put it on the line of the declaration: PX4's documentation leaves it out here",
+                    );
+                }
+            }
+            Some(comment) => is_after_item &= comment.column == 0 && comment.text.starts_with(" TOPICS "),
+            None if line.item.is_some() => is_after_item = true,
+            None => is_after_item &= !line.is_blank(),
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! `constant-comment-missing`: a constant that nobody explains.
+
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, constant_without_enum};
+use crate::diagnostic::Level;
+use crate::schema::enumeration;
+
+pub(super) const RULE: Rule = Rule {
+    id: "constant-comment-missing",
+    purpose: "A constant has a comment. Its name seldom says when the value is sent, and documentation has \
+              nothing else to show.",
+    levels: Levels::strict(Level::Note),
+    bad: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               uint8 GEAR_UP = 0\nuint8 GEAR_DOWN = 1\n\nuint8 gear  # [@enum GEAR] Landing gear\n",
+    },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               uint8 GEAR_UP = 0    # Retracted\nuint8 GEAR_DOWN = 1  # Extended\n\n\
+               uint8 gear  # [@enum GEAR] Landing gear\n",
+    },
+    measured: Some(Measured {
+        findings: 430,
+        sample: 30,
+        right: 26,
+        remark: "the others are numbered alike, or say it in their names",
+    }),
+    check: Check::Message(check),
+};
+
+fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    if !subject.is_px4() {
+        return;
+    }
+    let names = constant_without_enum::names(subject.message);
+    for constant in subject.message.constants.iter().filter(|constant| constant.description.is_empty()) {
+        let name = constant.name.as_str();
+        let is_known = constant_without_enum::KNOWN_BY_NAME.contains(&name)
+            || enumeration::is_sentinel_among(name, &names);
+        if !is_known && constant.parameters.is_empty() {
+            sink.report(
+                constant.span,
+                format!("nothing is said of `{name}`"),
+                "say in a comment what it means",
+            );
+        }
+    }
+}

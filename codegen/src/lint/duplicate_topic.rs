@@ -1,0 +1,29 @@
+//! `duplicate-topic`: a topic that is listed twice.
+
+use super::{Check, Example, Levels, Measured, Rule, topics};
+use crate::diagnostic::{Diagnostic, Level};
+use crate::finding::Edit;
+use crate::source::SourceMap;
+
+pub(super) const RULE: Rule = Rule {
+    id: "duplicate-topic",
+    purpose: "A topic is listed once. The second entry says nothing new; most often another name was meant.",
+    levels: Levels::both(Level::Warning),
+    bad: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
+               # TOPICS glider tow_plane glider\n",
+    },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
+               # TOPICS glider tow_plane\n",
+    },
+    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    check: Check::Reader(fix),
+};
+
+fn fix(diagnostic: &Diagnostic, sources: &SourceMap) -> Vec<Edit> {
+    let edit = |span| Edit { span, text: String::new() };
+    topics::removal(diagnostic.span, sources).map(edit).into_iter().collect()
+}

@@ -1,0 +1,91 @@
+//! `enum-of-bits`: constants that are combined under `@enum`.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
+use crate::diagnostic::Level;
+use crate::schema::{Enum, EnumRef, Field, Message, Schema};
+
+pub(super) const RULE: Rule = Rule {
+    id: "enum-of-bits",
+    purpose: "Constants that are combined bit by bit are claimed with `[@flags PREFIX]`. Under `[@enum \
+              PREFIX]` every combination is taken for a value that nobody knows. PX4's own tools know no \
+              `@flags`.",
+    levels: Levels::strict(Level::Warning),
+    bad: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               uint8 LIGHT_NOSE = 1   # In the nose\nuint8 LIGHT_LEFT = 2   # On the left wing\n\
+               uint8 LIGHT_RIGHT = 4  # On the right wing\nuint8 LIGHT_TAIL = 8   # In the tail\n\n\
+               uint8 lights  # [@enum LIGHT] Lights that are on\n",
+    },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               uint8 LIGHT_NOSE = 1   # In the nose\nuint8 LIGHT_LEFT = 2   # On the left wing\n\
+               uint8 LIGHT_RIGHT = 4  # On the right wing\nuint8 LIGHT_TAIL = 8   # In the tail\n\n\
+               uint8 lights  # [@flags LIGHT] Lights that are on\n",
+    },
+    measured: Some(Measured {
+        findings: 4,
+        sample: 4,
+        right: 4,
+        remark: "PX4's own tools know no other annotation yet",
+    }),
+    check: Check::Message(check),
+};
+
+/// Words that tell of bits, in comments and in the names of fields.
+const WORDS: [&str; 8] = ["bitmask", "bitmasks", "bitmap", "bitfield", "bitset", "bitwise", "mask", "bits"];
+
+fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    let mut known = Bits::default();
+    for field in &subject.message.fields {
+        let Some(reference) = field.enumeration else { continue };
+        if !subject.schema.enumeration(reference).is_flags && known.is_meant(field, reference, subject.schema)
+        {
+            sink.report(
+                field.span,
+                format!("the constants of `{}` are bits", field.name),
+                format!("write `[@flags {}]`", field.enum_prefixes.join(" ")),
+            );
+        }
+    }
+}
+
+/// Which enums are made of bits, each looked at once: any number of fields may hold it.
+#[derive(Default)]
+pub(super) struct Bits {
+    known: BTreeMap<EnumRef, bool>,
+}
+
+impl Bits {
+    /// Whether the constants of a field are combined bit by bit, whatever its annotation says.
+    pub(super) fn is_meant(&mut self, field: &Field, reference: EnumRef, schema: &Schema) -> bool {
+        let are_bits = || {
+            let found = schema.enumeration(reference);
+            found.is_flags || are_masks(found) || are_called_bits(found, schema.message(reference.message))
+        };
+        *self.known.entry(reference).or_insert_with(are_bits) || tells_of_bits(field)
+    }
+}
+
+/// Whether the values are powers of two up to 8 at least, with none between that would be the next number.
+fn are_masks(found: &Enum) -> bool {
+    let values: BTreeSet<i128> = found.members.iter().map(|member| member.value).collect();
+    let powers = values.iter().filter(|value| **value > 0 && value.count_ones() == 1).count();
+    let others = values.iter().filter(|value| **value != 0).count() - powers;
+    powers >= 4 && [1, 2, 4].iter().all(|low| values.contains(low)) && others <= 1 && !values.contains(&3)
+}
+
+/// Whether the names of all constants say that they are bits or masks.
+fn are_called_bits(found: &Enum, owner: &Message) -> bool {
+    let is_bit = |name: &str| name.split('_').any(|word| matches!(word, "BIT" | "MASK"));
+    found.members.len() > 1
+        && found.members.iter().all(|member| is_bit(&owner.constants[member.constant].name))
+}
+
+fn tells_of_bits(field: &Field) -> bool {
+    let words = field.description.split(|c: char| !c.is_alphanumeric()).chain(field.name.split('_'));
+    words.map(str::to_ascii_lowercase).any(|word| WORDS.contains(&word.as_str()))
+}

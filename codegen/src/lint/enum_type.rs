@@ -1,0 +1,69 @@
+//! `enum-type`: constants of a wider type than the field that holds them.
+
+use std::collections::BTreeMap;
+
+use uavspec_runtime::Scalar;
+
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, enum_of_bits};
+use crate::diagnostic::Level;
+use crate::schema::{Constant, Element, EnumRef, Schema};
+
+pub(super) const RULE: Rule = Rule {
+    id: "enum-type",
+    purpose: "The field that holds the constants of an enum has a type that holds all of theirs. What is \
+              assigned from a wider one is cut without a word; one of the two types is a slip.",
+    levels: Levels::both(Level::Note),
+    bad: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               int32 GEAR_UP = 0    # Retracted\nint32 GEAR_DOWN = 1  # Extended\n\n\
+               uint8 gear  # [@enum GEAR] Landing gear\n",
+    },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               uint8 GEAR_UP = 0    # Retracted\nuint8 GEAR_DOWN = 1  # Extended\n\n\
+               uint8 gear  # [@enum GEAR] Landing gear\n",
+    },
+    measured: Some(Measured { findings: 1, sample: 1, right: 1, remark: "" }),
+    check: Check::Message(check),
+};
+
+fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    let mut bits = enum_of_bits::Bits::default();
+    let mut known: BTreeMap<EnumRef, Option<(&Constant, Scalar)>> = BTreeMap::new();
+    for field in &subject.message.fields {
+        let Some(reference) = field.enumeration else { continue };
+        let wider = *known.entry(reference).or_insert_with(|| wider(reference, subject.schema));
+        let Some((constant, scalar)) = wider else { continue };
+        // Numbers of bits need no type as wide as the mask, and no mask is as wide as all its bits.
+        if bits.is_meant(field, reference, subject.schema) {
+            continue;
+        }
+        let held = subject.schema.enumeration(reference).scalar.name();
+        sink.report(
+            field.span,
+            format!("`{}` is a `{held}`, its constants are `{}`", field.name, scalar.name()),
+            "give both one type",
+        )
+        .relate(constant.span, "one of its constants");
+    }
+}
+
+/// The first constant of an enum whose type has values that the type of its fields doesn't hold.
+fn wider(reference: EnumRef, schema: &Schema) -> Option<(&Constant, Scalar)> {
+    let found = schema.enumeration(reference);
+    let constants = &schema.message(reference.message).constants;
+    found.members.iter().map(|member| &constants[member.constant]).find_map(|constant| match constant.ty {
+        Element::Scalar(scalar) if !is_within(scalar, found.scalar) => Some((constant, scalar)),
+        _ => None,
+    })
+}
+
+/// Whether a type has no values but those of another.
+fn is_within(scalar: Scalar, other: Scalar) -> bool {
+    match (scalar.integer_bounds(), other.integer_bounds()) {
+        (Some((least, greatest)), Some((low, high))) => low <= least && greatest <= high,
+        _ => true,
+    }
+}

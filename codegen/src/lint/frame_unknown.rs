@@ -1,0 +1,60 @@
+//! `frame-unknown`: a coordinate frame that nobody knows.
+
+use std::collections::HashSet;
+
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, annotations};
+use crate::diagnostic::Level;
+use crate::msg::annotation::Statement;
+use crate::schema::Message;
+
+pub(super) const RULE: Rule = Rule {
+    id: "frame-unknown",
+    purpose: "A coordinate frame is one of those known, or with `@` the name of a field that says which. North \
+              of a frame that only its author knows can't be told from south.",
+    levels: Levels::both(Level::Warning),
+    bad: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               float32[3] wind  # [m/s] [@frame local] Wind\n",
+    },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               float32[3] wind  # [m/s] [@frame NED] Wind\n",
+    },
+    measured: Some(Measured { findings: 2, sample: 2, right: 2, remark: "" }),
+    check: Check::Message(check),
+};
+
+/// Coordinate frames of the world, in lower case.
+const WORLD: [&str; 8] = ["ned", "enu", "nwu", "ecef", "wgs84", "local ned", "local enu", "local frd"];
+
+/// Coordinate frames of the vehicle, in lower case.
+const VEHICLE: [&str; 8] =
+    ["frd", "flu", "body", "body frd", "body flu", "body frame", "body frame frd", "body frame flu"];
+
+fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    let mut declared = None;
+    for annotation in subject.part.lines.iter().flat_map(annotations) {
+        let Statement::Frame(frame) = annotation.statement else { continue };
+        let is_known = if let Some(name) = frame.strip_prefix('@') {
+            declared.get_or_insert_with(|| names(subject.message)).contains(name)
+        } else {
+            let frame = frame.to_lowercase();
+            WORLD.contains(&frame.as_str()) || VEHICLE.contains(&frame.as_str())
+        };
+        if !is_known {
+            sink.report(
+                annotation.span,
+                format!("`{frame}` is no known coordinate frame"),
+                "write NED, ENU, ECEF, FRD, FLU or Body, or `@` and the name of the field that says which",
+            );
+        }
+    }
+}
+
+/// What a message declares.
+fn names(message: &Message) -> HashSet<&str> {
+    let fields = message.fields.iter().map(|field| field.name.as_str());
+    fields.chain(message.constants.iter().map(|constant| constant.name.as_str())).collect()
+}

@@ -1,0 +1,65 @@
+//! `header-end`: how the short description ends.
+
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
+use crate::diagnostic::Level;
+use crate::msg::ast::{Comment, Line};
+
+pub(super) const RULE: Rule = Rule {
+    id: "header-end",
+    purpose: "The short description of a message stands on one line without a full stop, as PX4's \
+              documentation standard asks. One of several lines ends in a full stop; without, the rest of the \
+              description most often runs into it.",
+    levels: Levels::both(Level::Note),
+    bad: Example {
+        path: "Glider.msg",
+        text: "# State of a glider.\n\nuint64 timestamp  # [us] Time since system start\n",
+    },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n",
+    },
+    measured: Some(Measured { findings: 32, sample: 30, right: 30, remark: "" }),
+    check: Check::Message(check),
+};
+
+fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    if !subject.is_px4_message() {
+        return;
+    }
+    let text =
+        |line: &&'_ Line<'_>| line.comment.as_deref().is_some_and(|comment| !comment.text.trim().is_empty());
+    let head = subject.part.lines.iter().take_while(|line| line.item.is_none() && line.comment.is_some());
+    let paragraph: Vec<&Comment<'_>> = head
+        .skip_while(|line| !text(line))
+        .take_while(text)
+        .filter_map(|line| line.comment.as_deref())
+        .filter(|comment| !comment.text.starts_with(" TOPICS "))
+        .collect();
+    let [first, .., last] = &paragraph[..] else {
+        if let [only] = &paragraph[..]
+            && is_one_sentence(only.text)
+        {
+            let help = "a short description of one line ends without it";
+            sink.report(end(only), "a full stop after the short description", help);
+        }
+        return;
+    };
+    if last.text.ends_with(|c: char| c.is_alphanumeric()) {
+        sink.report(
+            first.span.to(last.span),
+            "a short description of several lines, without a full stop",
+            "end it with one, or set the short description apart by a line `#`",
+        );
+    }
+}
+
+/// Whether a text is one sentence that ends in a full stop.
+fn is_one_sentence(text: &str) -> bool {
+    text.strip_suffix('.')
+        .is_some_and(|text| !text.contains(". ") && !text.ends_with(['.', ')']) && !text.ends_with("etc"))
+}
+
+fn end(comment: &Comment<'_>) -> crate::source::Span {
+    let len = comment.text.len();
+    comment.span.part(len..len + 1)
+}

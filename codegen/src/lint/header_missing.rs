@@ -1,0 +1,28 @@
+//! `header-missing`: a message without a description.
+
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
+use crate::diagnostic::Level;
+
+pub(super) const RULE: Rule = Rule {
+    id: "header-missing",
+    purpose: "A message starts with a comment that says what it is for. The list of all messages shows its \
+              first paragraph; without it there is only the name.",
+    levels: Levels::both(Level::Warning),
+    bad: Example { path: "Glider.msg", text: "uint64 timestamp  # [us] Time since system start\n" },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n",
+    },
+    measured: Some(Measured { findings: 131, sample: 30, right: 30, remark: "" }),
+    check: Check::Message(check),
+};
+
+fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    if subject.is_px4_message() && subject.message.docs.summary.is_empty() {
+        sink.report(
+            subject.head(),
+            format!("`{}` has no description", subject.message.name),
+            "start the file with a comment that says what the message is for",
+        );
+    }
+}

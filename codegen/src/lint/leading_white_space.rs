@@ -1,0 +1,35 @@
+//! `leading-white-space`: declarations start at the start of their line.
+
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
+use crate::diagnostic::Level;
+
+pub(super) const RULE: Rule = Rule {
+    id: "leading-white-space",
+    purpose: "A declaration starts in the first column. An indented one looks like a part of that above, and \
+              there is none.",
+    levels: Levels::both(Level::Note),
+    bad: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n  float32 sink  # [m/s] Sink rate\n",
+    },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               float32 sink  # [m/s] Sink rate\n",
+    },
+    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    check: Check::Message(check),
+};
+
+fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    if !subject.is_px4() {
+        return;
+    }
+    for (_, text, place) in subject.declarations() {
+        let blanks = text.len() - text.trim_start_matches([' ', '\t']).len();
+        if blanks > 0 {
+            let place = place.part(0..blanks);
+            sink.report(place, "white space before a declaration", "remove it").edit(place, "");
+        }
+    }
+}

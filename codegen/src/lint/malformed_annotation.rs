@@ -1,0 +1,23 @@
+//! `malformed-annotation`: an annotation that can't be read.
+
+use super::{Check, Example, Levels, Measured, Rule, no_fix};
+use crate::diagnostic::Level;
+
+pub(super) const RULE: Rule = Rule {
+    id: "malformed-annotation",
+    purpose: "An annotation has the form that its name asks for. One that can't be read stays part of the \
+              text, and the value is not checked.",
+    levels: Levels::both(Level::Warning),
+    bad: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               float32 sink  # [m/s] [@range 0 to 10] Sink rate\n",
+    },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               float32 sink  # [m/s] [@range 0, 10] Sink rate\n",
+    },
+    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    check: Check::Reader(no_fix),
+};

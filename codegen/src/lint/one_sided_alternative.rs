@@ -1,0 +1,27 @@
+//! `one-sided-alternative`: alternatives that don't name each other.
+
+use super::{Check, Example, Levels, Rule, no_fix};
+use crate::diagnostic::Level;
+
+pub(super) const RULE: Rule = Rule {
+    id: "one-sided-alternative",
+    purpose: "Codes of which only one stands for the same event name each other. Where one of them doesn't, \
+              whoever reads only its description reports the event twice.",
+    levels: Levels::both(Level::Warning),
+    bad: Example {
+        path: "winch.md",
+        text: "# Winch\n\n## Warnings (codes 64-127)\n\n| Code | Abbr | Description |\n\
+               |-----:|------|-------------|\n\
+               | 64 | ROPE | The rope is worn. Use this code only if it holds; otherwise use code 65. |\n\
+               | 65 | ROPE2 | The rope is torn. |\n",
+    },
+    good: Example {
+        path: "winch.md",
+        text: "# Winch\n\n## Warnings (codes 64-127)\n\n| Code | Abbr | Description |\n\
+               |-----:|------|-------------|\n\
+               | 64 | ROPE | The rope is worn. Use this code only if it holds; otherwise use code 65. |\n\
+               | 65 | ROPE2 | The rope is torn. Use this code only if it doesn't hold; otherwise use code 64. |\n",
+    },
+    measured: None,
+    check: Check::Reader(no_fix),
+};

@@ -1,0 +1,32 @@
+//! `timestamp-missing`: a message that no topic can carry.
+
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, topics};
+use crate::diagnostic::Level;
+
+pub(super) const RULE: Rule = Rule {
+    id: "timestamp-missing",
+    purpose: "A message of PX4 has a field `timestamp`: the middleware and logs order its samples by it, and \
+              the build stops where a topic has none. Only messages that are nothing but a part of others need \
+              none.",
+    levels: Levels::both(Level::Warning),
+    bad: Example { path: "Glider.msg", text: "# State of a glider\n\nfloat32 sink  # [m/s] Sink rate\n" },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               float32 sink  # [m/s] Sink rate\n",
+    },
+    measured: Some(Measured { findings: 0, sample: 0, right: 0, remark: "" }),
+    check: Check::Message(check),
+};
+
+fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    let has_topics = || topics::lines(subject).any(|line| topics::words(line).next().is_some());
+    if subject.is_px4_message()
+        && subject.message.fields.iter().all(|field| field.name != "timestamp")
+        && (!subject.is_nested || has_topics())
+    {
+        let help =
+            "add `uint64 timestamp  # [us] Time since system start`, or remove a message that nothing holds";
+        sink.report(subject.head(), format!("`{}` has no timestamp", subject.message.name), help);
+    }
+}

@@ -1,0 +1,41 @@
+//! `topic-redundant`: a list of topics that says nothing.
+
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, topics};
+use crate::diagnostic::Level;
+use crate::schema::resolve::default_topic;
+
+pub(super) const RULE: Rule = Rule {
+    id: "topic-redundant",
+    purpose: "A list of topics that holds only the topic that the message would have anyway says nothing, and \
+              goes wrong when the message is renamed.",
+    levels: Levels::both(Level::Note),
+    bad: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
+               # TOPICS glider\n",
+    },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n",
+    },
+    measured: Some(Measured { findings: 4, sample: 4, right: 4, remark: "" }),
+    check: Check::Message(check),
+};
+
+fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    if !subject.is_px4_message() {
+        return;
+    }
+    let listed = || topics::lines(subject).flat_map(topics::words);
+    let default = default_topic(&subject.message.name);
+    // A topic that is listed twice has a finding of its own.
+    let Some((_, place)) =
+        listed().next().filter(|_| listed().nth(1).is_none()).filter(|(word, _)| *word == default)
+    else {
+        return;
+    };
+    let finding = sink.report(place, format!("`{default}` is the topic anyway"), "remove the line");
+    if let Some(removal) = topics::removal(place, subject.sources) {
+        finding.edit(removal, "");
+    }
+}

@@ -1,0 +1,43 @@
+//! `unit-alias`: a unit in another spelling than its one.
+
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, annotations};
+use crate::diagnostic::Level;
+use crate::msg::annotation::Statement;
+use crate::unit;
+
+pub(super) const RULE: Rule = Rule {
+    id: "unit-alias",
+    purpose: "Each unit has one spelling, as in `m/s` or `degC`. Other tools know no other, and PX4's \
+              documentation reports it as unknown.",
+    levels: Levels::both(Level::Note),
+    bad: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               float32 sink  # [meters/second] Sink rate\n",
+    },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               float32 sink  # [m/s] Sink rate\n",
+    },
+    measured: Some(Measured { findings: 16, sample: 16, right: 16, remark: "" }),
+    check: Check::Message(check),
+};
+
+fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    if !subject.is_px4() {
+        return;
+    }
+    for annotation in subject.part.lines.iter().flat_map(annotations) {
+        let Statement::Unit(symbol) = annotation.statement else { continue };
+        let written = subject.sources.slice(annotation.span).trim_matches(['[', ']']).trim();
+        if written != symbol && unit::lookup(symbol).is_some() {
+            sink.report(
+                annotation.span,
+                format!("`{written}` is another spelling of `{symbol}`"),
+                format!("write `[{symbol}]`"),
+            )
+            .edit(annotation.span, format!("[{symbol}]"));
+        }
+    }
+}

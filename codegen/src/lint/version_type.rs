@@ -1,0 +1,45 @@
+//! `version-type`: the types of the constants that PX4 knows by name.
+
+use uavspec_runtime::Scalar;
+
+use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
+use crate::diagnostic::Level;
+use crate::schema::Element;
+
+pub(super) const RULE: Rule = Rule {
+    id: "version-type",
+    purpose: "`MESSAGE_VERSION` is a `uint32` and `ORB_QUEUE_LENGTH` a `uint8`, as in all other messages. \
+              Generated code that puts them side by side expects one type of each.",
+    levels: Levels::both(Level::Warning),
+    bad: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
+               uint32 ORB_QUEUE_LENGTH = 8\n",
+    },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
+               uint8 ORB_QUEUE_LENGTH = 8\n",
+    },
+    measured: Some(Measured { findings: 1, sample: 1, right: 1, remark: "" }),
+    check: Check::Message(check),
+};
+
+const TYPES: [(&str, Scalar); 2] = [("MESSAGE_VERSION", Scalar::UInt32), ("ORB_QUEUE_LENGTH", Scalar::UInt8)];
+
+fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    if !subject.is_px4_message() {
+        return;
+    }
+    for constant in &subject.message.constants {
+        let expected = TYPES.iter().find(|(name, _)| *name == constant.name);
+        if let Some((name, scalar)) = expected.filter(|(_, scalar)| constant.ty != Element::Scalar(*scalar)) {
+            let expected = scalar.name();
+            sink.report(
+                constant.span,
+                format!("`{name}` is not a `{expected}`"),
+                format!("write `{expected} {name} = {}`", constant.value),
+            );
+        }
+    }
+}
