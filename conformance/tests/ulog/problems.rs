@@ -277,7 +277,7 @@ fn data_that_has_no_type_is_told() {
     let other = log.subscribe(1, 1, "wind");
     let short = log.data(1, &[0; 11]);
     let between = log.data(1, &[0; 14]);
-    let long = log.data(1, &[0; 17]);
+    let longer = log.data(1, &[0; 17]);
     log.data(1, &[0; 12]);
     let size = |found| format!("expected 16 or 12 bytes of data of id 1, found {found}");
     check(
@@ -293,7 +293,7 @@ fn data_that_has_no_type_is_told() {
             (other, "id 1 was `wind` 0 and is `wind` 1 from here on"),
             (short, &size(11)),
             (between, &size(14)),
-            (long, &size(17)),
+            (longer, &size(17)),
         ],
     );
     assert_eq!(problems(&log.bytes).1, 3);
@@ -349,18 +349,18 @@ fn what_is_kept_of_formats_is_bounded() {
     check(&log.bytes, &[(more, "there are more than 8192 formats; the others aren't used")]);
 
     let mut log = Writer::with_flags();
-    let long = "x".repeat(60_000);
+    let text = "x".repeat(60_000);
     for index in 0..69 {
-        log.format(&format!("f{index}:uint8_t {long}"));
+        log.format(&format!("f{index}:uint8_t {text}"));
     }
-    let more = log.format(&format!("more:uint8_t {long}"));
-    let topic = log.subscribe(1, 0, &long);
-    let text = "formats and topics take more than 4194304 bytes; this one isn't used";
-    check(&log.bytes, &[(more, text), (topic, text)]);
+    let more = log.format(&format!("more:uint8_t {text}"));
+    let topic = log.subscribe(1, 0, &text);
+    let problem = "formats and topics take more than 4194304 bytes; this one isn't used";
+    check(&log.bytes, &[(more, problem), (topic, problem)]);
 
     let mut log = Writer::with_flags();
     for index in 0..60 {
-        log.format(&format!("f{index}:uint8_t {long}"));
+        log.format(&format!("f{index}:uint8_t {text}"));
     }
     for id in 0..30 {
         log.format(&format!("late{id}:uint8_t a"));
@@ -368,7 +368,49 @@ fn what_is_kept_of_formats_is_bounded() {
         log.data(id, &[0]);
     }
     let found = problems(&log.bytes).0;
-    let text = "formats come late too often; those from here on aren't used";
-    assert_eq!(found.iter().filter(|found| found.ends_with(text)).count(), 1, "{found:?}");
+    let problem = "formats come late too often; those from here on aren't used";
+    assert_eq!(found.iter().filter(|found| found.ends_with(problem)).count(), 1, "{found:?}");
     assert!(found.last().is_some_and(|last| last.ends_with("data of id 29, whose format can't be used")));
+}
+
+#[test]
+fn a_size_that_is_wrong_swallows_nothing() {
+    let mut log = definitions();
+    log.data(1, &[0; 16]);
+    let wrong = log.data(1, &[0; 16]);
+    let next = log.data(1, &[0; 16]);
+    for _ in 0..300 {
+        log.data(1, &[0; 16]);
+    }
+    let at = usize::try_from(wrong).expect("an index");
+    // 18 becomes 4,114: the message claims 195 of those that follow.
+    log.bytes[at + 1] ^= 0x10;
+    let skipped = format!("no messages up to {next}, where messages follow each other again");
+    check(&log.bytes, &[(wrong, &skipped)]);
+    assert_eq!(problems(&log.bytes).1, 302);
+    log.bytes[at + 1] ^= 0x10;
+    // One more than there are.
+    log.bytes[at] += 1;
+    check(&log.bytes, &[(wrong, &skipped)]);
+    // One less: the message is followed by a byte of no message.
+    log.bytes[at] -= 2;
+    check(
+        &log.bytes,
+        &[
+            (wrong, "expected 16 or 12 bytes of data of id 1, found 15"),
+            (next - 1, &format!("no messages up to {next}, where messages follow each other again")),
+        ],
+    );
+}
+
+#[test]
+fn the_largest_messages_are_read() {
+    let mut log = Writer::with_flags();
+    log.format("block:uint8_t[65533] bytes;");
+    log.subscribe(1, 0, "block");
+    for round in 0..40 {
+        log.data(1, &vec![round; 65_533]);
+    }
+    check(&log.bytes, &[]);
+    assert_eq!(problems(&log.bytes).1, 40);
 }

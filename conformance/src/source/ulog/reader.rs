@@ -188,11 +188,12 @@ impl<R: Read> Reader<R> {
             self.state = State::Ended;
             return Ok(Step::Problem(0, Problem::ForeignMagic(*magic)));
         }
-        let Some([.., version, a, b, c, d, e, f, g, h]) = header.first_chunk::<FILE_HEADER>() else {
+        let timestamp = header.get(MAGIC.len() + 1..).and_then(<[u8]>::first_chunk);
+        let (Some(version), Some(timestamp)) = (header.get(MAGIC.len()), timestamp) else {
             self.state = State::Ended;
             return Ok(Step::Problem(0, Problem::ShortHeader { found }));
         };
-        let (version, timestamp) = (*version, u64::from_le_bytes([*a, *b, *c, *d, *e, *f, *g, *h]));
+        let (version, timestamp) = (*version, u64::from_le_bytes(*timestamp));
         self.window.advance(FILE_HEADER);
         self.state = State::First(version);
         if version > VERSION {
@@ -361,6 +362,7 @@ impl<R> Reader<R> {
         Look {
             bytes: within.unwrap_or(ahead),
             is_closed: within.is_some() || self.window.is_at_end(),
+            is_first: matches!(self.state, State::First(_)),
             ids: &self.ids,
         }
     }

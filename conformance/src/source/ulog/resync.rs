@@ -83,6 +83,8 @@ pub(super) struct Look<'b> {
     pub(super) bytes: &'b [u8],
     /// Whether these are all that it has.
     pub(super) is_closed: bool,
+    /// Whether the log has no messages before these, so that flag bits may be here.
+    pub(super) is_first: bool,
     pub(super) ids: &'b Ids,
 }
 
@@ -126,8 +128,11 @@ impl Look<'_> {
             (Some(Header { kind: b'D', .. }), Some(id)) => self.ids.contains(id),
             (Some(next), _) => next.is_usual(),
         };
-        let is_sound = goes_on && self.looks(header, &message[HEADER..]) == Looks::Sound;
-        is_sound.then_some(Verdict::Message(header))
+        let is_sound = || match header.kind {
+            b'B' => self.is_first && header.is_believable(),
+            _ => self.looks(header, &message[HEADER..]) == Looks::Sound,
+        };
+        (goes_on && is_sound()).then_some(Verdict::Message(header))
     }
 
     /// Judges by what follows.
@@ -227,7 +232,7 @@ impl Look<'_> {
             (b'D', _) => return Looks::Possible,
             (b'F', text) => is_format(text),
             (b'I' | b'P', entry) | (b'M' | b'Q', [_, entry @ ..]) => is_entry(entry),
-            (b'A', [_, _, _, name @ ..]) => name.iter().take(TEXT).all(is_word),
+            (b'A', [_, _, _, name @ ..]) => name.iter().take(TEXT).copied().all(is_word),
             (b'L', [level, ..]) => is_line(*level, &payload[9..]),
             (b'C', [level, ..]) => is_line(*level, &payload[11..]),
             (b'S', magic) => magic == SYNC,
@@ -240,14 +245,14 @@ impl Look<'_> {
 }
 
 /// Of a name of a topic or a field.
-fn is_word(byte: &u8) -> bool {
-    byte.is_ascii_alphanumeric() || b"_/-.".contains(byte)
+fn is_word(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || b"_/-.".contains(&byte)
 }
 
 fn is_format(text: &[u8]) -> bool {
     let text = &text[..text.len().min(TEXT)];
-    let name = text.iter().take_while(|byte| is_word(byte)).count();
-    name > 0 && text.get(name).is_none_or(|byte| *byte == b':') && text.iter().all(is_printable)
+    let name = text.iter().take_while(|byte| is_word(**byte)).count();
+    name > 0 && text.get(name).is_none_or(|byte| *byte == b':') && text.iter().copied().all(is_printable)
 }
 
 /// The length of a key, the key with its type, and a value.
@@ -255,10 +260,12 @@ fn is_entry(entry: &[u8]) -> bool {
     let Some((length, rest)) = entry.split_first() else { return false };
     let Some(key) = rest.get(..usize::from(*length)) else { return false };
     let key = &key[..key.len().min(TEXT)];
-    key.first().is_some_and(u8::is_ascii_alphabetic) && key.iter().all(is_printable) && key.contains(&b' ')
+    key.first().is_some_and(u8::is_ascii_alphabetic)
+        && key.iter().copied().all(is_printable)
+        && key.contains(&b' ')
 }
 
-fn is_printable(byte: &u8) -> bool {
+fn is_printable(byte: u8) -> bool {
     matches!(byte, b' '..=b'~')
 }
 
