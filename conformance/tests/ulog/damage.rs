@@ -179,7 +179,7 @@ fn a_log_in_the_midst_of_noise_is_found() {
 /// Bytes that make a search look at as much as it can, or that make messages doubtful.
 #[test]
 fn hostile_bytes_take_linear_time() {
-    const SIZE: usize = 2_000_000;
+    const SIZE: usize = 1_000_000;
     let mut doubtful = Writer { bytes: Vec::new() };
     doubtful.message(b'D', &[&vec![b'F'; 60_000]]);
     doubtful.bytes.push(0);
@@ -191,8 +191,8 @@ fn hostile_bytes_take_linear_time() {
     }
     broken.bytes.push(0xff);
     let patterns: [(&str, Vec<u8>); 9] = [
-        ("random", Random(24).bytes(5 * SIZE)),
-        ("zeros", vec![0; 5 * SIZE]),
+        ("random", Random(24).bytes(10 * SIZE)),
+        ("zeros", vec![0; 10 * SIZE]),
         ("headers of formats in each other", vec![b'F']),
         ("headers of data in each other", vec![b'D']),
         ("headers of lines in each other", b"L0".to_vec()),

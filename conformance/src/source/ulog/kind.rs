@@ -11,11 +11,11 @@ pub(super) const SYNC: [u8; 8] = [0x2f, 0x73, 0x13, 0x20, 0x25, 0x0c, 0xbb, 0x12
 
 /// Each known kind with the least size of its payload, and the most that is usual.
 ///
-/// Least: a format is a name of one character and a colon, the entries have the length of a key and `t k`, and
-/// the others a fixed part and a text that may be empty. A message of less can't be read.
+/// Least: a format is a name of one character and a colon, the entries have the length of a key and `t k`,
+/// and the others a fixed part and a text that may be empty. A message of less can't be read.
 ///
-/// Usual: what PX4 writes, with room to spare. A message of more is believed after a closer look. Flag bits are
-/// usual only at the start, where nothing is asked.
+/// Usual: what PX4 writes, with room to spare. A message of more is believed after a closer look. Flag bits
+/// are usual only at the start, where nothing is asked.
 const KINDS: [(u8, u16, u16); 13] = [
     (b'B', 40, 0),
     (b'F', 2, 8_192),

@@ -116,7 +116,7 @@ impl Look<'_> {
     /// A header, and the id that follows it if it is one of data.
     pub(super) const NEXT: usize = HEADER + 2;
 
-    /// Judges by the message and what [`NEXT`](Self::NEXT) bytes behind it say, which is enough nearly always.
+    /// Judges by the message and what [`NEXT`](Self::NEXT) bytes behind it say. That is enough nearly always.
     pub(super) fn judge(&self) -> Option<Verdict> {
         if self.bytes.is_empty() && self.is_closed {
             return Some(Verdict::End);
