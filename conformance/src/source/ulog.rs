@@ -56,15 +56,13 @@
 //!
 //! A run is sound if it begins with a sync message (its header and magic are 11 fixed bytes), or if four
 //! messages look sound that follow each other: their kinds are known, and their first bytes in order (keys
-//! and names in ASCII, levels that exist, data of ids that were subscribed). Between them there may be
-//! others: data of unknown ids, kinds that are letters; sixteen messages in a row are enough, whatever they
-//! are. At the end of the log or of a section, two are enough. No byte is searched twice as a start, and no
-//! look takes more than some thousand steps: time is linear in the size of the log, whatever is in it.
+//! and names in ASCII, levels that exist, data of ids that were subscribed, as long as before). Between them
+//! there may be others: other data, kinds that are letters; sixteen messages in a row are enough, whatever
+//! they are. At the end of the log or of a section, two are enough. No byte is searched twice as a start, and
+//! no look takes more than some thousand steps: time is linear in the size of the log, whatever is in it.
 //!
 //! Each range of bytes that was skipped is told with its ends ([`Problem::Skipped`]). What can't be seen here
-//! is a changed byte within a payload, and a size that was changed so that it ends just before what looks
-//! like another header (a chance of one in a thousand); then [`Log`] tells that the size of the data is
-//! wrong.
+//! is a changed byte within a payload.
 //!
 //! # Measured
 //!

@@ -184,6 +184,7 @@ fn what_is_lost_before_appended_data_is_told() {
 #[test]
 fn unknown_kinds_are_told_once_and_counted() {
     let mut log = definitions();
+    log.data(1, &[0; 16]);
     let first = log.message(b'x', &[b"of the future"]);
     log.data(1, &[0; 16]);
     log.message(b'x', &[]);
@@ -198,7 +199,7 @@ fn unknown_kinds_are_told_once_and_counted() {
             (other, "messages `\\xc4` are of a kind that isn't known"),
         ],
     );
-    assert_eq!(problems(&log.bytes).1, 3);
+    assert_eq!(problems(&log.bytes).1, 4);
     let mut reader = Reader::new(&log.bytes[..]);
     while reader.next().expect("a slice").is_some() {}
     assert_eq!(reader.unknown_kinds().collect::<Vec<_>>(), [(b'x', 3), (0xc4, 1)]);
@@ -296,6 +297,18 @@ fn the_largest_messages_are_read() {
     log.subscribe(1, 0, "block");
     for round in 0..40 {
         log.data(1, &vec![round; 65_533]);
+    }
+    check(&log.bytes, &[]);
+    assert_eq!(problems(&log.bytes).1, 40);
+}
+
+/// A topic's size may change, as of data that is written with its padding or without.
+#[test]
+fn data_of_another_size_is_doubted_but_lent() {
+    let mut log = definitions();
+    for round in 0..40_usize {
+        log.data(1, &[0; 16][..if round / 5 % 2 == 0 { 12 } else { 16 }]);
+        log.line(b"between");
     }
     check(&log.bytes, &[]);
     assert_eq!(problems(&log.bytes).1, 40);

@@ -121,12 +121,13 @@ impl<R: Read> Reader<R> {
         let bytes = self.window.ahead();
         let header = Header::read(bytes)?;
         let next = bytes.get(header.total()..header.total() + Look::NEXT)?;
+        let (next, id_of_next) = (Header::read(next)?, &next[HEADER..]);
         let end = self.window.offset() + (header.total() + Look::NEXT) as u64;
         let is_plain = header.kind == b'D'
             && header.is_believable()
-            && self.ids.contains(&bytes[HEADER..])
-            && next[2] == b'D'
-            && self.ids.contains(&next[HEADER..])
+            && self.ids.expect(header.size, &bytes[HEADER..])
+            && next.kind == b'D'
+            && self.ids.expect(next.size, id_of_next)
             && end <= self.sections.end;
         is_plain.then_some(header.size.into())
     }
@@ -282,7 +283,8 @@ impl<R> Reader<R> {
             Err(what) => Event::Problem(Problem::Malformed { kind, size: size.into(), what }),
         };
         match event {
-            Event::Subscription { id, .. } => self.ids.insert(id),
+            Event::Subscription { id, .. } => self.ids.subscribe(id),
+            Event::Data { id, .. } => self.ids.see(id, size),
             Event::Unknown { kind, .. } => {
                 let count = self.unknown.entry(kind).or_default();
                 *count += 1;

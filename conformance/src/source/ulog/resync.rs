@@ -1,5 +1,6 @@
 //! Whether bytes are a message, and where the next one starts if they aren't.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::kind::{HEADER, Header, LARGEST, SYNC};
@@ -43,36 +44,61 @@ pub(super) enum Verdict {
     Lost(usize),
 }
 
-/// The ids that were subscribed, one bit each.
+/// The ids that were subscribed, each with the size of its messages. A topic has always the same, so that
+/// another size is a reason for doubt: it may end by accident where a message starts.
 #[derive(Debug)]
 pub(super) struct Ids {
-    bits: Box<[u64; 1024]>,
+    sizes: Box<[u16]>,
+    /// Sizes that came once instead. One that comes twice in a row is taken.
+    doubtful: BTreeMap<u16, u16>,
     is_empty: bool,
 }
 
+/// The size of messages whose id isn't subscribed.
+const UNSUBSCRIBED: u16 = 0;
+
+/// The size where no message has come yet. Data has at least the two bytes of its id.
+const UNSEEN: u16 = 1;
+
 impl Default for Ids {
     fn default() -> Self {
-        Self { bits: Box::new([0; 1024]), is_empty: true }
+        let sizes = vec![UNSUBSCRIBED; usize::from(u16::MAX) + 1].into_boxed_slice();
+        Self { sizes, doubtful: BTreeMap::new(), is_empty: true }
     }
 }
 
 impl Ids {
-    pub(super) fn insert(&mut self, id: u16) {
-        self.bits[usize::from(id / 64)] |= 1 << (id % 64);
+    /// Notes that an id was subscribed.
+    pub(super) fn subscribe(&mut self, id: u16) {
+        self.sizes[usize::from(id)] = UNSEEN;
         self.is_empty = false;
     }
 
-    /// Whether `bytes` start with one of them.
-    #[inline]
-    pub(super) fn contains(&self, bytes: &[u8]) -> bool {
-        let Some(id) = bytes.first_chunk().map(|id| usize::from(u16::from_le_bytes(*id))) else {
-            return false;
-        };
-        self.bits[id / 64] >> (id % 64) & 1 != 0
+    /// Notes the size of a message.
+    pub(super) fn see(&mut self, id: u16, size: u16) {
+        let usual = &mut self.sizes[usize::from(id)];
+        if *usual == UNSUBSCRIBED || *usual == size {
+            self.doubtful.remove(&id);
+        } else if *usual == UNSEEN || self.doubtful.insert(id, size) == Some(size) {
+            *usual = size;
+        }
     }
 
-    fn is_empty(&self) -> bool {
-        self.is_empty
+    /// Whether messages with the id that `payload` starts with have this size.
+    #[inline]
+    pub(super) fn expect(&self, size: u16, payload: &[u8]) -> bool {
+        self.size(payload) == size
+    }
+
+    #[inline]
+    fn size(&self, payload: &[u8]) -> u16 {
+        payload.first_chunk().map_or(UNSUBSCRIBED, |id| self.sizes[usize::from(u16::from_le_bytes(*id))])
+    }
+
+    /// Whether nothing speaks against an id and a size: no message of that id has come yet, and it was
+    /// subscribed unless none was.
+    fn allow(&self, payload: &[u8]) -> bool {
+        self.is_empty || self.size(payload) == UNSEEN
     }
 }
 
@@ -107,7 +133,8 @@ enum Looks {
     /// Its kind is known and its contents are in order: less than one in a hundred thousand starts is so
     /// by accident.
     Sound,
-    /// Data of an id that isn't known, or a kind that may be one of the future.
+    /// Data of an id that isn't known, or of a size that it hasn't had, or a kind that may be one of the
+    /// future.
     Possible,
     Wrong,
 }
@@ -125,7 +152,7 @@ impl Look<'_> {
         let (message, behind) = self.bytes.split_at_checked(header.total())?;
         let goes_on = match (Header::read(behind), behind.get(HEADER..Self::NEXT)) {
             (None, _) => self.is_closed,
-            (Some(Header { kind: b'D', .. }), Some(id)) => self.ids.contains(id),
+            (Some(Header { kind: b'D', size }), Some(id)) => self.ids.expect(size, id),
             (Some(next), _) => next.is_usual(),
         };
         let is_sound = || match header.kind {
@@ -170,8 +197,8 @@ impl Look<'_> {
         }
         let is_start = match self.looks(header, rest.get(HEADER..header.total())?) {
             Looks::Sound => true,
-            // While no id is known, no data is sound.
-            Looks::Possible => self.ids.is_empty() && header.total() <= LARGEST_POSSIBLE_START,
+            // The first data of an id isn't sound, since its size isn't known.
+            Looks::Possible => self.ids.allow(&rest[HEADER..]) && header.total() <= LARGEST_POSSIBLE_START,
             Looks::Wrong => false,
         };
         let is_run = is_start
@@ -228,7 +255,7 @@ impl Look<'_> {
             return Looks::Wrong;
         }
         let is_sound = match (header.kind, payload) {
-            (b'D', id) if self.ids.contains(id) => true,
+            (b'D', id) if self.ids.expect(header.size, id) => true,
             (b'D', _) => return Looks::Possible,
             (b'F', text) => is_format(text),
             (b'I' | b'P', entry) | (b'M' | b'Q', [_, entry @ ..]) => is_entry(entry),
