@@ -1,4 +1,21 @@
-//! The conformance suite: it judges logs, captures, codecs and live servers by the definitions that
-//! `uavspec-codegen` reads. So far it reads logs.
+//! Judges outputs of implementations by the definitions that `uavspec-codegen` reads: now logs of PX4
+//! (`ULog`); captures, codecs and live servers are to follow.
+//!
+//! ```text
+//!  bytes ──source──▶ records ──plan, rule──▶ findings ──▶ verdicts ──report──▶ terminal, JSON, SARIF, JUnit
+//! ```
+//!
+//! Sources lend their records one by one, so memory doesn't grow with the length of the input. Values are
+//! judged by a plan that is made once for each format; what happens over time is judged by rules that keep a
+//! small state for each channel.
 
+pub mod cli;
+pub mod comparison;
+pub mod definitions;
+pub mod finding;
+pub mod judge;
+pub mod plan;
+pub mod record;
+pub mod report;
+pub mod rule;
 pub mod source;

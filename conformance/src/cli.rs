@@ -1,0 +1,147 @@
+//! The command line of `uavspec`.
+//!
+//! Exit status: 0 conforms; 1 doesn't; 2 wrong usage, or definitions that can't be read; 3 a source that can't be
+//! read; 5 nothing was checked.
+
+use std::fs::File;
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::definitions::Definitions;
+use crate::finding::Verdict;
+use crate::judge::judge_ulog;
+use crate::report::{Judged, to_json, to_text};
+use crate::rule::RULES;
+
+/// Judges outputs of drone software by the specification.
+#[derive(Debug, Parser)]
+#[command(name = "uavspec", version)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Judge logs that others wrote.
+    Check(CheckArgs),
+    /// List the rules.
+    Rules,
+}
+
+/// Arguments of `check`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  uavspec check flight.ulg
+  uavspec check --definitions ../px4_msgs/msg logs/*.ulg
+  uavspec check --format json flight.ulg > report.json
+
+Exit status: 0 conforms, 1 does not, 2 wrong usage or definitions, 3 a log can't be read, 5 nothing was checked.")]
+struct CheckArgs {
+    /// Logs of PX4, in the format `ULog`.
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// What to judge by: a uavspec.toml, a folder with one, or a folder of .msg files; those of this program,
+    /// where nothing is said.
+    #[arg(long, value_name = "PATH")]
+    definitions: Option<PathBuf>,
+    /// How to report.
+    #[arg(long, default_value = "text")]
+    format: Format,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// For people.
+    Text,
+    /// For programs.
+    Json,
+}
+
+/// What a run ends with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Status {
+    Conforms = 0,
+    Breaks = 1,
+    Usage = 2,
+    Unreadable = 3,
+    Nothing = 5,
+}
+
+/// The whole program.
+pub fn main() -> ExitCode {
+    let status = match Cli::parse().command {
+        Command::Check(args) => check(&args),
+        Command::Rules => {
+            rules();
+            Status::Conforms
+        }
+    };
+    ExitCode::from(status as u8)
+}
+
+fn rules() {
+    for rule in RULES {
+        anstream::println!("{:<12} {:<7} {}", rule.id, rule.level, rule.statement);
+        anstream::println!("                     by {}", rule.source);
+    }
+}
+
+fn check(args: &CheckArgs) -> Status {
+    let definitions = match &args.definitions {
+        None => Definitions::built_in(),
+        Some(path) => match Definitions::load(path) {
+            Ok(definitions) => definitions,
+            Err(failure) => {
+                anstream::eprintln!("{failure}");
+                return Status::Usage;
+            }
+        },
+    };
+    let mut judged = Vec::new();
+    let mut is_unreadable = false;
+    for path in &args.files {
+        match judge(path, &definitions) {
+            Ok(found) => {
+                if args.format == Format::Text {
+                    // The stream drops the colours where they would not be shown.
+                    let _ = write!(anstream::stdout(), "{}", to_text(&found, &definitions));
+                }
+                judged.push(found);
+            }
+            Err(error) => {
+                anstream::eprintln!("error: {}: {error}", path.display());
+                is_unreadable = true;
+            }
+        }
+    }
+    if args.format == Format::Json {
+        // A reader that has seen enough closes the pipe: that is no failure.
+        let _ = io::stdout().write_all(to_json(&judged, &definitions).as_bytes());
+    }
+    status(&judged, is_unreadable)
+}
+
+fn judge(path: &Path, definitions: &Definitions) -> io::Result<Judged> {
+    let started = Instant::now();
+    let judgement = judge_ulog(File::open(path)?, definitions)?;
+    Ok(Judged { path: path.display().to_string(), judgement, elapsed: started.elapsed().as_millis() })
+}
+
+fn status(judged: &[Judged], is_unreadable: bool) -> Status {
+    let fails =
+        |judged: &Judged| RULES.iter().any(|rule| judged.judgement.findings.verdict(rule) == Verdict::Fail);
+    if is_unreadable {
+        Status::Unreadable
+    } else if judged.iter().any(fails) {
+        Status::Breaks
+    } else if judged.iter().all(|judged| judged.judgement.judged == 0) {
+        Status::Nothing
+    } else {
+        Status::Conforms
+    }
+}

@@ -1,0 +1,98 @@
+//! What implementations are judged by.
+
+use std::collections::HashMap;
+use std::fmt::Write as _;
+use std::path::Path;
+
+use include_dir::{Dir, include_dir};
+use uavspec_codegen::cli::{Failure, read_definitions};
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::{Form, MessageId, Schema};
+use uavspec_codegen::source::Span;
+use uavspec_codegen::{PackageInput, SourceMap, read};
+
+/// The definitions of this repository, which the program carries along.
+static BUILT_IN: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../definitions");
+
+/// Definitions, with what is looked up in them for each record.
+#[derive(Debug)]
+pub struct Definitions {
+    sources: SourceMap,
+    /// What they say.
+    pub schema: Schema,
+    by_topic: HashMap<String, MessageId>,
+}
+
+impl Definitions {
+    /// Those that the program carries along.
+    pub fn built_in() -> Self {
+        let mut sources = SourceMap::default();
+        let mut package = |name: &str, form| {
+            let mut files: Vec<_> = BUILT_IN.get_dir(name).into_iter().flat_map(Dir::files).collect();
+            files.sort_by_key(|file| file.path());
+            let ids = files.into_iter().filter_map(|file| {
+                let path = format!("definitions/{}", file.path().display());
+                sources.add(path, file.contents().to_vec()).ok()
+            });
+            PackageInput::new(name, form, ids.collect())
+        };
+        let packages = [package("px4", Form::Msg(Dialect::Px4)), package("flockwave", Form::Table)];
+        // They are read without a mistake whenever this repository is tested.
+        let (schema, _) = read(&sources, &packages);
+        Self::new(sources, schema)
+    }
+
+    /// Those at a path: a `uavspec.toml`, a folder with one, or files and folders of PX4's messages.
+    pub fn load(path: &Path) -> Result<Self, Failure> {
+        let (sources, schema) = read_definitions(path)?;
+        Ok(Self::new(sources, schema))
+    }
+
+    fn new(sources: SourceMap, schema: Schema) -> Self {
+        let mut by_topic = HashMap::new();
+        for id in schema.packages.iter().flat_map(|package| &package.messages) {
+            for topic in &schema.message(*id).topics {
+                by_topic.entry(topic.clone()).or_insert(*id);
+            }
+        }
+        Self { sources, schema, by_topic }
+    }
+
+    /// The message that a topic of PX4 carries. A versioned one may have its version behind its name.
+    pub fn message_of_topic(&self, topic: &str) -> Option<MessageId> {
+        let unversioned = || {
+            let (name, version) = topic.rsplit_once("_v")?;
+            let is_version = !version.is_empty() && version.bytes().all(|byte| byte.is_ascii_digit());
+            self.by_topic.get(name).filter(|_| is_version)
+        };
+        self.by_topic.get(topic).or_else(unversioned).copied()
+    }
+
+    /// Where something is defined, as `file:line`.
+    pub fn place(&self, span: Span) -> String {
+        let mut place = self.sources.path(self.sources.source_of(span)).to_owned();
+        // Writing to a string can't fail.
+        let _ = write!(place, ":{}", self.sources.position(span).line);
+        place
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_program_carries_along_is_whole() {
+        let definitions = Definitions::built_in();
+        let battery = definitions.message_of_topic("battery_status").expect("a topic");
+        assert_eq!(definitions.schema.message(battery).name, "BatteryStatus");
+        assert_eq!(definitions.message_of_topic("battery_status_v1"), Some(battery));
+        assert_eq!(definitions.message_of_topic("battery_status_vx"), None);
+        assert_eq!(
+            definitions.place(definitions.schema.message(battery).span),
+            "definitions/px4/BatteryStatus.msg:1"
+        );
+        let codes = definitions.schema.packages.iter().flat_map(|package| &package.error_tables);
+        assert!(codes.map(|table| table.codes.len()).sum::<usize>() > 60);
+    }
+}

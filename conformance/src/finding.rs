@@ -1,0 +1,149 @@
+//! What was found, counted: equal findings are one, with the places of the first few.
+
+use std::collections::BTreeMap;
+
+use uavspec_codegen::source::Span;
+
+use crate::record::Place;
+use crate::rule::{Level, RULES, Rule};
+
+/// How many places of equal findings are kept.
+const MAX_EXAMPLES: usize = 3;
+
+/// How many different findings are kept of a rule: hostile input can have any number.
+const MAX_GROUPS: usize = 1_000;
+
+/// Equal findings: of one rule, in one subject.
+#[derive(Clone, Debug)]
+pub struct Group {
+    /// The rule that is broken.
+    pub rule: &'static Rule,
+    /// What breaks it: a topic, or a field of one.
+    pub subject: String,
+    /// How often.
+    pub count: u64,
+    /// The first of them: where, and what was found there.
+    pub examples: Vec<(Place, String)>,
+    /// Where the definition says what should be.
+    pub definition: Option<Span>,
+}
+
+/// What came of a rule.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Nothing breaks it.
+    Pass,
+    /// Something breaks it, and it should be looked at.
+    Warn,
+    /// Something breaks it that must not.
+    Fail,
+    /// It is broken, or rather shown: it judges nothing.
+    Shown,
+    /// Nothing was there that it could have judged.
+    NotExercised,
+}
+
+/// All findings of a run.
+#[derive(Debug, Default)]
+pub struct Findings {
+    groups: BTreeMap<(&'static str, String), Group>,
+    /// How often each rule was exercised, by its place in the list.
+    exercised: [u64; RULES.len()],
+    /// How many findings each rule has that belong to no group, as there are too many.
+    dropped: [u64; RULES.len()],
+}
+
+impl Findings {
+    /// A rule was exercised so often.
+    pub fn exercise(&mut self, rule: &Rule, times: u64) {
+        if let Some(at) = index(rule) {
+            self.exercised[at] += times;
+        }
+    }
+
+    /// Something in `subject` breaks a rule.
+    pub fn report(
+        &mut self,
+        rule: &'static Rule,
+        subject: &str,
+        place: Place,
+        definition: Option<Span>,
+        text: impl FnOnce() -> String,
+    ) {
+        let Some(at) = index(rule) else { return };
+        // A finding says that there was something to judge.
+        self.exercised[at] = self.exercised[at].max(1);
+        let key = (rule.id, subject.to_owned());
+        if !self.groups.contains_key(&key) && self.of(rule).count() >= MAX_GROUPS {
+            self.dropped[at] += 1;
+            return;
+        }
+        let group = self.groups.entry(key).or_insert_with(|| Group {
+            rule,
+            subject: subject.to_owned(),
+            count: 0,
+            examples: Vec::new(),
+            definition,
+        });
+        group.count += 1;
+        if group.examples.len() < MAX_EXAMPLES {
+            group.examples.push((place, text()));
+        }
+    }
+
+    /// All groups, by rule and subject.
+    pub fn groups(&self) -> impl Iterator<Item = &Group> {
+        self.groups.values()
+    }
+
+    /// The groups of a rule.
+    pub fn of(&self, rule: &'static Rule) -> impl Iterator<Item = &Group> {
+        let first = (rule.id, String::new());
+        self.groups.range(first..).map(|(_, group)| group).take_while(|group| group.rule.id == rule.id)
+    }
+
+    /// How many findings of a rule are in no group.
+    pub fn dropped(&self, rule: &Rule) -> u64 {
+        index(rule).map_or(0, |at| self.dropped[at])
+    }
+
+    /// How often a rule was exercised.
+    pub fn exercised(&self, rule: &Rule) -> u64 {
+        index(rule).map_or(0, |at| self.exercised[at])
+    }
+
+    /// What came of a rule.
+    pub fn verdict(&self, rule: &'static Rule) -> Verdict {
+        match (self.of(rule).next().is_some(), rule.level) {
+            (true, Level::Must) => Verdict::Fail,
+            (true, Level::Should) => Verdict::Warn,
+            (true, Level::Info) => Verdict::Shown,
+            (false, _) if self.exercised(rule) == 0 => Verdict::NotExercised,
+            (false, _) => Verdict::Pass,
+        }
+    }
+
+    /// Adds the findings of another source.
+    pub fn absorb(&mut self, other: Self) {
+        for at in 0..RULES.len() {
+            self.exercised[at] += other.exercised[at];
+            self.dropped[at] += other.dropped[at];
+        }
+        for (key, group) in other.groups {
+            match self.groups.get_mut(&key) {
+                Some(known) => {
+                    known.count += group.count;
+                    let room = MAX_EXAMPLES - known.examples.len();
+                    known.examples.extend(group.examples.into_iter().take(room));
+                }
+                None => {
+                    self.groups.insert(key, group);
+                }
+            }
+        }
+    }
+}
+
+fn index(rule: &Rule) -> Option<usize> {
+    RULES.binary_search_by_key(&rule.id, |known| known.id).ok()
+}

@@ -1,0 +1,7 @@
+//! The program `uavspec`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    uavspec_conformance::cli::main()
+}

@@ -1,0 +1,352 @@
+//! What the values of a binary payload have to be, made once for each format and run for each message.
+//!
+//! The format is that which the source states, the restrictions are those of the definition, for all fields
+//! that both have. A healthy message costs a few comparisons for each restricted field; only of one that isn't
+//! healthy it is worked out what is wrong where.
+
+use std::fmt;
+
+use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
+use uavspec_codegen::schema::{Element, Field, Message, MessageId, Restriction, Schema, Shape};
+use uavspec_codegen::source::Span;
+use uavspec_runtime::{Number, Scalar};
+
+use crate::finding::Findings;
+use crate::record::Place;
+use crate::rule::{Rule, rule};
+
+/// Most steps of a plan: nested arrays of nested arrays could have any number.
+const MAX_STEPS: usize = 4_096;
+
+/// The checks of a format.
+#[derive(Debug, Default)]
+pub struct Plan {
+    steps: Vec<Step>,
+    /// Rules that a message exercises, each with the number of its values.
+    exercises: Vec<(&'static Rule, u64)>,
+}
+
+/// The values of a field, all of one kind.
+#[derive(Debug)]
+struct Step {
+    /// The field, as `events[2].id`; an array without an index.
+    path: String,
+    /// The same without any index: equal findings have it in common.
+    subject: String,
+    offset: usize,
+    count: usize,
+    stride: usize,
+    kind: Kind,
+    definition: Option<Span>,
+}
+
+#[derive(Debug)]
+enum Kind {
+    Bool,
+    Text(usize),
+    Number(Scalar, Box<Restriction>, Healthy),
+}
+
+/// What surely breaks nothing, so that most values need no more than two comparisons.
+#[derive(Clone, Debug)]
+enum Healthy {
+    /// Integers between two bounds, which may all be documented.
+    Between(i64, i64),
+    /// Those of a small set.
+    Among(Box<[bool; 256]>),
+    /// Floats between two bounds; NaN is asked for.
+    Floats(f64, f64),
+    /// All have to be asked for.
+    Unknown,
+}
+
+impl Plan {
+    /// The plan for payloads laid out as `of`, which stand for `message` of `schema`; without a message only what
+    /// types alone say is checked. `topic` is what findings name.
+    pub fn new(of: MessageType<'_>, message: Option<MessageId>, schema: &Schema, topic: &str) -> Self {
+        let mut plan = Self::default();
+        plan.add(of, message, schema, 0, ("", topic));
+        for step in &plan.steps {
+            let count = step.count as u64;
+            for id in step.rules() {
+                let Some(rule) = rule(id) else { continue };
+                match plan.exercises.iter_mut().find(|(known, _)| known.id == id) {
+                    Some((_, sum)) => *sum += count,
+                    None => plan.exercises.push((rule, count)),
+                }
+            }
+        }
+        plan
+    }
+
+    fn add(
+        &mut self,
+        of: MessageType<'_>,
+        message: Option<MessageId>,
+        schema: &Schema,
+        base: usize,
+        (path, subject): (&str, &str),
+    ) {
+        let defined = message.map(|id| schema.message(id));
+        for placed in of.layout() {
+            if self.steps.len() >= MAX_STEPS {
+                return;
+            }
+            let field =
+                defined.and_then(|message| message.fields.iter().find(|field| field.name == placed.name));
+            let field = field.filter(|field| is_same(placed, field));
+            let joint = if path.is_empty() { "" } else { "." };
+            let path = format!("{path}{joint}{}", placed.name);
+            let subject = format!("{subject}.{}", placed.name);
+            let offset = base + placed.offset;
+            let PlacedElement::Message(nested) = placed.element else {
+                self.steps.extend(Step::new(placed, offset, (path, subject), field.zip(defined), schema));
+                continue;
+            };
+            let id = field.and_then(|field| match field.ty.element {
+                Element::Message(id) => Some(id),
+                Element::Scalar(_) | Element::String { .. } => None,
+            });
+            for index in 0..count(placed.shape) {
+                let is_single = placed.shape == Shape::Single;
+                let path = if is_single { path.clone() } else { format!("{path}[{index}]") };
+                self.add(nested, id, schema, offset + index * placed.stride, (&path, &subject));
+            }
+        }
+    }
+
+    /// Checks a payload, which has all fields of its format.
+    pub fn check(&self, payload: &[u8], place: Place, findings: &mut Findings) {
+        for step in &self.steps {
+            for index in 0..step.count {
+                let start = step.offset + index * step.stride;
+                let Some(value) = payload.get(start..start + step.width()) else { continue };
+                if !step.is_healthy(value) {
+                    step.explain(value, index, place, findings);
+                }
+            }
+        }
+    }
+
+    /// Counts what so many messages exercised.
+    pub fn exercise(&self, messages: u64, findings: &mut Findings) {
+        for (rule, values) in &self.exercises {
+            findings.exercise(rule, values * messages);
+        }
+    }
+}
+
+/// Whether a field of a format is the one that the definition means.
+fn is_same(placed: Placed<'_>, field: &Field) -> bool {
+    match (placed.element, field.ty.element) {
+        (PlacedElement::Scalar(left), Element::Scalar(right)) => {
+            left == right && placed.shape == field.ty.shape
+        }
+        (PlacedElement::Text(length), Element::Scalar(Scalar::Char)) => {
+            field.ty.shape == Shape::Array(length)
+        }
+        (PlacedElement::Message(_), Element::Message(_)) => placed.shape == field.ty.shape,
+        _ => false,
+    }
+}
+
+fn count(shape: Shape) -> usize {
+    match shape {
+        Shape::Single => 1,
+        Shape::Array(length) => length as usize,
+        // Such formats have no layout of fixed size.
+        Shape::Bounded(_) | Shape::Sequence => 0,
+    }
+}
+
+impl Step {
+    fn new(
+        placed: Placed<'_>,
+        offset: usize,
+        (path, subject): (String, String),
+        field: Option<(&Field, &Message)>,
+        schema: &Schema,
+    ) -> Option<Self> {
+        let kind = match placed.element {
+            PlacedElement::Scalar(Scalar::Bool) => Kind::Bool,
+            PlacedElement::Text(length) => Kind::Text(length as usize),
+            PlacedElement::Scalar(scalar) => {
+                let restriction = field.and_then(|(field, message)| schema.restriction(message, field))?;
+                let healthy = Healthy::of(scalar, &restriction);
+                Kind::Number(scalar, Box::new(restriction), healthy)
+            }
+            PlacedElement::String | PlacedElement::Message(_) => return None,
+        };
+        let definition = field.map(|(field, _)| field.span);
+        let count = count(placed.shape);
+        Some(Self { path, subject, offset, count, stride: placed.stride, kind, definition })
+    }
+
+    fn width(&self) -> usize {
+        match &self.kind {
+            Kind::Bool => 1,
+            Kind::Text(length) => *length,
+            Kind::Number(scalar, ..) => scalar.size(),
+        }
+    }
+
+    /// The rules that its values can break.
+    fn rules(&self) -> Vec<&'static str> {
+        use uavspec_runtime::Rule;
+        match &self.kind {
+            Kind::Bool => vec!["PX-BOOL-01"],
+            Kind::Text(_) => vec![Rule::Text.id()],
+            Kind::Number(_, restriction, _) => {
+                let asked = [
+                    (restriction.count.is_some(), Rule::Count),
+                    (restriction.low.is_some() || restriction.high.is_some(), Rule::Range),
+                    (restriction.known.is_some(), Rule::Enum),
+                    (restriction.forbids_nan, Rule::Nan),
+                ];
+                asked.into_iter().filter(|(is_asked, _)| *is_asked).map(|(_, rule)| rule.id()).collect()
+            }
+        }
+    }
+
+    fn is_healthy(&self, value: &[u8]) -> bool {
+        match &self.kind {
+            Kind::Bool => value[0] < 2,
+            Kind::Text(_) => std::str::from_utf8(until_nul(value)).is_ok(),
+            Kind::Number(scalar, _, healthy) => match healthy {
+                Healthy::Between(low, high) => {
+                    integer(*scalar, value).is_some_and(|value| (*low..=*high).contains(&value))
+                }
+                Healthy::Among(set) => set[usize::from(value[0])],
+                Healthy::Floats(low, high) => {
+                    float(*scalar, value).is_some_and(|value| *low <= value && value <= *high)
+                }
+                Healthy::Unknown => false,
+            },
+        }
+    }
+
+    /// Works out what a value that may be unhealthy breaks, and reports it.
+    fn explain(&self, value: &[u8], index: usize, place: Place, findings: &mut Findings) {
+        let mut report = |id: &str, text: &dyn fmt::Display| {
+            if let Some(rule) = rule(id) {
+                findings.report(rule, &self.subject, place, self.definition, || self.located(index, text));
+            }
+        };
+        match &self.kind {
+            Kind::Bool => report("PX-BOOL-01", &format_args!("{} where a bool is 0 or 1", value[0])),
+            Kind::Text(_) => {
+                if let Err(error) = std::str::from_utf8(until_nul(value)) {
+                    let text = format_args!("no UTF-8 from its byte {} on", error.valid_up_to());
+                    report(uavspec_runtime::Rule::Text.id(), &text);
+                }
+            }
+            Kind::Number(scalar, restriction, _) => {
+                let constraint = restriction.constraint();
+                let Some(found) = number(*scalar, value) else { return };
+                let Some(broken) = constraint.broken_by(found) else { return };
+                report(broken.id(), &Explained { rule: broken, found, restriction });
+            }
+        }
+    }
+
+    /// What is said of an element: which one, where there are several, and what.
+    fn located(&self, index: usize, text: &dyn fmt::Display) -> String {
+        // The rule stands beside it in any report.
+        let text = text.to_string();
+        let text = text.rsplit_once(" (PX-").map_or(text.as_str(), |(text, _)| text);
+        match (self.count > 1, self.path.contains('[')) {
+            (true, _) => format!("{}[{index}]: {text}", self.path),
+            (false, true) => format!("{}: {text}", self.path),
+            (false, false) => text.to_owned(),
+        }
+    }
+}
+
+/// What a number should have been.
+struct Explained<'r> {
+    rule: uavspec_runtime::Rule,
+    found: Number,
+    restriction: &'r Restriction,
+}
+
+impl fmt::Display for Explained<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.rule.explain(self.found, Some(&self.restriction.constraint()), None, formatter)
+    }
+}
+
+impl Healthy {
+    /// Worked out by asking the restriction itself, so that the two can't differ.
+    fn of(scalar: Scalar, restriction: &Restriction) -> Self {
+        let constraint = restriction.constraint();
+        if let Scalar::UInt8 | Scalar::Byte | Scalar::Char | Scalar::Int8 = scalar {
+            let is_healthy =
+                |byte: u8| number(scalar, &[byte]).is_some_and(|value| constraint.broken_by(value).is_none());
+            return Self::Among(Box::new(std::array::from_fn(|byte| {
+                u8::try_from(byte).is_ok_and(is_healthy)
+            })));
+        }
+        let bound = |number: Option<Number>, none: i64| match number {
+            None => Some(none),
+            Some(Number::Int(value)) => i64::try_from(value).ok(),
+            Some(Number::Float(_)) => None,
+        };
+        if scalar.is_float() {
+            let bound = |number: Option<Number>, none: f64| match number {
+                None => none,
+                #[allow(clippy::cast_precision_loss)] // what is rounded away is asked for
+                Some(Number::Int(value)) => value as f64,
+                Some(Number::Float(value)) => value,
+            };
+            return Self::Floats(
+                bound(restriction.low, f64::NEG_INFINITY),
+                bound(restriction.high, f64::INFINITY),
+            );
+        }
+        let is_plain = restriction.known.is_none() && scalar != Scalar::UInt64;
+        let high = match (restriction.high, restriction.count) {
+            (None, Some(count)) => Some(Number::Int(count.into())),
+            (high, None) => high,
+            (Some(_), Some(_)) => return Self::Unknown,
+        };
+        match (bound(restriction.low, i64::MIN), bound(high, i64::MAX)) {
+            (Some(low), Some(high)) if is_plain => Self::Between(low, high),
+            _ => Self::Unknown,
+        }
+    }
+}
+
+fn until_nul(text: &[u8]) -> &[u8] {
+    text.iter().position(|byte| *byte == 0).map_or(text, |end| &text[..end])
+}
+
+fn integer(scalar: Scalar, bytes: &[u8]) -> Option<i64> {
+    match number(scalar, bytes)? {
+        Number::Int(value) => i64::try_from(value).ok(),
+        Number::Float(_) => None,
+    }
+}
+
+fn float(scalar: Scalar, bytes: &[u8]) -> Option<f64> {
+    match scalar {
+        Scalar::Float32 => Some(f64::from(f32::from_le_bytes(bytes.try_into().ok()?))),
+        Scalar::Float64 => Some(f64::from_le_bytes(bytes.try_into().ok()?)),
+        _ => None,
+    }
+}
+
+/// The number that little-endian bytes stand for.
+fn number(scalar: Scalar, bytes: &[u8]) -> Option<Number> {
+    let integer = match scalar {
+        Scalar::Bool | Scalar::UInt8 | Scalar::Byte | Scalar::Char => i128::from(*bytes.first()?),
+        Scalar::Int8 => i128::from(i8::from_le_bytes(bytes.try_into().ok()?)),
+        Scalar::UInt16 => i128::from(u16::from_le_bytes(bytes.try_into().ok()?)),
+        Scalar::Int16 => i128::from(i16::from_le_bytes(bytes.try_into().ok()?)),
+        Scalar::UInt32 => i128::from(u32::from_le_bytes(bytes.try_into().ok()?)),
+        Scalar::Int32 => i128::from(i32::from_le_bytes(bytes.try_into().ok()?)),
+        Scalar::UInt64 => i128::from(u64::from_le_bytes(bytes.try_into().ok()?)),
+        Scalar::Int64 => i128::from(i64::from_le_bytes(bytes.try_into().ok()?)),
+        Scalar::Float32 | Scalar::Float64 => return float(scalar, bytes).map(Number::Float),
+    };
+    Some(Number::Int(integer))
+}

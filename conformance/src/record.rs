@@ -1,0 +1,77 @@
+//! What rules see: the records of a source, wherever that is.
+
+use std::fmt;
+
+use uavspec_codegen::schema::MessageId;
+
+/// Where in its source a record stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Place {
+    /// At a byte, from 0.
+    Byte(u64),
+    /// In a line, from 1.
+    Line(u64),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Byte(offset) => write!(formatter, "byte {}", Grouped(*offset)),
+            Self::Line(line) => write!(formatter, "line {}", Grouped(*line)),
+        }
+    }
+}
+
+/// A number with its thousands apart: 1,234,567.
+pub(crate) struct Grouped(pub(crate) u64);
+
+impl fmt::Display for Grouped {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let digits = self.0.to_string();
+        for (at, digit) in digits.chars().enumerate() {
+            if at > 0 && (digits.len() - at).is_multiple_of(3) {
+                formatter.write_str(",")?;
+            }
+            write!(formatter, "{digit}")?;
+        }
+        Ok(())
+    }
+}
+
+/// A stream of messages of one type: a subscription of a log, a topic of a capture.
+#[derive(Clone, Copy, Debug)]
+pub struct Channel<'c> {
+    /// Its number in its source.
+    pub index: usize,
+    /// The topic.
+    pub topic: &'c str,
+    /// The instance of the topic, from 0.
+    pub multi_id: u8,
+    /// The definition of its messages, where there is one.
+    pub definition: Option<MessageId>,
+    /// Where it was opened.
+    pub place: Place,
+}
+
+/// A message on a channel.
+#[derive(Clone, Copy, Debug)]
+pub struct Message<'m> {
+    /// Its field `timestamp`, in µs since system start.
+    pub timestamp: Option<u64>,
+    /// Its bytes.
+    pub payload: &'m [u8],
+    /// Where it stands.
+    pub place: Place,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_read_easily() {
+        assert_eq!(Place::Byte(401_220).to_string(), "byte 401,220");
+        assert_eq!(Place::Line(7).to_string(), "line 7");
+        assert_eq!(Place::Byte(1_000_000).to_string(), "byte 1,000,000");
+    }
+}

@@ -1,0 +1,93 @@
+//! For programs: one object for each source.
+
+use serde_json::{Value, json};
+
+use super::Judged;
+use crate::comparison::Comparison;
+use crate::definitions::Definitions;
+use crate::finding::{Group, Verdict};
+use crate::record::Place;
+use crate::rule::RULES;
+
+/// The version of the form; it rises when a member changes its meaning or goes.
+const VERSION: u32 = 1;
+
+/// All judgements as JSON.
+pub fn write(judged: &[Judged], definitions: &Definitions) -> String {
+    let sources: Vec<Value> = judged.iter().map(|judged| source(judged, definitions)).collect();
+    let report = json!({ "version": VERSION, "sources": sources });
+    // Values of this kind can always be written.
+    serde_json::to_string_pretty(&report).map_or_else(|_| String::new(), |text| text + "\n")
+}
+
+fn source(judged: &Judged, definitions: &Definitions) -> Value {
+    let judgement = &judged.judgement;
+    let rules: Vec<Value> = RULES
+        .iter()
+        .map(|rule| {
+            json!({
+                "id": rule.id,
+                "level": rule.level.to_string(),
+                "verdict": verdict(judgement.findings.verdict(rule)),
+                "exercised": judgement.findings.exercised(rule),
+            })
+        })
+        .collect();
+    let damage: Vec<Value> =
+        judgement.damage.iter().map(|(offset, what)| json!({ "byte": offset, "message": what })).collect();
+    let formats: Vec<Value> = judgement.formats.iter().map(|(name, found)| format(name, found)).collect();
+    let findings: Vec<Value> = judgement.findings.groups().map(|group| finding(group, definitions)).collect();
+    json!({
+        "path": judged.path,
+        "firmware": judgement.firmware,
+        "records": judgement.records,
+        "judged": judgement.judged,
+        "dropouts": judgement.dropouts,
+        "duration_us": judgement.duration,
+        "formats": formats,
+        "damage": damage,
+        "more_damage": judgement.more_damage,
+        "rules": rules,
+        "findings": findings,
+    })
+}
+
+fn verdict(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Pass => "pass",
+        Verdict::Warn => "warn",
+        Verdict::Fail => "fail",
+        Verdict::Shown => "shown",
+        Verdict::NotExercised => "not exercised",
+    }
+}
+
+fn format(name: &str, comparison: &Comparison) -> Value {
+    match comparison {
+        Comparison::Equal => json!({ "topic": name, "result": "equal" }),
+        Comparison::Undefined => json!({ "topic": name, "result": "undefined" }),
+        Comparison::Differs(differences) => {
+            json!({ "topic": name, "result": "differs", "message": differences.to_string() })
+        }
+    }
+}
+
+fn finding(group: &Group, definitions: &Definitions) -> Value {
+    let examples: Vec<Value> = group
+        .examples
+        .iter()
+        .map(|(place, message)| match place {
+            Place::Byte(offset) => json!({ "byte": offset, "message": message }),
+            Place::Line(line) => json!({ "line": line, "message": message }),
+        })
+        .collect();
+    json!({
+        "rule": group.rule.id,
+        "level": group.rule.level.to_string(),
+        "statement": group.rule.statement,
+        "subject": group.subject,
+        "count": group.count,
+        "examples": examples,
+        "definition": group.definition.map(|span| definitions.place(span)),
+    })
+}

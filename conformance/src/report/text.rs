@@ -1,0 +1,130 @@
+//! For people, at a terminal.
+
+use std::fmt::Write as _;
+
+use anstyle::{AnsiColor, Style};
+
+use super::Judged;
+use crate::comparison::Comparison;
+use crate::definitions::Definitions;
+use crate::finding::{Group, Verdict};
+use crate::record::Grouped;
+use crate::rule::{Level, RULES};
+
+/// How many formats that differ are shown, and how many places of damage.
+const MAX_SHOWN: usize = 8;
+
+const FAIL: Style = AnsiColor::Red.on_default().bold();
+const WARN: Style = AnsiColor::Yellow.on_default().bold();
+const PASS: Style = AnsiColor::Green.on_default().bold();
+const PLAIN: Style = Style::new();
+
+/// The judgement of a log, with colours; a stream that knows drops them where they would not be shown.
+pub fn write(judged: &Judged, definitions: &Definitions) -> String {
+    let mut text = String::new();
+    // Writing to a string can't fail.
+    let _ = head(judged, &mut text);
+    let _ = formats(judged, &mut text);
+    let _ = damage(judged, &mut text);
+    for level in [Level::Must, Level::Should, Level::Info] {
+        // The formats that differ stand above already.
+        let is_of_level = |group: &&Group| group.rule.level == level && group.rule.id != "PX-FMT-01";
+        for group in judged.judgement.findings.groups().filter(is_of_level) {
+            let _ = finding(group, definitions, &mut text);
+        }
+    }
+    let _ = verdicts(judged, &mut text);
+    text
+}
+
+fn head(judged: &Judged, text: &mut String) -> std::fmt::Result {
+    let judgement = &judged.judgement;
+    let firmware = judgement.firmware.as_deref().unwrap_or("unknown firmware");
+    let seconds = judgement.duration / 1_000_000;
+    writeln!(
+        text,
+        "{}  {firmware}, {} min {} s, {} topics, {} records, {} dropouts ({} ms)\n",
+        judged.path,
+        seconds / 60,
+        seconds % 60,
+        judgement.formats.len(),
+        Grouped(judgement.records),
+        judgement.dropouts,
+        judged.elapsed,
+    )
+}
+
+fn formats(judged: &Judged, text: &mut String) -> std::fmt::Result {
+    let formats = &judged.judgement.formats;
+    let count = |wanted: fn(&Comparison) -> bool| formats.iter().filter(|(_, found)| wanted(found)).count();
+    let equal = count(|found| *found == Comparison::Equal);
+    let unknown = count(|found| *found == Comparison::Undefined);
+    let differing: Vec<_> = formats
+        .iter()
+        .filter_map(|(name, found)| match found {
+            Comparison::Differs(differences) => Some((name, differences)),
+            Comparison::Equal | Comparison::Undefined => None,
+        })
+        .collect();
+    writeln!(
+        text,
+        "definitions  {equal} of {} topics equal, {} differ, {unknown} not defined",
+        formats.len(),
+        differing.len()
+    )?;
+    for (name, differences) in differing.iter().take(MAX_SHOWN) {
+        writeln!(text, "  differs    {name}: {differences}")?;
+    }
+    if differing.len() > MAX_SHOWN {
+        writeln!(text, "             … and {} more", differing.len() - MAX_SHOWN)?;
+    }
+    writeln!(text)
+}
+
+fn damage(judged: &Judged, text: &mut String) -> std::fmt::Result {
+    let judgement = &judged.judgement;
+    for (offset, what) in judgement.damage.iter().take(MAX_SHOWN) {
+        writeln!(text, "{WARN}damage{WARN:#}       byte {}: {what}", Grouped(*offset))?;
+    }
+    let more = judgement.damage.len().saturating_sub(MAX_SHOWN) as u64 + judgement.more_damage;
+    if more > 0 {
+        writeln!(text, "             … and {} more", Grouped(more))?;
+    }
+    if judgement.damage.is_empty() { Ok(()) } else { writeln!(text) }
+}
+
+fn finding(group: &Group, definitions: &Definitions, text: &mut String) -> std::fmt::Result {
+    let (style, word) = match group.rule.level {
+        Level::Must => (FAIL, "FAIL"),
+        Level::Should => (WARN, "warn"),
+        Level::Info => (PLAIN, "info"),
+    };
+    let Some((place, first)) = group.examples.first() else { return Ok(()) };
+    let times = if group.count == 1 { "once".to_owned() } else { format!("{} times", Grouped(group.count)) };
+    writeln!(
+        text,
+        "{style}{word}{style:#}  {:<12} {:<6} {}: {first}",
+        group.rule.id, group.rule.level, group.subject
+    )?;
+    let defined = group.definition.map(|span| format!("   {}", definitions.place(span))).unwrap_or_default();
+    writeln!(text, "                           {times}, first at {place}{defined}")
+}
+
+fn verdicts(judged: &Judged, text: &mut String) -> std::fmt::Result {
+    let findings = &judged.judgement.findings;
+    let of = |verdict| RULES.iter().filter(move |rule| findings.verdict(rule) == verdict);
+    let idle: Vec<&str> = of(Verdict::NotExercised).map(|rule| rule.id).collect();
+    let idle = if idle.is_empty() {
+        String::new()
+    } else {
+        format!("   not exercised {} ({})", idle.len(), idle.join(", "))
+    };
+    writeln!(text, "{PASS}pass{PASS:#}  {} rules{idle}\n", of(Verdict::Pass).count())?;
+    let (failed, warned) = (of(Verdict::Fail).count(), of(Verdict::Warn).count());
+    let damaged = if judged.judgement.damage.is_empty() { "" } else { ", and the log is damaged" };
+    match (failed, warned) {
+        (0, 0) => writeln!(text, "conforms{damaged}"),
+        (0, _) => writeln!(text, "conforms, {warned} SHOULD to be looked at{damaged}"),
+        _ => writeln!(text, "does not conform: {failed} MUST, {warned} SHOULD{damaged}"),
+    }
+}

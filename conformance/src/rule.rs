@@ -1,0 +1,146 @@
+//! The rules, a file each, and the one list of all.
+//!
+//! A rule is a statement with a permanent id. Rules on single values are checked by a plan that is made once
+//! for each format ([`crate::plan`]); rules on the course of things keep a state of their own ([`Checker`]).
+
+mod px_bool_01;
+mod px_data_01;
+mod px_data_02;
+mod px_data_03;
+mod px_enum_01;
+mod px_fmt_01;
+mod px_fmt_02;
+mod px_fmt_03;
+mod px_len_01;
+mod px_nan_01;
+mod px_queue_01;
+mod px_range_01;
+mod px_str_01;
+mod px_time_01;
+mod px_time_02;
+mod px_ver_01;
+
+use std::fmt;
+
+use crate::definitions::Definitions;
+use crate::finding::Findings;
+use crate::record::{Channel, Message, Place};
+
+/// Every rule, by id.
+pub static RULES: [&Rule; 16] = [
+    &px_bool_01::RULE,
+    &px_data_01::RULE,
+    &px_data_02::RULE,
+    &px_data_03::RULE,
+    &px_enum_01::RULE,
+    &px_fmt_01::RULE,
+    &px_fmt_02::RULE,
+    &px_fmt_03::RULE,
+    &px_len_01::RULE,
+    &px_nan_01::RULE,
+    &px_queue_01::RULE,
+    &px_range_01::RULE,
+    &px_str_01::RULE,
+    &px_time_01::RULE,
+    &px_time_02::RULE,
+    &px_ver_01::RULE,
+];
+
+/// How much a rule binds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Level {
+    /// Derived, and shown without being judged.
+    Info,
+    /// What breaks it should be looked at.
+    Should,
+    /// What breaks it doesn't conform.
+    Must,
+}
+
+impl fmt::Display for Level {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(match self {
+            Self::Info => "INFO",
+            Self::Should => "SHOULD",
+            Self::Must => "MUST",
+        })
+    }
+}
+
+/// A rule.
+#[derive(Debug)]
+pub struct Rule {
+    /// Its id, which never changes its meaning and is never used again.
+    pub id: &'static str,
+    /// How much it binds.
+    pub level: Level,
+    /// What has to hold.
+    pub statement: &'static str,
+    /// What lays it down.
+    pub source: &'static str,
+    /// What finds breaches.
+    pub check: Check,
+}
+
+/// What finds breaches of a rule.
+#[derive(Clone, Copy, Debug)]
+pub enum Check {
+    /// The plan of a format, value by value.
+    Value,
+    /// Whoever reads the source, since what breaks it can't be read as anything.
+    Source,
+    /// A state that follows the records of a source.
+    State(fn() -> Box<dyn Checker>),
+}
+
+/// Follows the records of one source.
+pub trait Checker {
+    /// A channel is opened: a topic with its type.
+    fn opened(&mut self, _channel: &Channel<'_>, _judged: &mut Judged<'_>) {}
+
+    /// A message comes.
+    fn message(&mut self, _channel: &Channel<'_>, _message: &Message<'_>, _judged: &mut Judged<'_>) {}
+
+    /// Records were lost, for so many milliseconds.
+    fn dropout(&mut self, _milliseconds: u16, _place: Place) {}
+
+    /// The source ends.
+    fn end(&mut self, _judged: &mut Judged<'_>) {}
+}
+
+/// Where a rule puts what it finds.
+pub struct Judged<'j> {
+    /// The rule.
+    pub rule: &'static Rule,
+    /// What it is judged by.
+    pub definitions: &'j Definitions,
+    /// All findings.
+    pub findings: &'j mut Findings,
+}
+
+impl Judged<'_> {
+    /// Something was looked at, whatever came of it.
+    pub fn exercise(&mut self) {
+        self.findings.exercise(self.rule, 1);
+    }
+
+    /// Something breaks the rule.
+    pub fn report(&mut self, subject: &str, place: Place, text: impl FnOnce() -> String) {
+        self.findings.report(self.rule, subject, place, None, text);
+    }
+}
+
+/// The rule of an id.
+pub fn rule(id: &str) -> Option<&'static Rule> {
+    RULES.binary_search_by_key(&id, |rule| rule.id).ok().map(|at| RULES[at])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rules_are_sorted_so_that_they_can_be_looked_up() {
+        assert!(RULES.windows(2).all(|pair| pair[0].id < pair[1].id));
+    }
+}

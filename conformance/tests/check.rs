@@ -1,0 +1,338 @@
+//! Logs judged: each rule finds what breaks it, and nothing in a log that conforms.
+
+mod support;
+
+use std::fs;
+
+use tempfile::TempDir;
+use uavspec_conformance::comparison::Comparison;
+use uavspec_conformance::definitions::Definitions;
+use uavspec_conformance::finding::Verdict;
+use uavspec_conformance::judge::{Judgement, judge_ulog};
+use uavspec_conformance::rule::{RULES, rule};
+
+use support::{Writer, shared};
+
+const GLIDER: &str = "\
+# State of a glider
+
+uint32 MESSAGE_VERSION = 2
+uint8 ORB_QUEUE_LENGTH = 2
+
+uint64 timestamp          # [us] Time since system start
+float32 speed             # [m/s] [@range 0, 60] [@invalid -1] Speed
+float32[2] flaps          # [rad] [@range -1, 1] [@invalid NaN] Left and right
+uint8 MODE_CRUISE = 0     # Straight on
+uint8 MODE_THERMAL = 7    # Circling in lift
+uint8 mode                # [@enum MODE] What it does
+uint8 num_marks           # [-] [@count marks] Entries of marks in use
+Mark[3] marks             # Places to fly to
+char[4] name              # Call sign
+bool is_landed            # Whether it stands on the ground
+";
+const MARK: &str =
+    "# A place\n\nuint64 timestamp  # [us] Time of entry\nint16 height  # [m] [@range -500, 9000] Height\n";
+
+const FORMAT: &str = "uint64_t timestamp;float speed;float[2] flaps;uint8_t mode;uint8_t num_marks;char[4] name;\
+    bool is_landed;uint8_t[5] _padding0;mark[3] marks;";
+const MARK_FORMAT: &str = "mark:uint64_t timestamp;int16_t height;uint8_t[6] _padding0;";
+
+fn definitions() -> (TempDir, Definitions) {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("Glider.msg"), GLIDER).expect("a file");
+    fs::write(folder.path().join("Mark.msg"), MARK).expect("a file");
+    let definitions = Definitions::load(folder.path()).expect("definitions");
+    (folder, definitions)
+}
+
+/// A message of the glider that conforms.
+#[derive(Clone)]
+struct Glider {
+    timestamp: u64,
+    speed: f32,
+    flaps: [f32; 2],
+    mode: u8,
+    num_marks: u8,
+    name: [u8; 4],
+    is_landed: u8,
+    heights: [i16; 3],
+}
+
+impl Glider {
+    fn at(timestamp: u64) -> Self {
+        let flaps = [0.5, f32::NAN];
+        Self {
+            timestamp,
+            speed: 20.0,
+            flaps,
+            mode: 7,
+            num_marks: 3,
+            name: *b"D-1\0",
+            is_landed: 1,
+            heights: [9000; 3],
+        }
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        let mut bytes = self.timestamp.to_le_bytes().to_vec();
+        bytes.extend(self.speed.to_le_bytes());
+        bytes.extend(self.flaps.iter().flat_map(|flap| flap.to_le_bytes()));
+        bytes.extend([self.mode, self.num_marks]);
+        bytes.extend(self.name);
+        bytes.push(self.is_landed);
+        bytes.extend([0; 5]);
+        for height in self.heights {
+            bytes.extend([0; 8]);
+            bytes.extend(height.to_le_bytes());
+            bytes.extend([0; 6]);
+        }
+        bytes
+    }
+}
+
+/// Period of the messages, in µs.
+const PERIOD: u64 = 20_000;
+
+/// A log that conforms, with a message of its own at the end.
+fn log_with(last: &Glider) -> Writer {
+    let mut log = start();
+    for number in 1..60 {
+        log.data(5, &Glider::at(number * PERIOD).bytes());
+    }
+    log.data(5, &last.bytes());
+    log
+}
+
+fn start() -> Writer {
+    let mut log = Writer::with_flags();
+    log.entry(b'I', &[], "char[3] sys_name", b"PX4");
+    log.format(&format!("glider:{FORMAT}"));
+    log.format(MARK_FORMAT);
+    log.subscribe(5, 0, "glider");
+    log
+}
+
+fn judge(log: &Writer) -> Judgement {
+    let (_folder, definitions) = definitions();
+    judge_ulog(&log.bytes[..], &definitions).expect("bytes can be read")
+}
+
+/// The rules that are broken, each with its subject and what is said of the first breach.
+fn broken(judgement: &Judgement) -> Vec<(&'static str, String)> {
+    let said = |group: &uavspec_conformance::finding::Group| {
+        (group.rule.id, format!("{}: {}", group.subject, group.examples[0].1))
+    };
+    judgement.findings.groups().map(said).collect()
+}
+
+fn conforming() -> Writer {
+    log_with(&Glider::at(60 * PERIOD))
+}
+
+#[test]
+fn a_log_that_conforms_breaks_nothing_and_exercises_what_it_can() {
+    let judgement = judge(&conforming());
+    assert_eq!(broken(&judgement), []);
+    assert_eq!(judgement.damage, []);
+    assert_eq!((judgement.records, judgement.judged), (60, 60));
+    assert_eq!(judgement.duration, 59 * PERIOD);
+    assert_eq!(judgement.formats, [("glider".to_owned(), Comparison::Equal)]);
+    assert_eq!(judgement.firmware.as_deref(), Some("PX4"));
+    let idle: Vec<&str> = RULES
+        .iter()
+        .filter(|rule| judgement.findings.verdict(rule) == Verdict::NotExercised)
+        .map(|rule| rule.id)
+        .collect();
+    // The topic has no version behind its name.
+    assert_eq!(idle, ["PX-VER-01"]);
+}
+
+/// A log that breaks the rule, and what is said of it.
+fn mutants() -> Vec<(&'static str, Writer, &'static str)> {
+    let good = Glider::at(60 * PERIOD);
+    let value = |change: fn(&mut Glider)| {
+        let mut glider = good.clone();
+        change(&mut glider);
+        log_with(&glider)
+    };
+    let with = |change: fn(&mut Writer)| {
+        let mut log = conforming();
+        change(&mut log);
+        log
+    };
+    let format = |fields: &str| {
+        let mut log = Writer::with_flags();
+        log.format(&format!("glider:{fields}"));
+        log.format(MARK_FORMAT);
+        log.subscribe(5, 0, "glider");
+        log
+    };
+    let mut versioned = start();
+    versioned.format(&format!("glider_v1:{FORMAT}"));
+    versioned.subscribe(6, 0, "glider_v1");
+    let mut short = conforming();
+    short.data(5, &[0; 20]);
+    let mut burst = conforming();
+    for _ in 0..2 {
+        burst.data(5, &good.bytes());
+    }
+    let mut no_timestamp = format("uint64_t time;");
+    no_timestamp.data(5, &[0; 8]);
+    vec![
+        (
+            "PX-BOOL-01",
+            value(|glider| glider.is_landed = 153),
+            "glider.is_landed: 153 where a bool is 0 or 1",
+        ),
+        ("PX-DATA-01", short, "glider: expected 80 bytes of data of id 5, found 20"),
+        ("PX-DATA-02", with(|log| _ = log.data(9, &[0; 20])), "id 9: data of id 9, which isn't subscribed"),
+        (
+            "PX-DATA-03",
+            with(|log| _ = log.subscribe(6, 0, "glider")),
+            "glider: a second subscription of instance 0",
+        ),
+        ("PX-ENUM-01", value(|glider| glider.mode = 8), "glider.mode: "),
+        (
+            "PX-FMT-01",
+            format(&FORMAT.replace("uint8_t mode;", "uint8_t kind;")),
+            "glider: it lacks mode (uint8); it also has kind (uint8)",
+        ),
+        (
+            "PX-FMT-02",
+            with(|log| _ = log.format("tow:uint64_t timestamp;rope[2] ropes;")),
+            "tow: format `tow` has a field `ropes`",
+        ),
+        ("PX-FMT-03", no_timestamp, "glider: its format has no `uint64_t timestamp`"),
+        (
+            "PX-LEN-01",
+            value(|glider| glider.num_marks = 4),
+            "glider.num_marks: 4 entries in use of an array of 3",
+        ),
+        (
+            "PX-NAN-01",
+            value(|glider| glider.speed = f32::NAN),
+            "glider.speed: NaN, which has no meaning here",
+        ),
+        ("PX-QUEUE-01", burst, "glider: more than 2 messages at 1200000 µs"),
+        (
+            "PX-RANGE-01",
+            value(|glider| glider.flaps[1] = 1.5),
+            "glider.flaps: flaps[1]: 1.5 is out of range, -1 to 1",
+        ),
+        (
+            "PX-STR-01",
+            value(|glider| glider.name = *b"D\xff\0\0"),
+            "glider.name: no UTF-8 from its byte 1 on",
+        ),
+        (
+            "PX-TIME-01",
+            value(|glider| glider.timestamp = 58 * PERIOD),
+            "glider.timestamp: timestamp is 1160000, and was 1180000",
+        ),
+        (
+            "PX-TIME-02",
+            value(|glider| glider.timestamp = 80 * PERIOD),
+            "glider: 420 ms without a message, where one comes each 20 ms",
+        ),
+        ("PX-VER-01", versioned, "glider_v1: the topic is of version 1, the definition of version 2"),
+    ]
+}
+
+/// Rules that a mutant breaks beside its own, as it can't be otherwise.
+const ALSO: [(&str, &str); 1] = [("PX-FMT-03", "PX-FMT-01")];
+
+#[test]
+fn each_rule_finds_its_mutant_and_no_other_rule_does() {
+    let mutants = mutants();
+    let ids: Vec<&str> = mutants.iter().map(|(id, ..)| *id).collect();
+    assert_eq!(ids, RULES.map(|rule| rule.id), "each rule has a mutant");
+    for (id, log, said) in mutants {
+        let judgement = judge(&log);
+        let found = broken(&judgement);
+        let own: Vec<&String> = found.iter().filter(|(rule, _)| *rule == id).map(|(_, text)| text).collect();
+        assert!(own.len() == 1 && own[0].starts_with(said), "{id}: {found:?}");
+        let others: Vec<&str> = found.iter().map(|(rule, _)| *rule).filter(|rule| *rule != id).collect();
+        let allowed: Vec<&str> = ALSO.iter().filter(|(of, _)| *of == id).map(|(_, also)| *also).collect();
+        assert_eq!(others, allowed, "{id}: {found:?}");
+    }
+}
+
+#[test]
+fn what_is_allowed_beside_the_range_breaks_nothing() {
+    for change in [
+        |glider: &mut Glider| glider.speed = -1.0,
+        |glider: &mut Glider| glider.speed = 60.0,
+        |glider: &mut Glider| glider.flaps = [f32::NAN; 2],
+        |glider: &mut Glider| glider.heights[2] = -500,
+        |glider: &mut Glider| glider.name = *b"full",
+        |glider: &mut Glider| glider.timestamp = 0,
+    ] {
+        let mut glider = Glider::at(60 * PERIOD);
+        change(&mut glider);
+        assert_eq!(broken(&judge(&log_with(&glider))), []);
+    }
+}
+
+#[test]
+fn values_in_nested_messages_are_named_by_their_way() {
+    let mut glider = Glider::at(60 * PERIOD);
+    glider.heights[1] = 9001;
+    let found = broken(&judge(&log_with(&glider)));
+    assert_eq!(
+        found,
+        [(
+            "PX-RANGE-01",
+            "glider.marks.height: marks[1].height: 9001 is out of range, -500 to 9000".to_owned()
+        )]
+    );
+}
+
+#[test]
+fn a_pause_with_a_dropout_nearby_has_its_reason() {
+    let mut log = start();
+    for number in 1..60 {
+        log.data(5, &Glider::at(number * PERIOD).bytes());
+    }
+    log.dropout(400);
+    log.data(5, &Glider::at(80 * PERIOD).bytes());
+    let judgement = judge(&log);
+    assert_eq!(broken(&judgement), []);
+    assert_eq!(judgement.dropouts, 1);
+}
+
+#[test]
+fn equal_findings_are_counted() {
+    let mut log = start();
+    for number in 1..=5 {
+        log.data(5, &Glider { is_landed: 2, ..Glider::at(number * PERIOD) }.bytes());
+    }
+    let judgement = judge(&log);
+    let rule = rule("PX-BOOL-01").expect("a rule");
+    let groups: Vec<_> = judgement.findings.of(rule).collect();
+    assert_eq!((groups.len(), groups[0].count, groups[0].examples.len()), (1, 5, 3));
+    assert_eq!(judgement.findings.verdict(rule), Verdict::Fail);
+}
+
+/// Real logs conform to all that must hold, and what is known to be odd is found.
+#[test]
+fn real_logs_are_judged_as_they_are_known() {
+    let (Some(logs), Some(corpus)) = (shared("corpus/ulog"), shared("corpus/px4")) else { return };
+    let mut odd = 0;
+    for release in ["1.15", "1.16", "main"] {
+        let definitions = Definitions::load(&corpus.join(release)).expect("definitions");
+        for entry in fs::read_dir(&logs).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            let judgement =
+                judge_ulog(fs::File::open(&path).expect("a log"), &definitions).expect("readable");
+            assert_eq!(judgement.records, judgement.judged, "{}", path.display());
+            for group in judgement.findings.groups() {
+                let is_known = group.rule.id.starts_with("PX-FMT-01")
+                    || group.subject == "battery_status.max_error"
+                    || matches!(group.rule.id, "PX-TIME-02" | "PX-QUEUE-01");
+                assert!(is_known, "{}: {group:?}", path.display());
+                odd += u64::from(group.subject == "battery_status.max_error") * group.count;
+            }
+        }
+    }
+    assert_eq!(odd, 94, "batteries whose greatest error is 0");
+}

@@ -1,0 +1,81 @@
+//! `uavspec` as a user meets it.
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::Value;
+use support::typical;
+
+/// Status, what was printed, and what was said.
+fn uavspec(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
+    let run = Command::new(env!("CARGO_BIN_EXE_uavspec")).args(arguments).current_dir(folder).output();
+    let output = run.expect("uavspec runs");
+    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn a_log_is_judged_and_the_status_says_how() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("flight.ulg"), typical(20)).expect("a file");
+    let (status, printed, _) = uavspec(folder.path(), &["check", "flight.ulg"]);
+    assert_eq!(status, Some(0), "{printed}");
+    assert!(printed.starts_with("flight.ulg  PX4, 0 min 0 s, 20 topics, 400 records"), "{printed}");
+    assert!(printed.ends_with("conforms\n"), "{printed}");
+
+    let mut odd = typical(20);
+    odd.truncate(odd.len() - 3);
+    fs::write(folder.path().join("cut.ulg"), odd).expect("a file");
+    let (status, printed, _) = uavspec(folder.path(), &["check", "cut.ulg"]);
+    assert_eq!(status, Some(0), "{printed}");
+    assert!(
+        printed.contains("damage       byte") && printed.ends_with("and the log is damaged\n"),
+        "{printed}"
+    );
+
+    fs::write(folder.path().join("empty.ulg"), "").expect("a file");
+    let (status, printed, _) = uavspec(folder.path(), &["check", "empty.ulg"]);
+    assert_eq!(status, Some(5), "{printed}");
+    let (status, _, said) = uavspec(folder.path(), &["check", "absent.ulg", "flight.ulg"]);
+    assert_eq!(status, Some(3));
+    assert!(said.contains("error: absent.ulg"), "{said}");
+    let (status, _, said) = uavspec(folder.path(), &["check", "flight.ulg", "--definitions", "nowhere"]);
+    assert_eq!(status, Some(2));
+    assert!(said.contains("nowhere") && said.contains("help:"), "{said}");
+    assert_eq!(uavspec(folder.path(), &["check"]).0, Some(2));
+}
+
+#[test]
+fn programs_get_json() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("flight.ulg"), typical(20)).expect("a file");
+    let (status, printed, _) = uavspec(folder.path(), &["check", "--format", "json", "flight.ulg"]);
+    assert_eq!(status, Some(0));
+    let report: Value = serde_json::from_str(&printed).expect("JSON");
+    assert_eq!(report["version"], 1);
+    let source = &report["sources"][0];
+    assert_eq!(
+        (&source["path"], &source["records"], &source["judged"]),
+        (&"flight.ulg".into(), &400.into(), &400.into())
+    );
+    let rules = source["rules"].as_array().expect("a list");
+    let verdict = |id: &str| rules.iter().find(|rule| rule["id"] == id).map(|rule| rule["verdict"].clone());
+    assert_eq!(verdict("PX-TIME-01"), Some("pass".into()));
+    assert_eq!(verdict("PX-VER-01"), Some("not exercised".into()));
+}
+
+#[test]
+fn rules_and_help_are_printed() {
+    let here = Path::new(".");
+    let (status, printed, _) = uavspec(here, &["rules"]);
+    assert_eq!(status, Some(0));
+    for rule in uavspec_conformance::rule::RULES {
+        assert!(printed.contains(rule.id) && printed.contains(rule.statement), "{}", rule.id);
+    }
+    let (status, printed, _) = uavspec(here, &["check", "--help"]);
+    assert_eq!(status, Some(0));
+    assert!(printed.contains("Examples:") && printed.contains("uavspec check flight.ulg"), "{printed}");
+}
