@@ -5,6 +5,8 @@ mod support;
 
 #[path = "ulog/damage.rs"]
 mod damage;
+#[path = "ulog/log.rs"]
+mod log;
 #[path = "ulog/memory.rs"]
 mod memory;
 #[path = "ulog/oracle.rs"]

@@ -24,7 +24,8 @@
 //!     if let Event::Problem(problem) = &item.event {
 //!         found.push(format!("{}: {problem}", item.offset));
 //!     }
-//!     if let Some(record) = log.take(&item, &mut |offset, problem| found.push(format!("{offset}: {problem}"))) {
+//!     let mut tell = |offset, problem| found.push(format!("{offset}: {problem}"));
+//!     if let Some(record) = log.take(&item, &mut tell) {
 //!         let message = record.of.view_uorb(record.payload).unwrap();
 //!         assert_eq!(message.to_json_text().unwrap(), r#"{"timestamp":7,"speed":0.5}"#);
 //!     }
@@ -42,26 +43,34 @@
 //!
 //! # How damage is survived
 //!
-//! A message is believed if its kind is known, its size isn't below that kind's least, and the same holds of
-//! the header that follows it. Where this fails, the reader looks ahead, at most [`Reader::LOOKAHEAD`] bytes:
+//! A message is believed at once if it looks sound (see below), and the header that follows it says something
+//! usual, too. Where this fails, the reader looks ahead, at most [`Reader::LOOKAHEAD`] bytes:
 //!
 //! - If a sound run of messages begins within the bytes that the message claims, its size is wrong: it is
 //!   skipped up to that run. So a wrong size doesn't swallow what follows.
-//! - Else, if its own kind is known and its size large enough, it is believed, and the doubt goes to what follows.
+//! - Else, if its own kind is known and its size large enough, it is believed, and the doubt goes to what
+//!   follows.
 //! - Else, if a sound message or the end follows, only this one is odd (a kind of the future, or too short)
 //!   and it alone is told.
 //! - Else what follows is searched for the next sound run.
 //!
 //! A run is sound if it begins with a sync message (its header and magic are 11 fixed bytes), or if four
-//! messages of known kinds follow each other whose contents look right in their first bytes: keys and
-//! names in ASCII, levels that exist, data of ids that were subscribed. Between them there may be others: data
-//! of unknown ids, kinds that are letters; sixteen messages in a row are enough, whatever they are. At the end
-//! of the log or of a section, two are enough. No byte is searched twice as a start, and no look takes more
-//! than some thousand steps: time is linear in the size of the log, whatever is in it.
+//! messages look sound that follow each other: their kinds are known, and their first bytes in order (keys
+//! and names in ASCII, levels that exist, data of ids that were subscribed, as long as before). Between them
+//! there may be others: other data, kinds that are letters; sixteen messages in a row are enough, whatever
+//! they are. At the end of the log or of a section, two are enough. No byte is searched twice as a start, and
+//! no look takes more than some thousand steps: time is linear in the size of the log, whatever is in it.
 //!
 //! Each range of bytes that was skipped is told with its ends ([`Problem::Skipped`]). What can't be seen here
-//! is a changed byte within a payload, and a size that was changed so that it ends just before what looks
-//! like another header (a chance of some percent); then [`Log`] mostly tells that the size of the data is wrong.
+//! is a changed byte within a payload.
+//!
+//! # Measured
+//!
+//! Two cores, medians of the bench `ulog` on three real logs, repeated up to 64 MB: messages at 3.9 to
+//! 6.9 GB/s where copying through the buffer reaches 15, with the type of each and its size checked at 1.7 to
+//! 2.4. Noise is searched at 350 MB/s, and bytes that are made to take long at 20. Of 4,727 places in real
+//! logs where a bit was flipped or 25 to 30 bytes were overwritten, each cost 1.2 messages on average, and
+//! less than three in the worst of 450 runs.
 
 mod kind;
 mod log;

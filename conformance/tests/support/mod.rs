@@ -222,7 +222,7 @@ fn check_extents(bytes: &[u8], seen: &[Seen]) {
     for item in seen {
         let end = match (&item.problem, item.kind) {
             (None, "start") => 16,
-            (None, _) | (Some(Problem::Malformed { .. }), _) => message_end(item.offset),
+            (None | Some(Problem::Malformed { .. }), _) => message_end(item.offset),
             (Some(Problem::Skipped { to, .. } | Problem::Straddles { appended: to }), _) => *to,
             (Some(Problem::EndsInHeader { .. } | Problem::EndsInPayload { .. }), _) => size,
             (Some(problem), _) => {

@@ -4,7 +4,7 @@ use std::io::{self, Read};
 
 use uavspec_conformance::source::ulog::{Event, Log, Problem, Reader};
 
-use crate::support::Writer;
+use crate::support::{Writer, typical};
 
 /// Bytes that a test reads: enough to fill the buffer many times.
 const SIZE: u64 = 64 << 20;
@@ -72,4 +72,63 @@ fn zeros_without_end_are_searched_in_one_buffer() {
     let (records, problems) = count(Writer::with_flags().bytes, &[0; 4096]);
     assert_eq!(records, 0);
     assert!(matches!(problems[..], [Problem::Skipped { to: SIZE, .. }]), "{problems:?}");
+}
+
+/// Fails once every so many bytes, and gives no more than one byte at a time.
+struct Failing<'b> {
+    rest: &'b [u8],
+    is_failing: bool,
+}
+
+impl Read for Failing<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.is_failing = !self.is_failing && self.rest.len().is_multiple_of(100);
+        if self.is_failing {
+            return Err(io::ErrorKind::TimedOut.into());
+        }
+        let Some((byte, rest)) = self.rest.split_first() else { return Ok(0) };
+        buffer[0] = *byte;
+        self.rest = rest;
+        Ok(1)
+    }
+}
+
+#[test]
+fn reading_goes_on_after_an_error_of_the_input() {
+    let mut log = typical(3);
+    // Bytes that are searched, too.
+    log.extend([0xff; 300]);
+    let mut expected = Vec::new();
+    let mut reader = Reader::new(&log[..]);
+    while let Some(item) = reader.next().expect("a slice") {
+        expected.push(format!("{item:?}"));
+    }
+    let mut reader = Reader::new(Failing { rest: &log, is_failing: false });
+    let (mut found, mut errors) = (Vec::new(), 0);
+    loop {
+        match reader.next() {
+            Ok(Some(item)) => found.push(format!("{item:?}")),
+            Ok(None) => break,
+            Err(error) => {
+                assert_eq!(error.kind(), io::ErrorKind::TimedOut);
+                errors += 1;
+            }
+        }
+    }
+    assert_eq!(found, expected);
+    assert!(errors >= log.len() / 100, "{errors} errors");
+}
+
+#[test]
+fn messages_of_a_slow_input_are_not_late() {
+    let log = typical(3);
+    // Fails when more is asked for than the part that has arrived.
+    let arrived = &log[..1_000];
+    let mut reader = Reader::new(arrived.chain(Failing { rest: &[], is_failing: false }));
+    let mut end = 0;
+    while let Ok(Some(item)) = reader.next() {
+        end = item.offset;
+    }
+    // The last one is lent only when the header behind it is there.
+    assert!(end > 850, "the last message starts at {end}");
 }

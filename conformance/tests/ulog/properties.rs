@@ -26,6 +26,8 @@ fn bytes() -> impl Strategy<Value = Vec<u8>> {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
     #[test]
     fn any_bytes_are_read_to_their_end_and_every_byte_is_told(bytes in bytes()) {
         read(&bytes);

@@ -9,30 +9,36 @@ pub(super) const LARGEST: usize = HEADER + u16::MAX as usize;
 /// The magic of a sync message, which is all of its payload.
 pub(super) const SYNC: [u8; 8] = [0x2f, 0x73, 0x13, 0x20, 0x25, 0x0c, 0xbb, 0x12];
 
-/// Least size of the payload of each known kind. Format: a name of one character and a colon. Information
-/// and parameters: the length of the key, and `t k`. Most have a fixed part and a text that may be empty.
-const LEAST: [(u8, u32); 13] = [
-    (b'B', 40),
-    (b'F', 2),
-    (b'I', 4),
-    (b'M', 5),
-    (b'P', 4),
-    (b'Q', 5),
-    (b'A', 4),
-    (b'R', 2),
-    (b'D', 2),
-    (b'L', 9),
-    (b'C', 11),
-    (b'S', 8),
-    (b'O', 2),
+/// Each known kind with the least size of its payload, and the most that is usual.
+///
+/// Least: a format is a name of one character and a colon, the entries have the length of a key and `t k`,
+/// and the others a fixed part and a text that may be empty. A message of less can't be read.
+///
+/// Usual: what PX4 writes, with room to spare. A message of more is believed after a closer look. Flag bits
+/// are usual only at the start, where nothing is asked.
+const KINDS: [(u8, u16, u16); 13] = [
+    (b'B', 40, 0),
+    (b'F', 2, 8_192),
+    (b'I', 4, 1_024),
+    (b'M', 5, 1_024),
+    (b'P', 4, 255),
+    (b'Q', 5, 255),
+    (b'A', 4, 255),
+    (b'R', 2, 2),
+    (b'D', 2, u16::MAX),
+    (b'L', 9, 512),
+    (b'C', 11, 512),
+    (b'S', 8, 8),
+    (b'O', 2, 2),
 ];
 
-/// [`LEAST`] by kind; more than any size where the kind is unknown.
-static LEAST_BY_KIND: [u32; 256] = {
-    let mut table = [u32::MAX; 256];
+/// [`KINDS`] by kind. Where the kind is unknown, the least is more than any size.
+static SIZES: [(u32, u16); 256] = {
+    let mut table = [(u32::MAX, 0); 256];
     let mut row = 0;
-    while row < LEAST.len() {
-        table[LEAST[row].0 as usize] = LEAST[row].1;
+    while row < KINDS.len() {
+        let (kind, least, usual) = KINDS[row];
+        table[kind as usize] = (least as u32, usual);
         row += 1;
     }
     table
@@ -62,11 +68,16 @@ impl Header {
     /// Whether the kind is known and the size large enough for it.
     #[inline]
     pub(super) fn is_believable(self) -> bool {
-        u32::from(self.size) >= LEAST_BY_KIND[usize::from(self.kind)]
+        u32::from(self.size) >= SIZES[usize::from(self.kind)].0
+    }
+
+    /// Whether messages of this kind have such sizes in most logs.
+    pub(super) fn is_usual(self) -> bool {
+        self.is_believable() && self.size <= SIZES[usize::from(self.kind)].1
     }
 
     /// Whether the kind is known, whatever the size.
     pub(super) fn is_known(self) -> bool {
-        LEAST_BY_KIND[usize::from(self.kind)] != u32::MAX
+        SIZES[usize::from(self.kind)].0 != u32::MAX
     }
 }

@@ -10,15 +10,17 @@ use super::log_problem::LogProblem;
 use super::message::Event;
 use super::reader::Item;
 
-/// Most formats that are kept. PX4 has 261 messages; ids of data are 65,536, but nothing logs that many topics.
+/// Most formats that are kept. PX4 has 261 messages; there are 65,536 ids of data, but no such logs.
 pub(super) const MAX_FORMATS: usize = 8_192;
 
-/// Most bytes of formats and topics that are kept. The formats of a PX4 log take about 60 kB.
-pub(super) const MAX_TEXT: usize = 4 << 20;
+/// Most bytes of formats and topics that are kept. The formats of real logs take 22 to 32 kB. Types take up
+/// to fifty times the room of their text, so memory is bounded at some 50 MB for a log that is made to take
+/// much.
+pub(super) const MAX_TEXT: usize = 1 << 20;
 
-/// Most bytes of formats that are made into types, counted again each time: some hundred times for a log
-/// that sends each format just before its data, a few seconds for one that is made to take long.
-const MAX_COMPILED: usize = 64 << 20;
+/// Most bytes of formats that are made into types, counted again each time. It is enough for a log that sends
+/// each of PX4's 261 formats just before its data; a log that is made to take long takes two seconds.
+const MAX_COMPILED: usize = 16 << 20;
 
 /// The formats and subscriptions of a log, as far as it was read.
 #[derive(Debug)]

@@ -52,6 +52,8 @@ enum State {
     /// Before the first message of a log of this version.
     First(u8),
     Messages,
+    /// At the start of a run that was searched, whose first message isn't doubted again.
+    Found,
     /// Behind bytes from here on that are no messages.
     Lost(u64),
     Ended,
@@ -118,10 +120,15 @@ impl<R: Read> Reader<R> {
         }
         let bytes = self.window.ahead();
         let header = Header::read(bytes)?;
-        let next = Header::read(bytes.get(header.total()..)?)?;
-        let end = self.window.offset() + (header.total() + HEADER) as u64;
-        let is_plain =
-            header.kind == b'D' && header.is_believable() && next.is_believable() && end <= self.sections.end;
+        let next = bytes.get(header.total()..header.total() + Look::NEXT)?;
+        let (next, id_of_next) = (Header::read(next)?, &next[HEADER..]);
+        let end = self.window.offset() + (header.total() + Look::NEXT) as u64;
+        let is_plain = header.kind == b'D'
+            && header.is_believable()
+            && self.ids.expect(header.size, &bytes[HEADER..])
+            && next.kind == b'D'
+            && self.ids.expect(next.size, id_of_next)
+            && end <= self.sections.end;
         is_plain.then_some(header.size.into())
     }
 
@@ -155,6 +162,12 @@ impl<R: Read> Reader<R> {
                         _ => return Ok(self.problem(Problem::NoFlagBits { version })),
                     }
                 }
+                State::Found => {
+                    self.state = State::Messages;
+                    if let Some(header) = Header::read(self.window.ahead()) {
+                        return Ok(Step::Message(header));
+                    }
+                }
                 State::Messages => {
                     let verdict = self.judge()?;
                     if let Some(step) = self.follow(verdict) {
@@ -176,11 +189,12 @@ impl<R: Read> Reader<R> {
             self.state = State::Ended;
             return Ok(Step::Problem(0, Problem::ForeignMagic(*magic)));
         }
-        let Some([.., version, a, b, c, d, e, f, g, h]) = header.first_chunk::<FILE_HEADER>() else {
+        let timestamp = header.get(MAGIC.len() + 1..).and_then(<[u8]>::first_chunk);
+        let (Some(version), Some(timestamp)) = (header.get(MAGIC.len()), timestamp) else {
             self.state = State::Ended;
             return Ok(Step::Problem(0, Problem::ShortHeader { found }));
         };
-        let (version, timestamp) = (*version, u64::from_le_bytes([*a, *b, *c, *d, *e, *f, *g, *h]));
+        let (version, timestamp) = (*version, u64::from_le_bytes(*timestamp));
         self.window.advance(FILE_HEADER);
         self.state = State::First(version);
         if version > VERSION {
@@ -192,7 +206,7 @@ impl<R: Read> Reader<R> {
     /// Judges what is ahead by as little of it as will do, so that messages of a slow input aren't late.
     fn judge(&mut self) -> io::Result<Verdict> {
         self.window.require(HEADER)?;
-        let wanted = Header::read(self.window.ahead()).map_or(0, |header| header.total() + HEADER);
+        let wanted = Header::read(self.window.ahead()).map_or(0, |header| header.total() + Look::NEXT);
         self.window.require(wanted)?;
         if let Some(verdict) = self.look().judge() {
             return Ok(verdict);
@@ -212,6 +226,7 @@ impl<R: Read> Reader<R> {
             Verdict::Skip(count, resync) => {
                 let from = self.window.offset();
                 self.window.advance(count);
+                self.state = State::Found;
                 let to = self.window.offset();
                 Some(Step::Problem(from, Problem::Skipped { to, resync }))
             }
@@ -235,7 +250,7 @@ impl<R: Read> Reader<R> {
             self.window.advance(found.map_or(starts, |(at, _)| at));
             let end = if self.is_before_appended() { Resync::Appended } else { Resync::End };
             if let Some(resync) = found.map(|(_, resync)| resync).or(is_closed.then_some(end)) {
-                self.state = State::Messages;
+                self.state = if found.is_some() { State::Found } else { State::Messages };
                 let to = self.window.offset();
                 return Ok(Step::Problem(from, Problem::Skipped { to, resync }));
             }
@@ -268,7 +283,8 @@ impl<R> Reader<R> {
             Err(what) => Event::Problem(Problem::Malformed { kind, size: size.into(), what }),
         };
         match event {
-            Event::Subscription { id, .. } => self.ids.insert(id),
+            Event::Subscription { id, .. } => self.ids.subscribe(id),
+            Event::Data { id, .. } => self.ids.see(id, size),
             Event::Unknown { kind, .. } => {
                 let count = self.unknown.entry(kind).or_default();
                 *count += 1;
@@ -348,6 +364,7 @@ impl<R> Reader<R> {
         Look {
             bytes: within.unwrap_or(ahead),
             is_closed: within.is_some() || self.window.is_at_end(),
+            is_first: matches!(self.state, State::First(_)),
             ids: &self.ids,
         }
     }

@@ -1,5 +1,6 @@
 //! Whether bytes are a message, and where the next one starts if they aren't.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::kind::{HEADER, Header, LARGEST, SYNC};
@@ -43,31 +44,61 @@ pub(super) enum Verdict {
     Lost(usize),
 }
 
-/// The ids that were subscribed, one bit each.
+/// The ids that were subscribed, each with the size of its messages. A topic has always the same, so that
+/// another size is a reason for doubt: it may end by accident where a message starts.
 #[derive(Debug)]
 pub(super) struct Ids {
-    bits: Box<[u64; 1024]>,
+    sizes: Box<[u16]>,
+    /// Sizes that came once instead. One that comes twice in a row is taken.
+    doubtful: BTreeMap<u16, u16>,
     is_empty: bool,
 }
 
+/// The size of messages whose id isn't subscribed.
+const UNSUBSCRIBED: u16 = 0;
+
+/// The size where no message has come yet. Data has at least the two bytes of its id.
+const UNSEEN: u16 = 1;
+
 impl Default for Ids {
     fn default() -> Self {
-        Self { bits: Box::new([0; 1024]), is_empty: true }
+        let sizes = vec![UNSUBSCRIBED; usize::from(u16::MAX) + 1].into_boxed_slice();
+        Self { sizes, doubtful: BTreeMap::new(), is_empty: true }
     }
 }
 
 impl Ids {
-    pub(super) fn insert(&mut self, id: u16) {
-        self.bits[usize::from(id / 64)] |= 1 << (id % 64);
+    /// Notes that an id was subscribed.
+    pub(super) fn subscribe(&mut self, id: u16) {
+        self.sizes[usize::from(id)] = UNSEEN;
         self.is_empty = false;
     }
 
-    fn contains(&self, id: u16) -> bool {
-        self.bits[usize::from(id / 64)] >> (id % 64) & 1 != 0
+    /// Notes the size of a message.
+    pub(super) fn see(&mut self, id: u16, size: u16) {
+        let usual = &mut self.sizes[usize::from(id)];
+        if *usual == UNSUBSCRIBED || *usual == size {
+            self.doubtful.remove(&id);
+        } else if *usual == UNSEEN || self.doubtful.insert(id, size) == Some(size) {
+            *usual = size;
+        }
     }
 
-    fn is_empty(&self) -> bool {
-        self.is_empty
+    /// Whether messages with the id that `payload` starts with have this size.
+    #[inline]
+    pub(super) fn expect(&self, size: u16, payload: &[u8]) -> bool {
+        self.size(payload) == size
+    }
+
+    #[inline]
+    fn size(&self, payload: &[u8]) -> u16 {
+        payload.first_chunk().map_or(UNSUBSCRIBED, |id| self.sizes[usize::from(u16::from_le_bytes(*id))])
+    }
+
+    /// Whether nothing speaks against an id and a size: no message of that id has come yet, and it was
+    /// subscribed unless none was.
+    fn allow(&self, payload: &[u8]) -> bool {
+        self.is_empty || self.size(payload) == UNSEEN
     }
 }
 
@@ -78,6 +109,8 @@ pub(super) struct Look<'b> {
     pub(super) bytes: &'b [u8],
     /// Whether these are all that it has.
     pub(super) is_closed: bool,
+    /// Whether the log has no messages before these, so that flag bits may be here.
+    pub(super) is_first: bool,
     pub(super) ids: &'b Ids,
 }
 
@@ -100,24 +133,33 @@ enum Looks {
     /// Its kind is known and its contents are in order: less than one in a hundred thousand starts is so
     /// by accident.
     Sound,
-    /// Data of an id that isn't known, or a kind that may be one of the future.
+    /// Data of an id that isn't known, or of a size that it hasn't had, or a kind that may be one of the
+    /// future.
     Possible,
     Wrong,
 }
 
 impl Look<'_> {
-    /// Judges by the message and the header behind it alone, which is enough nearly always.
+    /// A header, and the id that follows it if it is one of data.
+    pub(super) const NEXT: usize = HEADER + 2;
+
+    /// Judges by the message and what [`NEXT`](Self::NEXT) bytes behind it say. That is enough nearly always.
     pub(super) fn judge(&self) -> Option<Verdict> {
         if self.bytes.is_empty() && self.is_closed {
             return Some(Verdict::End);
         }
-        let header = Header::read(self.bytes).filter(|header| header.is_believable())?;
-        let behind = self.bytes.get(header.total()..)?;
-        let goes_on = match Header::read(behind) {
-            Some(next) => next.is_believable(),
-            None => self.is_closed,
+        let header = Header::read(self.bytes)?;
+        let (message, behind) = self.bytes.split_at_checked(header.total())?;
+        let goes_on = match (Header::read(behind), behind.get(HEADER..Self::NEXT)) {
+            (None, _) => self.is_closed,
+            (Some(Header { kind: b'D', size }), Some(id)) => self.ids.expect(size, id),
+            (Some(next), _) => next.is_usual(),
         };
-        goes_on.then_some(Verdict::Message(header))
+        let is_sound = || match header.kind {
+            b'B' => self.is_first && header.is_believable(),
+            _ => self.looks(header, &message[HEADER..]) == Looks::Sound,
+        };
+        (goes_on && is_sound()).then_some(Verdict::Message(header))
     }
 
     /// Judges by what follows.
@@ -155,8 +197,8 @@ impl Look<'_> {
         }
         let is_start = match self.looks(header, rest.get(HEADER..header.total())?) {
             Looks::Sound => true,
-            // While no id is known, no data is sound.
-            Looks::Possible => self.ids.is_empty() && header.total() <= LARGEST_POSSIBLE_START,
+            // The first data of an id isn't sound, since its size isn't known.
+            Looks::Possible => self.ids.allow(&rest[HEADER..]) && header.total() <= LARGEST_POSSIBLE_START,
             Looks::Wrong => false,
         };
         let is_run = is_start
@@ -213,11 +255,11 @@ impl Look<'_> {
             return Looks::Wrong;
         }
         let is_sound = match (header.kind, payload) {
-            (b'D', [low, high, ..]) if self.ids.contains(u16::from_le_bytes([*low, *high])) => true,
+            (b'D', id) if self.ids.expect(header.size, id) => true,
             (b'D', _) => return Looks::Possible,
             (b'F', text) => is_format(text),
             (b'I' | b'P', entry) | (b'M' | b'Q', [_, entry @ ..]) => is_entry(entry),
-            (b'A', [_, _, _, name @ ..]) => name.iter().take(TEXT).all(is_word),
+            (b'A', [_, _, _, name @ ..]) => name.iter().take(TEXT).copied().all(is_word),
             (b'L', [level, ..]) => is_line(*level, &payload[9..]),
             (b'C', [level, ..]) => is_line(*level, &payload[11..]),
             (b'S', magic) => magic == SYNC,
@@ -230,14 +272,14 @@ impl Look<'_> {
 }
 
 /// Of a name of a topic or a field.
-fn is_word(byte: &u8) -> bool {
-    byte.is_ascii_alphanumeric() || b"_/-.".contains(byte)
+fn is_word(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || b"_/-.".contains(&byte)
 }
 
 fn is_format(text: &[u8]) -> bool {
     let text = &text[..text.len().min(TEXT)];
-    let name = text.iter().take_while(|byte| is_word(byte)).count();
-    name > 0 && text.get(name).is_none_or(|byte| *byte == b':') && text.iter().all(is_printable)
+    let name = text.iter().take_while(|byte| is_word(**byte)).count();
+    name > 0 && text.get(name).is_none_or(|byte| *byte == b':') && text.iter().copied().all(is_printable)
 }
 
 /// The length of a key, the key with its type, and a value.
@@ -245,10 +287,12 @@ fn is_entry(entry: &[u8]) -> bool {
     let Some((length, rest)) = entry.split_first() else { return false };
     let Some(key) = rest.get(..usize::from(*length)) else { return false };
     let key = &key[..key.len().min(TEXT)];
-    key.first().is_some_and(u8::is_ascii_alphabetic) && key.iter().all(is_printable) && key.contains(&b' ')
+    key.first().is_some_and(u8::is_ascii_alphabetic)
+        && key.iter().copied().all(is_printable)
+        && key.contains(&b' ')
 }
 
-fn is_printable(byte: &u8) -> bool {
+fn is_printable(byte: u8) -> bool {
     matches!(byte, b' '..=b'~')
 }
 

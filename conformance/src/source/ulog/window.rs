@@ -86,3 +86,29 @@ impl<R> Window<R> {
         self.buffer.len()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_keep_their_order_while_the_window_slides() {
+        let bytes: Vec<u8> = (0..=250).cycle().take(3 * CAPACITY).collect();
+        let mut window = Window::new(&bytes[..]);
+        let mut position = 0;
+        for count in [1, 1_000, 65_538, 100, 300_000, CAPACITY, 7].into_iter().cycle() {
+            window.require(count).expect("a slice");
+            let count = count.min(bytes.len() - position);
+            assert_eq!(window.ahead()[..count], bytes[position..position + count]);
+            window.advance(count);
+            assert_eq!(window.behind(count), &bytes[position..position + count]);
+            position += count;
+            assert_eq!(window.offset(), position as u64);
+            if count == 0 {
+                break;
+            }
+        }
+        assert!(window.is_at_end());
+        assert_eq!((position, window.capacity()), (bytes.len(), CAPACITY));
+    }
+}
