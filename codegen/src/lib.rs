@@ -46,6 +46,10 @@
 //! and 16 times. Test vectors, 26 MB of them, took 80 ms at best while two others used the machine, and
 //! 290 ms files to files. `cargo xtask bench codegen` prints these figures.
 //!
+//! All rules of [`lint`] on these messages, with 2,700 findings as text, take 27 ms, the command with the preset `px4`
+//! 14 to 21 ms; with 4 and 16 times as many messages 4.9 and 19 times as long. [`mod@breaking`] between PX4 1.15 and
+//! main takes 22 ms, half of it to read both, the command 30 to 40 ms. Two other programs used the machine.
+//!
 //! Handling messages at run time ([`dynamic`]) beside generated types on the same bytes, in one run, medians of
 //! three messages of 88 to 232 bytes: reading uORB 24 to 26 ns where generated code takes 9 to 17, looking at it
 //! where it is 8 ns (3), reading CDR 28 to 51 ns (8 to 18), from uORB to CDR 48 to 62 ns (33 to 54), from uORB to the
