@@ -135,10 +135,9 @@ impl<'t> MessageType<'t> {
                 plan::Element::Scalar(scalar) => PlacedElement::Scalar(scalar),
                 plan::Element::Text(length) => PlacedElement::Text(length),
                 plan::Element::String(_) => PlacedElement::String,
-                plan::Element::Message(index) => PlacedElement::Message(MessageType {
-                    types: self.types,
-                    plan: &self.types.plans[index],
-                }),
+                plan::Element::Message(index) => {
+                    PlacedElement::Message(MessageType { types: self.types, plan: &self.types.plans[index] })
+                }
             },
             shape: field.shape,
             offset: field.offset,

@@ -2,6 +2,8 @@
 
 use std::fmt::{self, Write as _};
 
+use uavspec_runtime::Number;
+
 /// A value that a definition states.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
@@ -18,12 +20,16 @@ pub enum Value {
 }
 
 impl Value {
-    /// The value as a number, where it is one.
-    #[allow(clippy::cast_precision_loss)] // bounds of 64-bit integers are compared, not stored
+    /// The value as a float, where it is a number.
     pub fn as_f64(&self) -> Option<f64> {
+        self.number().map(Number::as_f64)
+    }
+
+    /// The value as a number that keeps whether it is an integer, where it is one.
+    pub fn number(&self) -> Option<Number> {
         match self {
-            Self::Int(value) => Some(*value as f64),
-            Self::Float(value) => Some(*value),
+            Self::Int(value) => Some(Number::Int(*value)),
+            Self::Float(value) => Some(Number::Float(*value)),
             Self::Bool(_) | Self::Text(_) | Self::List(_) => None,
         }
     }

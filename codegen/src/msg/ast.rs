@@ -1,6 +1,7 @@
 //! The syntax tree of a `.msg`, `.srv` or `.action` file, as written.
 
 use uavspec_runtime::Scalar;
+pub use uavspec_runtime::descriptor::Shape;
 
 use super::annotation::Note;
 use crate::directive::Directive;
@@ -148,17 +149,4 @@ pub enum Element<'s> {
         /// The message.
         name: &'s str,
     },
-}
-
-/// One, several, or any number of elements.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Shape {
-    /// One.
-    Single,
-    /// `[N]`: exactly N.
-    Array(u32),
-    /// `[<=N]`: at most N.
-    Bounded(u32),
-    /// `[]`: any number.
-    Sequence,
 }

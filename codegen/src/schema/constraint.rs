@@ -49,7 +49,7 @@ impl Schema {
             return None;
         }
         let bound = |value: Option<&Value>, pick: fn((Value, Value)) -> Value| {
-            value.and_then(|value| number(&pick(spread(value, scalar))))
+            value.and_then(|value| pick(spread(value, scalar)).number())
         };
         let range = field.range.as_ref();
         let counted = field.counts.and_then(|array| message.fields.get(array));
@@ -100,17 +100,9 @@ fn says_nan(text: &str) -> bool {
     text.split(|character: char| !character.is_alphanumeric()).any(|word| word.eq_ignore_ascii_case("nan"))
 }
 
-fn number(value: &Value) -> Option<Number> {
-    match value {
-        Value::Int(value) => Some(Number::Int(*value)),
-        Value::Float(value) => Some(Number::Float(*value)),
-        Value::Bool(_) | Value::Text(_) | Value::List(_) => None,
-    }
-}
-
 /// A value as a field of type `scalar` holds it.
 fn held(value: &Value, scalar: Scalar) -> Option<Number> {
-    let number = number(value)?;
+    let number = value.number()?;
     match value.as_f64() {
         #[allow(clippy::cast_possible_truncation)] // rounding is what this is about
         Some(value) if scalar == Scalar::Float32 => Some(Number::Float(f64::from(value as f32))),

@@ -19,8 +19,9 @@ impl Number {
         matches!(self, Self::Float(value) if value.is_nan())
     }
 
-    #[allow(clippy::cast_precision_loss)] // only where a float takes part in a comparison
-    pub(crate) const fn as_f64(self) -> f64 {
+    /// The number as a float; an integer beyond 2^53 as the nearest one.
+    #[allow(clippy::cast_precision_loss)] // said so
+    pub const fn as_f64(self) -> f64 {
         match self {
             Self::Int(value) => value as f64,
             Self::Float(value) => value,

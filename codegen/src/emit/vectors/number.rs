@@ -69,7 +69,7 @@ impl<'s> NumberSamples<'s> {
             (&self.field.uncontrolled, "not-controlled", "the value that says that it isn't controlled"),
         ] {
             let value = special.as_ref().and_then(|special| special.value.as_ref());
-            if let Some(number) = value.and_then(number) {
+            if let Some(number) = value.and_then(Value::number) {
                 self.push(name, words, number);
             }
         }
@@ -277,11 +277,11 @@ impl<'s> NumberSamples<'s> {
                 Number::Int(low + i128::from(turn) % (high - low + 1).max(1))
             }
             (Some(low), Some(high)) => {
-                let (low, high) = (float(low), float(high));
+                let (low, high) = (low.as_f64(), high.as_f64());
                 Number::Float(low + (high - low) * (f64::from(turn) + 1.0) / 257.0)
             }
-            (Some(low), None) => Number::Float(float(low) + f64::from(turn)),
-            (None, Some(high)) => Number::Float(float(high) - f64::from(turn)),
+            (Some(low), None) => Number::Float(low.as_f64() + f64::from(turn)),
+            (None, Some(high)) => Number::Float(high.as_f64() - f64::from(turn)),
             (None, None) => return None,
         })
     }
@@ -302,18 +302,6 @@ fn float_json(value: f64, scalar: Scalar) -> String {
         _ => value,
     };
     serde_json::Number::from_f64(value).map_or_else(|| "null".to_owned(), |number| number.to_string())
-}
-
-#[allow(clippy::cast_precision_loss)] // bounds of floats are small
-fn float(number: Number) -> f64 {
-    match number {
-        Number::Int(value) => value as f64,
-        Number::Float(value) => value,
-    }
-}
-
-fn number(value: &Value) -> Option<Number> {
-    value.as_int().map(Number::Int).or_else(|| value.as_f64().map(Number::Float))
 }
 
 /// What is tried out in a `bool`.
