@@ -136,8 +136,8 @@ mod tests {
         };
         let found = files(&[folder.path().to_path_buf()]).expect("files");
         assert_eq!(names(found), ["a.ULG.gz", "b.ulg", "c.jsonl.zst"]);
-        let named = files(&[below.join("notes.txt"), PathBuf::from("-")]).expect("files");
-        assert_eq!(names(named.clone()), ["notes.txt", "-"], "what is named is taken as it is");
+        let given = files(&[below.join("notes.txt"), PathBuf::from("-")]).expect("files");
+        assert_eq!(names(given), ["notes.txt", "-"], "what is named is taken as it is");
         let empty = tempfile::tempdir().expect("a folder");
         let (path, error) = files(&[empty.path().to_path_buf()]).expect_err("nothing");
         assert_eq!((path.as_path(), error.kind()), (empty.path(), io::ErrorKind::NotFound));
