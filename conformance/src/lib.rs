@@ -13,6 +13,7 @@ pub mod cli;
 pub mod comparison;
 pub mod definitions;
 pub mod finding;
+pub mod json;
 pub mod judge;
 pub mod plan;
 pub mod record;
