@@ -112,16 +112,12 @@ fn check(args: &CheckArgs) -> Status {
             }
         },
     };
-    let of = match &args.of {
-        None => None,
-        Some(name) => match definitions.message_of_type(name) {
-            Some(id) => Some(id),
-            None => {
-                anstream::eprintln!("error: --type {name}: the definitions have no such message");
-                return Status::Usage;
-            }
-        },
-    };
+    let of = args.of.as_deref().map(|name| (name, definitions.message_of_type(name)));
+    if let Some((name, None)) = of {
+        anstream::eprintln!("error: --type {name}: the definitions have no such message");
+        return Status::Usage;
+    }
+    let of = of.and_then(|(_, id)| id);
     let mut judged = Vec::new();
     let mut is_unreadable = false;
     for path in &args.files {

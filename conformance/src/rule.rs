@@ -1,7 +1,7 @@
 //! The rules, a file each, and the one list of all.
 //!
 //! A rule is a statement with a permanent id. Rules on single values are checked by a plan that is made once
-//! for each format ([`crate::plan`]); rules on the course of things keep a state of their own ([`Checker`]).
+//! for each format ([`crate::plan`], and for JSON [`crate::json`]); rules on the course of things keep a state of their own ([`Checker`]).
 
 mod px_arr_01;
 mod px_bool_01;

@@ -231,14 +231,12 @@ impl<'p> Explaining<'p, '_> {
         }
         self.dialects.insert(Dialect::NumbersForText);
         let bytes: Option<Vec<u8>> = values.iter().map(byte).collect();
-        match bytes {
-            Some(bytes) => self.bytes(&bytes, field),
-            None => {
-                let found = values.iter().find(|value| byte(value).is_none()).unwrap_or(tree);
-                let text = format_args!("expected integers from 0 to 255, found {found}");
-                self.report("PX-JSON-02", field.span, &text);
-            }
+        if let Some(bytes) = bytes {
+            return self.bytes(&bytes, field);
         }
+        let found = values.iter().find(|value| byte(value).is_none()).unwrap_or(tree);
+        let text = format_args!("expected integers from 0 to 255, found {found}");
+        self.report("PX-JSON-02", field.span, &text);
     }
 
     /// Bytes that stand for text.

@@ -80,7 +80,9 @@ impl Plans {
                 Some((_, sum)) => *sum = sum.saturating_add(values),
                 None => sums.push((rule, values)),
             };
-        rule("PX-JSON-01").into_iter().for_each(|rule| add(rule, 1));
+        if let Some(rule) = rule("PX-JSON-01") {
+            add(rule, 1);
+        }
         for field in &self.get(id).fields {
             let count = match field.shape {
                 Shape::Array(length) => u64::from(length),

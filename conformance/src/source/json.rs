@@ -148,25 +148,19 @@ impl<R: Read> Reader<R> {
     /// The next value or problem; none at the end.
     #[allow(clippy::should_implement_trait)] // an iterator can't lend
     pub fn next(&mut self) -> io::Result<Option<Item<'_>>> {
-        let mode = match self.mode {
-            Some(mode) => mode,
-            None => {
-                if self.begins_with_mark()? {
-                    return Ok(Some(self.problem(self.line, Problem::ByteOrderMark)));
-                }
-                let mode = self.look()?;
-                self.mode = Some(mode);
-                mode
+        let mode = if let Some(mode) = self.mode {
+            mode
+        } else {
+            if self.begins_with_mark()? {
+                return Ok(Some(problem(self.line, Problem::ByteOrderMark)));
             }
+            self.look()?
         };
+        self.mode = Some(mode);
         match mode {
             Mode::Lines => self.next_line(),
             Mode::Values | Mode::Array => self.next_value(mode == Mode::Array),
         }
-    }
-
-    fn problem(&self, line: u64, problem: Problem) -> Item<'static> {
-        Item { line, event: Event::Problem(problem) }
     }
 
     fn rest(&self) -> &[u8] {
@@ -216,26 +210,25 @@ impl<R: Read> Reader<R> {
     /// What kind of source it is, by its first line and how the next one begins.
     fn look(&mut self) -> io::Result<Mode> {
         let mut cut = Cut::default();
-        let mut first_line = None;
+        let mut is_second = false;
         let mut at = 0;
         loop {
             while let Some(byte) = self.rest().get(at).copied() {
-                match (first_line, byte) {
-                    (_, b' ' | b'\t' | b'\r') => {}
-                    (None, b'[') if cut.is_fresh() => {
+                match (is_second, byte) {
+                    (false, b'[') if cut.is_fresh() => {
                         self.take(at + 1);
                         return Ok(Mode::Array);
                     }
-                    (None, b'\n') if !cut.is_fresh() => {
+                    (false, b'\n') if !cut.is_fresh() => {
                         if !cut.is_within() {
                             return Ok(Mode::Lines);
                         }
-                        first_line = Some(at);
+                        is_second = true;
                     }
-                    (_, b'\n') => {}
-                    (None, byte) => _ = cut.step(byte),
-                    (Some(_), b'{') => return Ok(Mode::Lines),
-                    (Some(_), _) => return Ok(Mode::Values),
+                    (_, b' ' | b'\t' | b'\r' | b'\n') => {}
+                    (false, byte) => _ = cut.step(byte),
+                    (true, b'{') => return Ok(Mode::Lines),
+                    (true, _) => return Ok(Mode::Values),
                 }
                 at += 1;
             }
@@ -283,7 +276,7 @@ impl<R: Read> Reader<R> {
         let bytes = self.buffer[start..self.start].trim_ascii();
         if skipped > 0 || bytes.len() > MAX_LENGTH {
             let length = skipped + bytes.len() as u64;
-            return self.problem(line, Problem::TooLong { length });
+            return problem(line, Problem::TooLong { length });
         }
         Item { line, event: Event::Value { bytes, is_last } }
     }
@@ -296,14 +289,14 @@ impl<R: Read> Reader<R> {
         if self.rest().is_empty() {
             let is_unclosed = is_array && self.next != Next::Nothing;
             self.next = Next::Nothing;
-            return Ok(is_unclosed.then(|| self.problem(self.line, Problem::Unclosed)));
+            return Ok(is_unclosed.then(|| problem(self.line, Problem::Unclosed)));
         }
         if is_array {
             match (self.next, self.rest().first()) {
                 (Next::Comma, Some(byte)) => {
-                    let problem = Problem::NoComma(*byte);
+                    let found = Problem::NoComma(*byte);
                     self.next = Next::Value;
-                    return Ok(Some(self.problem(self.line, problem)));
+                    return Ok(Some(problem(self.line, found)));
                 }
                 (Next::Nothing, _) => {}
                 _ => self.next = Next::Comma,
@@ -358,10 +351,14 @@ impl<R: Read> Reader<R> {
                         self.next = Next::Nothing;
                     }
                     self.take(1);
-                    return Ok(Some(self.problem(line, Problem::Stray(byte))));
+                    return Ok(Some(problem(line, Problem::Stray(byte))));
                 }
                 _ => return Ok(None),
             }
         }
     }
+}
+
+fn problem(line: u64, problem: Problem) -> Item<'static> {
+    Item { line, event: Event::Problem(problem) }
 }

@@ -156,15 +156,12 @@ impl<'de> Visitor<'de> for Envelope<'_> {
                 (Key::Message(which), Some(at))
                     if found.is_none() && is_published == (which == Which::Topic) =>
                 {
-                    found = Some(match self.channels.open[at].defined {
-                        Some((id, _)) => Fast::Clean(
-                            at,
-                            map.next_value_seed(MessageSeed::new(self.plans, id, is_published))?,
-                        ),
-                        None => {
-                            map.next_value::<IgnoredAny>()?;
-                            Fast::Undefined
-                        }
+                    found = Some(if let Some((id, _)) = self.channels.open[at].defined {
+                        let seed = MessageSeed::new(self.plans, id, is_published);
+                        Fast::Clean(at, map.next_value_seed(seed)?)
+                    } else {
+                        map.next_value::<IgnoredAny>()?;
+                        Fast::Undefined
                     });
                 }
                 (Key::Other, _) => _ = map.next_value::<IgnoredAny>()?,
