@@ -3,7 +3,9 @@
 mod support;
 
 use std::fs;
+use std::io::{self, Read};
 
+use proptest::prelude::*;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 use uavspec_conformance::definitions::Definitions;
@@ -11,6 +13,7 @@ use uavspec_conformance::finding::Verdict;
 use uavspec_conformance::judge::{JsonSource, Judgement, Source, judge};
 use uavspec_conformance::record::Place;
 use uavspec_conformance::rule::{RULES, rule};
+use uavspec_conformance::source::json::{Event, MAX_LENGTH, Problem, Reader};
 
 use support::{OF_JSON, Writer};
 
@@ -432,4 +435,77 @@ fn logs_are_still_known_by_their_magic() {
     let judgement = judge_bytes(&Writer::with_flags().bytes);
     assert!(matches!(judgement.source, Source::Log(_)));
     assert!(matches!(judge_bytes(b"").source, Source::Json(_)));
+}
+
+/// Gives at most so many bytes at a time.
+struct Slow<'b>(&'b [u8], usize);
+
+impl Read for Slow<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.0.len().min(self.1).min(buffer.len());
+        let (now, later) = self.0.split_at(count);
+        buffer[..count].copy_from_slice(now);
+        self.0 = later;
+        Ok(count)
+    }
+}
+
+/// Whatever comes, in whatever pieces.
+fn events(bytes: &[u8], piece: usize) -> (Vec<String>, u64) {
+    let mut reader = Reader::new(Slow(bytes, piece));
+    let mut events = Vec::new();
+    while let Some(item) = reader.next().expect("bytes can be read") {
+        events.push(format!("{item:?}"));
+    }
+    (events, reader.lines())
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_are_cut_the_same_in_any_pieces(
+        parts in prop::collection::vec(prop::sample::select(&[
+            "{", "}", "[", "]", ",", ":", "\"", "\\", "\n", " ", "\r\n", "1", "null", "{\"a\":[1]}", "\u{feff}", "é",
+            "{\"type\":\"x/Glider\",\"message\":{}}",
+        ][..]), 0..24),
+        foreign in any::<[u8; 2]>(),
+        at in any::<prop::sample::Index>(),
+    ) {
+        let mut bytes = parts.concat().into_bytes();
+        if foreign[0] < 64 && !bytes.is_empty() {
+            let at = at.index(bytes.len());
+            bytes[at] = foreign[1];
+        }
+        let whole = events(&bytes, usize::MAX);
+        prop_assert_eq!(&events(&bytes, 1), &whole);
+        prop_assert_eq!(&events(&bytes, 3), &whole);
+        let lines = bytes.iter().filter(|byte| **byte == b'\n').count();
+        let is_open = bytes.last().is_some_and(|byte| *byte != b'\n');
+        prop_assert_eq!(whole.1, lines as u64 + u64::from(is_open));
+        judge_bytes(&bytes);
+    }
+}
+
+/// A line without an end is read and forgotten.
+#[test]
+fn a_line_without_an_end_takes_no_room() {
+    /// Counts what is asked for, which is what the reader has room for.
+    struct Endless {
+        left: u64,
+        most: usize,
+    }
+    impl Read for &mut Endless {
+        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+            let count = buffer.len().min(usize::try_from(self.left).unwrap_or(usize::MAX));
+            buffer[..count].fill(b'x');
+            self.left -= count as u64;
+            self.most = self.most.max(buffer.len());
+            Ok(count)
+        }
+    }
+    let mut endless = Endless { left: 200 << 20, most: 0 };
+    let mut reader = Reader::new(&mut endless);
+    let item = reader.next().expect("bytes can be read").expect("a problem");
+    assert_eq!(item.event, Event::Problem(Problem::TooLong { length: 200 << 20 }));
+    assert_eq!(reader.next().expect("bytes can be read"), None);
+    assert!(endless.most <= MAX_LENGTH, "{}", endless.most);
 }

@@ -2,7 +2,9 @@
 
 use proptest::prelude::*;
 use uavspec_codegen::dynamic::Types;
-use uavspec_codegen::schema::MessageId;
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::{Form, MessageId};
+use uavspec_codegen::{PackageInput, SourceMap, read};
 
 use super::{Plans, Told, Tree};
 use crate::definitions::Definitions;
@@ -67,6 +69,44 @@ fn pieces(text: &str) -> Vec<usize> {
     marks.flat_map(|(at, _)| [at, at + 1]).collect()
 }
 
+/// Both readers on messages of ROS 2, whose sequences and strings have bounds.
+#[test]
+fn bounds_of_sequences_and_strings_are_kept() {
+    let mut sources = SourceMap::default();
+    let text = "string<=3 name\nuint8[<=2] few\nstring[] any\nwstring<=2[<=1] both\nbyte[] raw\n";
+    let file = sources.add("Bounded.msg", text.into()).expect("a file");
+    let (schema, mistakes) =
+        read(&sources, &[PackageInput::new("demo", Form::Msg(Dialect::Ros2), vec![file])]);
+    assert!(mistakes.is_empty(), "{mistakes:?}");
+    let plans = Plans::new(&schema);
+    let broken = |text: &str| {
+        let id = MessageId(0);
+        agrees(&plans, id, text).expect("both agree");
+        let mut findings = Findings::default();
+        let told = Told { id, name: "m", place: Place::Line(1), is_rosbridge: true };
+        plans.explain(told, &Tree::read(text).expect("JSON"), &mut findings);
+        findings
+            .groups()
+            .map(|group| format!("{} {}", group.subject, group.examples[0].1))
+            .collect::<Vec<_>>()
+    };
+    let good =
+        r#"{"name":"\u00e4\u00f6\u00fc","few":[1,2],"any":["","a"],"both":["\ud83d\ude00x"],"raw":"AAEC"}"#;
+    assert_eq!(broken(good), Vec::<String>::new());
+    for (from, to, said) in [
+        (r#""\u00e4\u00f6\u00fc""#, r#""abcd""#, "m.name expected at most 3 characters, found 4"),
+        ("[1,2]", "[1,2,3]", "m.few expected at most 2 elements, found 3"),
+        ("[1,2]", r#""AQID""#, "m.few expected at most 2 elements, found 3"),
+        (r#""\ud83d\ude00x""#, r#""xyz""#, "m.both both[0]: expected at most 2 characters, found 3"),
+        (r#""\ud83d\ude00x""#, r#""x","y""#, "m.both expected at most 1 elements, found 2"),
+        (r#""AAEC""#, r#""AAE""#, "m.raw expected an array, found \"AAE\""),
+        (r#"["","a"]"#, r#"["",[]]"#, "m.any any[1]: expected a string, found an array of 0"),
+    ] {
+        assert!(good.contains(from), "{from}");
+        assert_eq!(broken(&good.replace(from, to)), [said], "{to}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(3_000))]
 
@@ -76,6 +116,7 @@ proptest! {
         changes in prop::collection::vec(
             (any::<prop::sample::Index>(), 0_usize..3, prop::sample::select(&PIECES[..])), 0..3
         ),
+        typo in prop::option::weighted(0.3, (any::<prop::sample::Index>(), any::<char>())),
     ) {
         thread_local! {
             static DEFINITIONS: (Definitions, Types, Plans) = {
@@ -96,6 +137,12 @@ proptest! {
                 let from = place.index(places.len());
                 let to = (from + span).min(places.len() - 1);
                 text.replace_range(places[from]..places[to], piece);
+            }
+            if let Some((place, letter)) = typo {
+                let places: Vec<usize> = text.char_indices().map(|(at, _)| at).collect();
+                if !places.is_empty() {
+                    text.insert(places[place.index(places.len())], letter);
+                }
             }
             agrees(plans, id, &text)?;
             Ok::<(), TestCaseError>(())
