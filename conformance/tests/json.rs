@@ -1,11 +1,13 @@
 //! JSON judged: each rule finds what breaks it, and reading goes on whatever comes.
 
+#[path = "json/forms.rs"]
+mod forms;
+#[path = "json/hostile.rs"]
+mod hostile;
 mod support;
 
 use std::fs;
-use std::io::{self, Read};
 
-use proptest::prelude::*;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 use uavspec_conformance::definitions::Definitions;
@@ -13,9 +15,8 @@ use uavspec_conformance::finding::Verdict;
 use uavspec_conformance::judge::{JsonSource, Judgement, Source, judge};
 use uavspec_conformance::record::Place;
 use uavspec_conformance::rule::{RULES, rule};
-use uavspec_conformance::source::json::{Event, MAX_LENGTH, Problem, Reader};
 
-use support::{OF_JSON, Writer};
+use support::OF_JSON;
 
 const GLIDER: &str = "\
 uint32 MESSAGE_VERSION = 2
@@ -291,221 +292,4 @@ fn everything_that_is_wrong_with_a_message_is_told() {
         ("PX-RANGE-01", "Glider.speed"),
     ];
     assert_eq!(ids, expected.map(|(id, subject)| (id, subject.to_owned())));
-}
-
-#[test]
-fn messages_come_in_several_forms() {
-    let (one, two) = (glider(PERIOD), glider(2 * PERIOD));
-    let pretty = |value: &Value| serde_json::to_string_pretty(value).expect("JSON");
-    for (text, lines) in [
-        (format!("{one}\n{two}\n"), 2),
-        (format!("{one}\r\n\r\n  \r\n{two}"), 4),
-        (json!([one, two]).to_string(), 1),
-        (format!("[\n{one},\n{two}\n]\n"), 4),
-        (format!("\n {}\n{}", pretty(&one), pretty(&two)), 79),
-        (format!("{}\n", pretty(&json!([one, two]))), 80),
-    ] {
-        let judgement = judge_bare(&text);
-        assert_eq!((broken(&judgement), damage(&judgement)), (vec![], vec![]), "{text}");
-        assert_eq!((judgement.records, judgement.judged), (2, 2), "{text}");
-        if lines < 10 {
-            assert_eq!(source(&judgement).lines, lines, "{text}");
-        }
-    }
-    let swapped = format!(r#"{{"message":{one},"id":1,"type":"{}"}}"#, type_name());
-    let mixed = [
-        json!({"op": "advertise", "topic": "/fmu/out/glider", "type": "px4_msgs/msg/Glider"}).to_string(),
-        published("/fmu/out/glider", &one),
-        published("/fmu/out/kite", &one),
-        published("/fmu/out/kite", &json!(1)),
-        published("/2/fmu/out/glider", &one),
-        swapped,
-        format!(r#"{{"topic":"/2/fmu/out/glider","msg":{two},"op":"publish"}}"#),
-    ];
-    let judgement = judge_bytes(mixed.join("\n").as_bytes());
-    assert_eq!((broken(&judgement), damage(&judgement)), (vec![], vec![]));
-    assert_eq!((judgement.records, judgement.judged), (6, 4));
-    let found = source(&judgement);
-    assert_eq!((found.lines, found.types, found.skipped), (7, 1, 1));
-    assert_eq!(found.undefined.iter().collect::<Vec<_>>(), ["kite"]);
-}
-
-#[test]
-fn what_rosbridge_writes_is_understood_and_named() {
-    let mut message = glider(PERIOD);
-    message["raw"] = json!("AQIDBAU=");
-    let numbers = published("/glider", &{
-        let mut message = message.clone();
-        message["name"] = json!([68, 45, 49, 0]);
-        message
-    });
-    message["name"] = json!("RC0xAA==");
-    let judgement = judge_bytes(format!("{numbers}\n{}\n", published("/glider", &message)).as_bytes());
-    assert_eq!((broken(&judgement), damage(&judgement), judgement.judged), (vec![], vec![], 2));
-    let dialects: Vec<String> =
-        source(&judgement).dialects.iter().map(|dialect| dialect.to_string()).collect();
-    assert_eq!(dialects, ["base64 for arrays of uint8 (rosbridge)", "numbers for char[N] (ROS 2)"]);
-    message["raw"] = json!("AQID");
-    let judgement = judge_bytes(published("/glider", &message).as_bytes());
-    assert_eq!(broken(&judgement), [("PX-ARR-01", "glider.raw: expected 5 elements, found 3".to_owned())]);
-}
-
-/// Something that can't be read, between two messages that can, and what is said of it.
-#[test]
-fn what_cannot_be_read_is_told_with_its_line_and_reading_goes_on() {
-    let good = typed(&glider(PERIOD));
-    let long = format!("{{\"type\":\"{}\"", "x".repeat(20 << 20));
-    let cases: [(&[u8], &str); 12] = [
-        (b"{\"type\": tru", "line 2: no JSON: it is cut off"),
-        (b"{\"type\":'x'}", "line 2: no JSON: expected a value at byte 8"),
-        (b"{\"type\":\"\xff\"}", "line 2: no UTF-8 from its byte 9 on"),
-        (b"{} {}", "line 2: no JSON: something follows the value at byte 3"),
-        (b"17", "line 2: it is no object"),
-        (b"[]", "line 2: it is no object"),
-        (b"{\"message\":{}}", "line 2: nothing says what message it is"),
-        (b"{\"op\":\"publish\"}", "line 2: rosbridge's `publish` without"),
-        (b"{\"op\":1}", "line 2: `op` is no string"),
-        (b"{\"type\":\"a\",\"type\":\"b\",\"message\":{}}", "line 2: a key that says what message"),
-        (b"\xef\xbb\xbf{}", "line 2: no JSON: expected a value at byte 0"),
-        (long.as_bytes(), "line 2: 20971530 bytes, where at most 16777216 are read"),
-    ];
-    for (bytes, said) in cases {
-        let input = [good.as_bytes(), b"\n", bytes, b"\n", good.as_bytes(), b"\n"].concat();
-        let judgement = judge_bytes(&input);
-        let found = damage(&judgement);
-        assert!(found.len() == 1 && found[0].starts_with(said), "{said}: {found:?}");
-        assert_eq!((judgement.judged, broken(&judgement)), (2, vec![]), "{said}");
-        assert_eq!((source(&judgement).lines, judgement.bytes), (3, input.len() as u64), "{said}");
-    }
-    for open in ["[", "{\"a\":"] {
-        let deep = format!("{good}\n{}\n{good}\n", open.repeat(100_000));
-        let judgement = judge_bytes(deep.as_bytes());
-        assert_eq!(judgement.judged, 2);
-        assert!(damage(&judgement)[0].starts_with("line 2: no JSON: values nest too deep"), "{judgement:?}");
-    }
-    let judgement = judge_bytes(format!("\u{feff}{good}\n").as_bytes());
-    assert_eq!(damage(&judgement).len(), 1);
-    assert!(damage(&judgement)[0].starts_with("line 1: a byte order mark"), "{judgement:?}");
-    assert_eq!(judgement.judged, 1);
-    let cut = format!("{good}\n{}", &good[..good.len() / 2]);
-    let judgement = judge_bytes(cut.as_bytes());
-    assert!(damage(&judgement)[0].starts_with("line 2: the last value is cut off after"), "{judgement:?}");
-}
-
-#[test]
-fn arrays_that_are_broken_are_told() {
-    let one = glider(PERIOD);
-    for (text, judged, said) in [
-        (format!("[{one},{one}"), 2, vec!["line 1: the array is not closed"]),
-        (format!("[{one}\n{one}]"), 2, vec!["line 2: `{` where a comma should be"]),
-        (format!("[{one},\n]"), 1, vec!["line 2: `]` where a value should be"]),
-        (format!("[{one},,\n{one}]"), 2, vec!["line 1: `,` where a value should be"]),
-        (format!("[{one}]\n}}"), 1, vec!["line 2: `}` where a value should be"]),
-    ] {
-        let judgement = judge_bare(&text);
-        assert_eq!(
-            (damage(&judgement), judgement.judged),
-            (said.iter().map(ToString::to_string).collect(), judged),
-            "{text}"
-        );
-    }
-    let judgement = judge_bare(&format!("[{one}, 5, {{}}]"));
-    assert_eq!(judgement.judged, 3);
-    assert_eq!(broken(&judgement).len(), 12, "{judgement:?}");
-    let long = format!("[{one}, \"{}\", {one}]", "x".repeat(20 << 20));
-    let judgement = judge_bare(&long);
-    assert_eq!(damage(&judgement), ["line 1: 20971522 bytes, where at most 16777216 are read; skipped"]);
-    assert_eq!(judgement.judged, 2);
-}
-
-#[test]
-fn integers_of_64_bits_are_exact() {
-    let mut message = glider(u64::MAX);
-    message["serial"] = json!(i64::MAX);
-    let judgement = judge_bare(&message.to_string());
-    assert_eq!(broken(&judgement), []);
-    let text = message.to_string().replace(&i64::MAX.to_string(), "9223372036854775808");
-    assert_eq!(broken(&judge_bare(&text)).len(), 1);
-    let text = message.to_string().replace(&u64::MAX.to_string(), "18446744073709551616");
-    assert_eq!(broken(&judge_bare(&text)).len(), 1);
-}
-
-#[test]
-fn logs_are_still_known_by_their_magic() {
-    let judgement = judge_bytes(&Writer::with_flags().bytes);
-    assert!(matches!(judgement.source, Source::Log(_)));
-    assert!(matches!(judge_bytes(b"").source, Source::Json(_)));
-}
-
-/// Gives at most so many bytes at a time.
-struct Slow<'b>(&'b [u8], usize);
-
-impl Read for Slow<'_> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let count = self.0.len().min(self.1).min(buffer.len());
-        let (now, later) = self.0.split_at(count);
-        buffer[..count].copy_from_slice(now);
-        self.0 = later;
-        Ok(count)
-    }
-}
-
-/// Whatever comes, in whatever pieces.
-fn events(bytes: &[u8], piece: usize) -> (Vec<String>, u64) {
-    let mut reader = Reader::new(Slow(bytes, piece));
-    let mut events = Vec::new();
-    while let Some(item) = reader.next().expect("bytes can be read") {
-        events.push(format!("{item:?}"));
-    }
-    (events, reader.lines())
-}
-
-proptest! {
-    #[test]
-    fn any_bytes_are_cut_the_same_in_any_pieces(
-        parts in prop::collection::vec(prop::sample::select(&[
-            "{", "}", "[", "]", ",", ":", "\"", "\\", "\n", " ", "\r\n", "1", "null", "{\"a\":[1]}", "\u{feff}", "é",
-            "{\"type\":\"x/Glider\",\"message\":{}}",
-        ][..]), 0..24),
-        foreign in any::<[u8; 2]>(),
-        at in any::<prop::sample::Index>(),
-    ) {
-        let mut bytes = parts.concat().into_bytes();
-        if foreign[0] < 64 && !bytes.is_empty() {
-            let at = at.index(bytes.len());
-            bytes[at] = foreign[1];
-        }
-        let whole = events(&bytes, usize::MAX);
-        prop_assert_eq!(&events(&bytes, 1), &whole);
-        prop_assert_eq!(&events(&bytes, 3), &whole);
-        let lines = bytes.iter().filter(|byte| **byte == b'\n').count();
-        let is_open = bytes.last().is_some_and(|byte| *byte != b'\n');
-        prop_assert_eq!(whole.1, lines as u64 + u64::from(is_open));
-        judge_bytes(&bytes);
-    }
-}
-
-/// A line without an end is read and forgotten.
-#[test]
-fn a_line_without_an_end_takes_no_room() {
-    /// Counts what is asked for, which is what the reader has room for.
-    struct Endless {
-        left: u64,
-        most: usize,
-    }
-    impl Read for &mut Endless {
-        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-            let count = buffer.len().min(usize::try_from(self.left).unwrap_or(usize::MAX));
-            buffer[..count].fill(b'x');
-            self.left -= count as u64;
-            self.most = self.most.max(buffer.len());
-            Ok(count)
-        }
-    }
-    let mut endless = Endless { left: 200 << 20, most: 0 };
-    let mut reader = Reader::new(&mut endless);
-    let item = reader.next().expect("bytes can be read").expect("a problem");
-    assert_eq!(item.event, Event::Problem(Problem::TooLong { length: 200 << 20 }));
-    assert_eq!(reader.next().expect("bytes can be read"), None);
-    assert!(endless.most <= MAX_LENGTH, "{}", endless.most);
 }

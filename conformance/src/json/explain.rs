@@ -38,6 +38,7 @@ impl Plans {
             findings,
             dialects: Dialects::default(),
             path: String::new(),
+            elements: 0,
             subject: told.name.to_owned(),
         };
         let plan = self.get(told.id);
@@ -68,6 +69,8 @@ struct Explaining<'p, 'm> {
     dialects: Dialects,
     /// Where in the message, as `events[2].id`.
     path: String,
+    /// How many indices the path has.
+    elements: usize,
     /// The same without indices, behind the name of the message: equal findings have it in common.
     subject: String,
 }
@@ -75,10 +78,10 @@ struct Explaining<'p, 'm> {
 impl<'p> Explaining<'p, '_> {
     fn report(&mut self, id: &str, definition: Span, text: &dyn fmt::Display) {
         let Some(rule) = rule(id) else { return };
-        let path = &self.path;
+        let (path, is_within) = (&self.path, self.elements > 0);
         self.findings.report(rule, &self.subject, self.told.place, Some(definition), || {
             // Without an index the subject says it all.
-            if path.contains('[') { format!("{path}: {text}") } else { text.to_string() }
+            if is_within { format!("{path}: {text}") } else { text.to_string() }
         });
     }
 
@@ -104,7 +107,9 @@ impl<'p> Explaining<'p, '_> {
                 unknown += 1;
                 if unknown <= MAX_UNKNOWN {
                     let text = format_args!("{} has no such field; found {value}", plan.name);
-                    self.within(&shortened(key), |within| within.report("PX-JSON-01", plan.span, &text));
+                    self.within(&shortened(key).escape_debug().to_string(), |within| {
+                        within.report("PX-JSON-01", plan.span, &text);
+                    });
                 }
                 continue;
             };
@@ -163,12 +168,14 @@ impl<'p> Explaining<'p, '_> {
 
     fn elements(&mut self, values: &[Tree<'_>], field: &'p FieldPlan) {
         let length = self.path.len();
+        self.elements += 1;
         for (index, value) in values.iter().enumerate() {
             // Writing to a string can't fail.
             let _ = write!(self.path, "[{index}]");
             self.element(value, field, true);
             self.path.truncate(length);
         }
+        self.elements -= 1;
     }
 
     /// A single value, or an element of an array.

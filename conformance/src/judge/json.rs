@@ -17,6 +17,9 @@ use crate::source::json::{Event, Reader};
 /// How many topics or types are told apart: hostile input can have any number.
 const MAX_CHANNELS: usize = 10_000;
 
+/// The longest name of a topic or type that is kept; ROS 2 allows no longer ones either.
+const MAX_NAME: usize = 256;
+
 /// What a source of JSON says of itself.
 #[derive(Debug)]
 pub struct JsonSource {
@@ -116,6 +119,10 @@ impl<'d> JsonJudge<'d> {
                 Form::Unknown(problem) => return self.course.damage(place, problem.to_owned()),
             },
         };
+        if name.len() > MAX_NAME {
+            let text = format!("a topic or type whose name has more than {MAX_NAME} bytes");
+            return self.course.damage(place, text);
+        }
         let definition = || match which {
             Which::Type => self.course.definitions.message_of_type(name),
             Which::Topic => self.course.definitions.message_of_topic(last_segment(name)),
@@ -157,7 +164,7 @@ impl<'d> JsonJudge<'d> {
             return None;
         }
         let defined = definition.map(|id| (id, self.course.number_channel()));
-        let open = Open { name: last_segment(name).to_owned(), defined, messages: 0, line };
+        let open = Open { name: last_segment(name).escape_debug().to_string(), defined, messages: 0, line };
         if let Some(channel) = open.channel() {
             self.course.opened(&channel);
         }
