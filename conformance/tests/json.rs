@@ -4,6 +4,8 @@
 mod forms;
 #[path = "json/hostile.rs"]
 mod hostile;
+#[path = "json/logs.rs"]
+mod logs;
 mod support;
 
 use std::fs;
