@@ -3,7 +3,7 @@
 //! Text is read once, without a tree, by a reader that only says whether all is well ([`Plans::is_clean`]). What
 //! isn't is read again into a [`Tree`], which keeps what other trees lose: repeated keys, numbers as they are
 //! written, and tokens that are no JSON, such as `NaN`. From the tree every breach is told
-//! ([`Plans::explain`]). Both ask the same functions of single values ([`value`]), so they can hardly
+//! ([`Plans::explain`]). Both ask the same functions of single values (`value.rs`), so they can hardly
 //! disagree, and a test with random damage holds them to it.
 
 mod base64;
