@@ -10,10 +10,11 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use uavspec_codegen::schema::MessageId;
 
 use crate::definitions::Definitions;
 use crate::finding::Verdict;
-use crate::judge::judge_ulog;
+use crate::judge;
 use crate::report::{Judged, to_json, to_text};
 use crate::rule::RULES;
 
@@ -27,7 +28,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Judge logs that others wrote.
+    /// Judge logs and messages that others wrote.
     Check(CheckArgs),
     /// List the rules.
     Rules,
@@ -39,16 +40,25 @@ enum Command {
   uavspec check flight.ulg
   uavspec check --definitions ../px4_msgs/msg logs/*.ulg
   uavspec check --format json flight.ulg > report.json
+  uavspec check rosbridge.jsonl
+  uavspec check --type px4/FailsafeFlags flags.jsonl
 
-Exit status: 0 conforms, 1 does not, 2 wrong usage or definitions, 3 a log can't be read, 5 nothing was checked.")]
+JSON is an object a line, or an array of objects. Without --type each says what it is:
+  {\"type\": \"px4/FailsafeFlags\", \"message\": {…}}
+  {\"op\": \"publish\", \"topic\": \"/fmu/out/failsafe_flags\", \"msg\": {…}}   (rosbridge)
+
+Exit status: 0 conforms, 1 does not, 2 wrong usage or definitions, 3 a file can't be read, 5 nothing was checked.")]
 struct CheckArgs {
-    /// Logs of PX4, in the format `ULog`.
+    /// Logs of PX4 in the format `ULog`, or messages as JSON or JSON Lines; which, is seen by the content.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// What to judge by: a uavspec.toml, a folder with one, or a folder of .msg files; those of this program,
     /// where nothing is said.
     #[arg(long, value_name = "PATH")]
     definitions: Option<PathBuf>,
+    /// The type of all messages as JSON, which then have nothing around them.
+    #[arg(long = "type", value_name = "PACKAGE/NAME")]
+    of: Option<String>,
     /// How to report.
     #[arg(long, default_value = "text")]
     format: Format,
@@ -102,10 +112,16 @@ fn check(args: &CheckArgs) -> Status {
             }
         },
     };
+    let of = args.of.as_deref().map(|name| (name, definitions.message_of_type(name)));
+    if let Some((name, None)) = of {
+        anstream::eprintln!("error: --type {name}: the definitions have no such message");
+        return Status::Usage;
+    }
+    let of = of.and_then(|(_, id)| id);
     let mut judged = Vec::new();
     let mut is_unreadable = false;
     for path in &args.files {
-        match judge(path, &definitions) {
+        match judge(path, of, &definitions) {
             Ok(found) => {
                 if args.format == Format::Text {
                     // The stream drops the colours where they would not be shown.
@@ -126,9 +142,9 @@ fn check(args: &CheckArgs) -> Status {
     status(&judged, is_unreadable)
 }
 
-fn judge(path: &Path, definitions: &Definitions) -> io::Result<Judged> {
+fn judge(path: &Path, of: Option<MessageId>, definitions: &Definitions) -> io::Result<Judged> {
     let started = Instant::now();
-    let judgement = judge_ulog(File::open(path)?, definitions)?;
+    let judgement = judge::judge(File::open(path)?, of, definitions)?;
     Ok(Judged { path: path.display().to_string(), judgement, elapsed: started.elapsed().as_millis() })
 }
 

@@ -68,6 +68,18 @@ impl Definitions {
         self.by_topic.get(topic).or_else(unversioned).copied()
     }
 
+    /// The message that a type names: `px4/FailsafeFlags`, or as ROS 2 writes it, `px4_msgs/msg/FailsafeFlags`.
+    pub fn message_of_type(&self, ty: &str) -> Option<MessageId> {
+        let (package, name) = ty.split_once('/')?;
+        let name = name.strip_prefix("msg/").unwrap_or(name);
+        let packages = self.schema.packages.iter();
+        packages
+            .filter(|known| known.name == package || known.ros_package == package)
+            .flat_map(|known| &known.messages)
+            .find(|id| self.schema.message(**id).name == name)
+            .copied()
+    }
+
     /// Where something is defined, as `file:line`.
     pub fn place(&self, span: Span) -> String {
         let mut place = self.sources.path(self.sources.source_of(span)).to_owned();
@@ -92,6 +104,12 @@ mod tests {
             definitions.place(definitions.schema.message(battery).span),
             "definitions/px4/BatteryStatus.msg:1"
         );
+        for ty in ["px4/BatteryStatus", "px4_msgs/msg/BatteryStatus"] {
+            assert_eq!(definitions.message_of_type(ty), Some(battery), "{ty}");
+        }
+        for ty in ["BatteryStatus", "px4/msg", "px4/", "ros/BatteryStatus"] {
+            assert_eq!(definitions.message_of_type(ty), None, "{ty}");
+        }
         let codes = definitions.schema.packages.iter().flat_map(|package| &package.error_tables);
         assert!(codes.map(|table| table.codes.len()).sum::<usize>() > 60);
     }

@@ -47,6 +47,8 @@ pub enum Verdict {
 #[derive(Debug, Default)]
 pub struct Findings {
     groups: BTreeMap<(&'static str, String), Group>,
+    /// How many groups each rule has.
+    kept: [usize; RULES.len()],
     /// How often each rule was exercised, by its place in the list.
     exercised: [u64; RULES.len()],
     /// How many findings each rule has that belong to no group, as there are too many.
@@ -74,9 +76,12 @@ impl Findings {
         // A finding says that there was something to judge.
         self.exercised[at] = self.exercised[at].max(1);
         let key = (rule.id, subject.to_owned());
-        if !self.groups.contains_key(&key) && self.of(rule).count() >= MAX_GROUPS {
-            self.dropped[at] += 1;
-            return;
+        if !self.groups.contains_key(&key) {
+            if self.kept[at] >= MAX_GROUPS {
+                self.dropped[at] += 1;
+                return;
+            }
+            self.kept[at] += 1;
         }
         let group = self.groups.entry(key).or_insert_with(|| Group {
             rule,
@@ -130,15 +135,15 @@ impl Findings {
             self.dropped[at] += other.dropped[at];
         }
         for (key, group) in other.groups {
-            match self.groups.get_mut(&key) {
-                Some(known) => {
-                    known.count += group.count;
-                    let room = MAX_EXAMPLES - known.examples.len();
-                    known.examples.extend(group.examples.into_iter().take(room));
+            if let Some(known) = self.groups.get_mut(&key) {
+                known.count += group.count;
+                let room = MAX_EXAMPLES - known.examples.len();
+                known.examples.extend(group.examples.into_iter().take(room));
+            } else {
+                if let Some(at) = index(group.rule) {
+                    self.kept[at] += 1;
                 }
-                None => {
-                    self.groups.insert(key, group);
-                }
+                self.groups.insert(key, group);
             }
         }
     }

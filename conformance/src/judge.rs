@@ -1,338 +1,155 @@
 //! Judges a source: its records go to the plans of their formats and to the rules.
 
-use std::collections::BTreeMap;
+mod json;
+mod log;
+
 use std::io::{self, Read};
 
-use uavspec_codegen::dynamic::{FormatProblem, MessageType, PlacedElement, Types};
-use uavspec_codegen::schema::{MessageId, Shape};
-use uavspec_runtime::Scalar;
+use uavspec_codegen::schema::MessageId;
 
-use crate::comparison::{Comparison, compare};
+pub use self::json::{JsonSource, judge_json};
+pub use self::log::{LogSource, judge_ulog};
 use crate::definitions::Definitions;
 use crate::finding::Findings;
-use crate::plan::Plan;
 use crate::record::{Channel, Message, Place};
-use crate::rule::{Check, Checker, Judged, RULES, Rule, rule};
-use crate::source::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
+use crate::rule::{Check, Checker, Judged, RULES, Rule};
+use crate::source::ULOG_MAGIC;
 
 /// How many places of damage are kept.
 const MAX_DAMAGE: usize = 100;
 
-/// What a log is, and what came of it.
+/// What a source is, and what came of it.
 #[derive(Debug)]
 pub struct Judgement {
-    /// What the log says of the firmware, such as its version.
-    pub firmware: Option<String>,
+    /// What it says of itself.
+    pub source: Source,
     /// How many bytes it has, or were read.
     pub bytes: u64,
     /// From its first to its last timestamp, in µs.
     pub duration: u64,
-    /// How many messages of data it has.
+    /// How many messages it has.
     pub records: u64,
-    /// How many of them have a type and the right size, and were judged.
+    /// How many of them have a type, can be read as it, and were judged.
     pub judged: u64,
-    /// How many dropouts it tells of.
-    pub dropouts: u64,
-    /// The formats of its topics, compared with the definitions, by name.
-    pub formats: Vec<(String, Comparison)>,
     /// What can't be read, and where; the first of it.
-    pub damage: Vec<(u64, String)>,
+    pub damage: Vec<(Place, String)>,
     /// How much more of that there is.
     pub more_damage: u64,
     /// What breaks rules.
     pub findings: Findings,
 }
 
-/// Judges a log of PX4.
+/// What kinds of sources say of themselves.
+#[derive(Debug)]
+pub enum Source {
+    /// A log of PX4.
+    Log(LogSource),
+    /// Messages as JSON.
+    Json(JsonSource),
+}
+
+/// Judges a source of any kind, which is seen by how it begins: a log of PX4, or else JSON. Where `of` names a
+/// message, the JSON is messages of that type and nothing around them.
 ///
-/// An error is one of reading; what is wrong with the log itself is part of the judgement.
-pub fn judge_ulog(input: impl Read, definitions: &Definitions) -> io::Result<Judgement> {
-    let types = Types::new(&definitions.schema);
-    let mut judge = Judge::new(definitions, &types);
-    let mut reader = Reader::new(input);
-    let mut log = Log::default();
-    while let Some(item) = reader.next()? {
-        judge.item(&item);
-        let topic = match item.event {
-            Event::Subscription { id, .. } => Some(id),
-            _ => None,
-        };
-        let record = log.take(&item, &mut |offset, problem| judge.tell(offset, &problem));
-        if let Some(record) = record {
-            judge.record(&record, item.offset);
-        }
-        if let Some(subscription) = topic.and_then(|id| log.subscription(id)) {
-            let (id, topic, multi_id) = (subscription.id, subscription.topic.clone(), subscription.multi_id);
-            judge.open(id, &topic, multi_id, item.offset);
-        }
-    }
-    log.finish(&mut |offset, problem| judge.tell(offset, &problem));
-    Ok(judge.finish(&log))
+/// An error is one of reading; what is wrong with the source itself is part of the judgement.
+pub fn judge(
+    mut input: impl Read,
+    of: Option<MessageId>,
+    definitions: &Definitions,
+) -> io::Result<Judgement> {
+    let mut start = Vec::new();
+    input.by_ref().take(ULOG_MAGIC.len() as u64).read_to_end(&mut start)?;
+    let is_log = start == ULOG_MAGIC;
+    let whole = io::Cursor::new(start).chain(input);
+    if is_log { judge_ulog(whole, definitions) } else { judge_json(whole, of, definitions) }
 }
 
-/// A topic of the log and its state.
-struct Open {
-    index: usize,
-    topic: String,
-    multi_id: u8,
-    offset: u64,
-    definition: Option<MessageId>,
-    /// Made with the first message.
-    plan: Option<Plan>,
-    /// Where the payload has its `timestamp`.
-    timestamp: Option<usize>,
-    messages: u64,
-}
-
-/// What the log tells beside its messages.
-#[derive(Default)]
-struct Course {
-    firmware: Option<String>,
+/// What all kinds of sources have in common: messages that come on channels, and the rules that follow them.
+struct Course<'d> {
+    definitions: &'d Definitions,
+    findings: Findings,
+    checkers: Vec<(&'static Rule, Box<dyn Checker>)>,
+    channels: usize,
     records: u64,
     judged: u64,
-    dropouts: u64,
-    end: u64,
     first: Option<u64>,
     last: u64,
-    damage: Vec<(u64, String)>,
+    damage: Vec<(Place, String)>,
     more_damage: u64,
 }
 
-struct Judge<'d> {
-    definitions: &'d Definitions,
-    types: &'d Types,
-    findings: Findings,
-    checkers: Vec<(&'static Rule, Box<dyn Checker>)>,
-    /// By the id of the data.
-    open: BTreeMap<u16, Open>,
-    /// Topics that were subscribed so far.
-    channels: usize,
-    course: Course,
-}
-
-impl<'d> Judge<'d> {
-    fn new(definitions: &'d Definitions, types: &'d Types) -> Self {
+impl<'d> Course<'d> {
+    fn new(definitions: &'d Definitions) -> Self {
         let checkers = RULES.iter().filter_map(|rule| match rule.check {
             Check::State(start) => Some((*rule, start())),
             Check::Value | Check::Source => None,
         });
         Self {
             definitions,
-            types,
             findings: Findings::default(),
             checkers: checkers.collect(),
-            open: BTreeMap::new(),
             channels: 0,
-            course: Course::default(),
+            records: 0,
+            judged: 0,
+            first: None,
+            last: 0,
+            damage: Vec::new(),
+            more_damage: 0,
         }
     }
 
-    fn item(&mut self, item: &Item<'_>) {
-        let place = Place::Byte(item.offset);
-        self.course.end = self.course.end.max(item.offset);
-        match &item.event {
-            Event::Information { key: "ver_sw_release" | "ver_sw_branch" | "sys_name", value, ty } => {
-                self.course.information(ty, value);
-            }
-            Event::Dropout { milliseconds } => {
-                self.course.dropouts += 1;
-                self.checkers.iter_mut().for_each(|(_, checker)| checker.dropout(*milliseconds, place));
-            }
-            Event::Data { .. } => self.course.records += 1,
-            // Logs of the first version have none.
-            Event::Problem(Problem::NoFlagBits { version: 0 }) => {}
-            Event::Problem(problem) => self.course.damage(item.offset, problem.to_string()),
-            _ => {}
-        }
-    }
-
-    fn open(&mut self, id: u16, topic: &str, multi_id: u8, offset: u64) {
-        let open = Open {
-            index: self.channels,
-            topic: topic.to_owned(),
-            multi_id,
-            offset,
-            definition: self.definitions.message_of_topic(topic),
-            plan: None,
-            timestamp: None,
-            messages: 0,
-        };
+    /// A number for the next channel.
+    fn number_channel(&mut self) -> usize {
         self.channels += 1;
-        let channel = open.channel();
+        self.channels - 1
+    }
+
+    fn opened(&mut self, channel: &Channel<'_>) {
         for (rule, checker) in &mut self.checkers {
             let (definitions, findings) = (self.definitions, &mut self.findings);
-            checker.opened(&channel, &mut Judged { rule, definitions, findings });
-        }
-        if let Some(before) = self.open.insert(id, open) {
-            before.close(&mut self.findings);
+            checker.opened(channel, &mut Judged { rule, definitions, findings });
         }
     }
 
-    fn record(&mut self, record: &Record<'_>, offset: u64) {
-        let Some(open) = self.open.get_mut(&record.subscription.id) else { return };
-        let place = Place::Byte(offset);
-        let plan = match &mut open.plan {
-            Some(plan) => plan,
-            empty => {
-                open.timestamp = timestamp(record.of);
-                if let Some(rule) = rule("PX-FMT-03") {
-                    self.findings.exercise(rule, 1);
-                    if open.timestamp.is_none() {
-                        let text = || "its format has no `uint64_t timestamp`".to_owned();
-                        self.findings.report(rule, &open.topic, place, None, text);
-                    }
-                }
-                empty.insert(Plan::new(record.of, open.definition, &self.definitions.schema, &open.topic))
-            }
-        };
-        plan.check(record.payload, place, &mut self.findings);
-        open.messages += 1;
-        self.course.judged += 1;
-        let bytes = open.timestamp.and_then(|at| record.payload.get(at..at + 8));
-        let timestamp = bytes.and_then(|bytes| Some(u64::from_le_bytes(bytes.try_into().ok()?)));
-        if let Some(timestamp) = timestamp.filter(|timestamp| *timestamp > 0) {
-            self.course.first = Some(self.course.first.map_or(timestamp, |first| first.min(timestamp)));
-            self.course.last = self.course.last.max(timestamp);
+    /// A message that was judged by itself.
+    fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>) {
+        self.judged += 1;
+        if let Some(timestamp) = message.timestamp.filter(|timestamp| *timestamp > 0) {
+            self.first = Some(self.first.map_or(timestamp, |first| first.min(timestamp)));
+            self.last = self.last.max(timestamp);
         }
-        let message = Message { timestamp, payload: record.payload, place };
-        let channel = open.channel();
         for (rule, checker) in &mut self.checkers {
             let (definitions, findings) = (self.definitions, &mut self.findings);
-            checker.message(&channel, &message, &mut Judged { rule, definitions, findings });
+            checker.message(channel, message, &mut Judged { rule, definitions, findings });
         }
     }
 
-    /// What is wrong with formats, subscriptions and sizes: a rule, where one is about that.
-    fn tell(&mut self, offset: u64, problem: &LogProblem) {
-        let topic =
-            |id: &u16| self.open.get(id).map_or_else(|| format!("id {id}"), |open| open.topic.clone());
-        let (id, subject) = match problem {
-            LogProblem::DataSize { id, .. } => ("PX-DATA-01", topic(id)),
-            LogProblem::UnknownId { id } | LogProblem::Unsubscribed { id } => ("PX-DATA-02", topic(id)),
-            LogProblem::Format { name, problem: FormatProblem::UnknownType { .. } } => {
-                ("PX-FMT-02", name.clone())
-            }
-            _ => return self.course.damage(offset, problem.to_string()),
-        };
-        if let Some(rule) = rule(id) {
-            self.findings.report(rule, &subject, Place::Byte(offset), None, || problem.to_string());
-        }
+    fn dropout(&mut self, milliseconds: u16, place: Place) {
+        self.checkers.iter_mut().for_each(|(_, checker)| checker.dropout(milliseconds, place));
     }
 
-    fn finish(mut self, log: &Log) -> Judgement {
-        for (rule, checker) in &mut self.checkers {
-            let (definitions, findings) = (self.definitions, &mut self.findings);
-            checker.end(&mut Judged { rule, definitions, findings });
-        }
-        for (_, open) in std::mem::take(&mut self.open) {
-            open.close(&mut self.findings);
-        }
-        let course = self.course;
-        let mut findings = self.findings;
-        for id in ["PX-DATA-01", "PX-DATA-02"] {
-            if let Some(rule) = rule(id) {
-                findings.exercise(rule, course.records);
-            }
-        }
-        let formats = formats(log, self.definitions, self.types, &mut findings);
-        Judgement {
-            firmware: course.firmware,
-            bytes: course.end,
-            duration: course.first.map_or(0, |first| course.last - first),
-            records: course.records,
-            judged: course.judged,
-            dropouts: course.dropouts,
-            formats,
-            damage: course.damage,
-            more_damage: course.more_damage,
-            findings,
-        }
-    }
-}
-
-impl Open {
-    fn channel(&self) -> Channel<'_> {
-        Channel {
-            index: self.index,
-            topic: &self.topic,
-            multi_id: self.multi_id,
-            definition: self.definition,
-            place: Place::Byte(self.offset),
-        }
-    }
-
-    fn close(self, findings: &mut Findings) {
-        if let Some(plan) = self.plan {
-            plan.exercise(self.messages, findings);
-        }
-    }
-}
-
-impl Course {
-    fn information(&mut self, ty: &str, value: &[u8]) {
-        let text = match <[u8; 4]>::try_from(value) {
-            // The version as a number: major, minor and patch level, and the type of the release.
-            Ok(bytes) if ty == "uint32_t" => {
-                let [_, patch, minor, major] = bytes;
-                format!("v{major}.{minor}.{patch}")
-            }
-            _ if ty.starts_with("char[") => String::from_utf8_lossy(value).into_owned(),
-            _ => return,
-        };
-        self.firmware = Some(match self.firmware.take() {
-            Some(known) => format!("{known} {text}"),
-            None => text,
-        });
-    }
-
-    fn damage(&mut self, offset: u64, text: String) {
+    fn damage(&mut self, place: Place, text: String) {
         if self.damage.len() < MAX_DAMAGE {
-            self.damage.push((offset, text));
+            self.damage.push((place, text));
         } else {
             self.more_damage += 1;
         }
     }
-}
 
-/// Where a payload has its `timestamp`.
-fn timestamp(of: MessageType<'_>) -> Option<usize> {
-    let is_timestamp = |field: &uavspec_codegen::dynamic::Placed<'_>| {
-        field.name == "timestamp"
-            && matches!(field.element, PlacedElement::Scalar(Scalar::UInt64))
-            && field.shape == Shape::Single
-    };
-    of.layout().find(is_timestamp).map(|field| field.offset)
-}
-
-/// The formats of all subscribed topics, compared with the definitions.
-fn formats(
-    log: &Log,
-    definitions: &Definitions,
-    types: &Types,
-    findings: &mut Findings,
-) -> Vec<(String, Comparison)> {
-    let mut opened: BTreeMap<&str, u64> = BTreeMap::new();
-    for subscription in log.subscriptions() {
-        opened.entry(&subscription.topic).or_insert(subscription.offset);
-    }
-    let mut compared: BTreeMap<String, Comparison> = BTreeMap::new();
-    for of in log.types().iter() {
-        if let Some(rule) = rule("PX-FMT-02") {
-            findings.exercise(rule, 1);
+    fn finish(mut self, bytes: u64, source: Source) -> Judgement {
+        for (rule, checker) in &mut self.checkers {
+            let (definitions, findings) = (self.definitions, &mut self.findings);
+            checker.end(&mut Judged { rule, definitions, findings });
         }
-        let Some(offset) = opened.get(of.name()) else { continue };
-        let comparison = match definitions.message_of_topic(of.name()) {
-            None => Comparison::Undefined,
-            Some(id) => compare(of, types.get(id)),
-        };
-        if let (Some(rule), false) = (rule("PX-FMT-01"), comparison == Comparison::Undefined) {
-            findings.exercise(rule, 1);
-            if let Comparison::Differs(differences) = &comparison {
-                let place = Place::Byte(*offset);
-                findings.report(rule, of.name(), place, None, || differences.to_string());
-            }
+        Judgement {
+            source,
+            bytes,
+            duration: self.first.map_or(0, |first| self.last - first),
+            records: self.records,
+            judged: self.judged,
+            damage: self.damage,
+            more_damage: self.more_damage,
+            findings: self.findings,
         }
-        compared.insert(of.name().to_owned(), comparison);
     }
-    compared.into_iter().collect()
 }

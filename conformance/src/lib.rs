@@ -1,5 +1,5 @@
 //! Judges outputs of implementations by the definitions that `uavspec-codegen` reads: now logs of PX4
-//! (`ULog`); captures, codecs and live servers are to follow.
+//! (`ULog`), and messages as JSON; other captures, codecs and live servers are to follow.
 //!
 //! ```text
 //!  bytes ──source──▶ records ──plan, rule──▶ findings ──▶ verdicts ──report──▶ terminal, JSON, SARIF, JUnit
@@ -14,6 +14,7 @@ pub mod comparison;
 pub mod definitions;
 pub mod finding;
 pub mod input;
+pub mod json;
 pub mod judge;
 pub mod plan;
 pub mod record;

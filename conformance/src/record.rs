@@ -45,8 +45,8 @@ pub struct Channel<'c> {
     pub index: usize,
     /// The topic.
     pub topic: &'c str,
-    /// The instance of the topic, from 0.
-    pub multi_id: u8,
+    /// The instance of the topic, from 0, where the source tells instances apart.
+    pub multi_id: Option<u8>,
     /// The definition of its messages, where there is one.
     pub definition: Option<MessageId>,
     /// Where it was opened.

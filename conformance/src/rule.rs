@@ -1,8 +1,9 @@
 //! The rules, a file each, and the one list of all.
 //!
 //! A rule is a statement with a permanent id. Rules on single values are checked by a plan that is made once
-//! for each format ([`crate::plan`]); rules on the course of things keep a state of their own ([`Checker`]).
+//! for each format ([`crate::plan`], and for JSON [`crate::json`]); rules on the course of things keep a state of their own ([`Checker`]).
 
+mod px_arr_01;
 mod px_bool_01;
 mod px_data_01;
 mod px_data_02;
@@ -11,6 +12,8 @@ mod px_enum_01;
 mod px_fmt_01;
 mod px_fmt_02;
 mod px_fmt_03;
+mod px_json_01;
+mod px_json_02;
 mod px_len_01;
 mod px_nan_01;
 mod px_queue_01;
@@ -27,7 +30,8 @@ use crate::finding::Findings;
 use crate::record::{Channel, Message, Place};
 
 /// Every rule, by id.
-pub static RULES: [&Rule; 16] = [
+pub static RULES: [&Rule; 19] = [
+    &px_arr_01::RULE,
     &px_bool_01::RULE,
     &px_data_01::RULE,
     &px_data_02::RULE,
@@ -36,6 +40,8 @@ pub static RULES: [&Rule; 16] = [
     &px_fmt_01::RULE,
     &px_fmt_02::RULE,
     &px_fmt_03::RULE,
+    &px_json_01::RULE,
+    &px_json_02::RULE,
     &px_len_01::RULE,
     &px_nan_01::RULE,
     &px_queue_01::RULE,

@@ -49,6 +49,53 @@ fn a_log_is_judged_and_the_status_says_how() {
 }
 
 #[test]
+fn messages_as_json_are_judged_with_and_without_their_type() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("a file");
+    let message = r#"{"timestamp":1,"request_id":2,"registration_id":0}"#;
+    let reply = |message: &str| {
+        format!(r#"{{"op":"publish","topic":"/fmu/out/unregister_ext_component","msg":{message}}}"#)
+    };
+    let fields = r#""timestamp":1,"arming_check_id":2,"mode_id":3,"mode_executor_id":-1"#;
+    let good = format!(r#"{{{fields},"name":"mode"}}"#);
+    write("good.jsonl", &format!("{}\n{{\"op\":\"ping\"}}\n", reply(&good)));
+    let (status, printed, said) = uavspec(folder.path(), &["check", "good.jsonl"]);
+    assert_eq!(status, Some(0), "{printed}{said}");
+    assert!(printed.starts_with("good.jsonl  2 lines, 1 message of 1 type ("), "{printed}");
+    assert!(printed.contains("skipped      1 that publish nothing (rosbridge)"), "{printed}");
+    assert!(printed.ends_with("conforms\n"), "{printed}");
+
+    write("bare.jsonl", &format!("{good}\n{{{fields},\"name\":NaN}}\n{message}\n{good}"));
+    let ty = ["--type", "px4/UnregisterExtComponent"];
+    let (status, printed, _) = uavspec(folder.path(), &["check", "bare.jsonl", ty[0], ty[1]]);
+    assert_eq!(status, Some(1), "{printed}");
+    for wanted in [
+        "bare.jsonl  4 lines, 4 messages of 1 type (",
+        "dialect      bare NaN or Infinity (Python)",
+        "PX-JSON-01   MUST   UnregisterExtComponent.request_id: UnregisterExtComponent has no such field; found 2",
+        "once, first at line 3   definitions/px4/UnregisterExtComponent.msg:",
+        "PX-JSON-02   MUST   UnregisterExtComponent.name: expected a string, found a bare NaN",
+        "once, first at line 2   definitions/px4/UnregisterExtComponent.msg:",
+    ] {
+        assert!(printed.contains(wanted), "{wanted}: {printed}");
+    }
+    let (status, printed, _) = uavspec(folder.path(), &["check", "bare.jsonl"]);
+    assert_eq!(status, Some(5), "{printed}");
+    assert!(printed.contains("damage       line 1: nothing says what message it is"), "{printed}");
+    assert!(printed.ends_with("and not all can be read\n"), "{printed}");
+    let (status, _, said) = uavspec(folder.path(), &["check", "bare.jsonl", "--type", "px4/Nothing"]);
+    assert_eq!(status, Some(2));
+    assert!(said.contains("--type px4/Nothing: the definitions have no such message"), "{said}");
+
+    let arguments = ["check", "--format", "json", "bare.jsonl", ty[0], ty[1]];
+    let report: Value = serde_json::from_str(&uavspec(folder.path(), &arguments).1).expect("JSON");
+    let source = &report["sources"][0];
+    assert_eq!((&source["kind"], &source["lines"], &source["types"]), (&"json".into(), &4.into(), &1.into()));
+    let finding = &source["findings"][0];
+    assert_eq!((&finding["rule"], &finding["examples"][0]["line"]), (&"PX-JSON-01".into(), &3.into()));
+}
+
+#[test]
 fn programs_get_json() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("flight.ulg"), typical(20)).expect("a file");

@@ -6,6 +6,7 @@ use super::Judged;
 use crate::comparison::Comparison;
 use crate::definitions::Definitions;
 use crate::finding::{Group, Verdict};
+use crate::judge::Source;
 use crate::record::Place;
 use crate::rule::RULES;
 
@@ -33,23 +34,44 @@ fn source(judged: &Judged, definitions: &Definitions) -> Value {
             })
         })
         .collect();
-    let damage: Vec<Value> =
-        judgement.damage.iter().map(|(offset, what)| json!({ "byte": offset, "message": what })).collect();
-    let formats: Vec<Value> = judgement.formats.iter().map(|(name, found)| format(name, found)).collect();
+    let damage: Vec<Value> = judgement.damage.iter().map(|(place, what)| located(*place, what)).collect();
     let findings: Vec<Value> = judgement.findings.groups().map(|group| finding(group, definitions)).collect();
-    json!({
+    let mut members = json!({
         "path": judged.path,
-        "firmware": judgement.firmware,
         "records": judgement.records,
         "judged": judgement.judged,
-        "dropouts": judgement.dropouts,
         "duration_us": judgement.duration,
-        "formats": formats,
         "damage": damage,
         "more_damage": judgement.more_damage,
         "rules": rules,
         "findings": findings,
-    })
+    });
+    match &judgement.source {
+        Source::Log(log) => {
+            let formats: Vec<Value> = log.formats.iter().map(|(name, found)| format(name, found)).collect();
+            members["kind"] = "ulog".into();
+            members["firmware"] = json!(log.firmware);
+            members["dropouts"] = log.dropouts.into();
+            members["formats"] = formats.into();
+        }
+        Source::Json(found) => {
+            let dialects: Vec<String> = found.dialects.iter().map(|dialect| dialect.to_string()).collect();
+            members["kind"] = "json".into();
+            members["lines"] = found.lines.into();
+            members["types"] = found.types.into();
+            members["skipped"] = found.skipped.into();
+            members["undefined"] = json!(found.undefined);
+            members["dialects"] = dialects.into();
+        }
+    }
+    members
+}
+
+fn located(place: Place, message: &str) -> Value {
+    match place {
+        Place::Byte(offset) => json!({ "byte": offset, "message": message }),
+        Place::Line(line) => json!({ "line": line, "message": message }),
+    }
 }
 
 fn verdict(verdict: Verdict) -> &'static str {
@@ -73,14 +95,8 @@ fn format(name: &str, comparison: &Comparison) -> Value {
 }
 
 fn finding(group: &Group, definitions: &Definitions) -> Value {
-    let examples: Vec<Value> = group
-        .examples
-        .iter()
-        .map(|(place, message)| match place {
-            Place::Byte(offset) => json!({ "byte": offset, "message": message }),
-            Place::Line(line) => json!({ "line": line, "message": message }),
-        })
-        .collect();
+    let examples: Vec<Value> =
+        group.examples.iter().map(|(place, message)| located(*place, message)).collect();
     json!({
         "rule": group.rule.id,
         "level": group.rule.level.to_string(),

@@ -8,6 +8,7 @@ use super::Judged;
 use crate::comparison::Comparison;
 use crate::definitions::Definitions;
 use crate::finding::{Group, Verdict};
+use crate::judge::{JsonSource, LogSource, Source};
 use crate::record::Grouped;
 use crate::rule::{Level, RULES};
 
@@ -19,12 +20,14 @@ const WARN: Style = AnsiColor::Yellow.on_default().bold();
 const PASS: Style = AnsiColor::Green.on_default().bold();
 const PLAIN: Style = Style::new();
 
-/// The judgement of a log, with colours; a stream that knows drops them where they would not be shown.
+/// The judgement of a source, with colours; a stream that knows drops them where they would not be shown.
 pub fn write(judged: &Judged, definitions: &Definitions) -> String {
     let mut text = String::new();
     // Writing to a string can't fail.
-    let _ = head(judged, &mut text);
-    let _ = formats(judged, &mut text);
+    let _ = match &judged.judgement.source {
+        Source::Log(log) => head(judged, log, &mut text).and_then(|()| formats(&log.formats, &mut text)),
+        Source::Json(found) => json(judged, found, &mut text),
+    };
     let _ = damage(judged, &mut text);
     for level in [Level::Must, Level::Should, Level::Info] {
         // The formats that differ stand above already.
@@ -37,9 +40,9 @@ pub fn write(judged: &Judged, definitions: &Definitions) -> String {
     text
 }
 
-fn head(judged: &Judged, text: &mut String) -> std::fmt::Result {
+fn head(judged: &Judged, log: &LogSource, text: &mut String) -> std::fmt::Result {
     let judgement = &judged.judgement;
-    let firmware = judgement.firmware.as_deref().unwrap_or("unknown firmware");
+    let firmware = log.firmware.as_deref().unwrap_or("unknown firmware");
     let seconds = judgement.duration / 1_000_000;
     writeln!(
         text,
@@ -47,15 +50,48 @@ fn head(judged: &Judged, text: &mut String) -> std::fmt::Result {
         judged.path,
         seconds / 60,
         seconds % 60,
-        judgement.formats.len(),
+        log.formats.len(),
         Grouped(judgement.records),
-        judgement.dropouts,
+        log.dropouts,
         judged.elapsed,
     )
 }
 
-fn formats(judged: &Judged, text: &mut String) -> std::fmt::Result {
-    let formats = &judged.judgement.formats;
+fn json(judged: &Judged, found: &JsonSource, text: &mut String) -> std::fmt::Result {
+    let records = judged.judgement.records;
+    writeln!(
+        text,
+        "{}  {} {}, {} {} of {} {} ({} ms)\n",
+        judged.path,
+        Grouped(found.lines),
+        if found.lines == 1 { "line" } else { "lines" },
+        Grouped(records),
+        if records == 1 { "message" } else { "messages" },
+        found.types,
+        if found.types == 1 { "type" } else { "types" },
+        judged.elapsed,
+    )?;
+    let mut has_notes = false;
+    let mut note = |word: &str, what: &dyn std::fmt::Display| {
+        has_notes = true;
+        writeln!(text, "{word:<12} {what}")
+    };
+    for dialect in found.dialects.iter() {
+        note("dialect", &dialect)?;
+    }
+    if found.skipped > 0 {
+        note("skipped", &format_args!("{} that publish nothing (rosbridge)", Grouped(found.skipped)))?;
+    }
+    if !found.undefined.is_empty() {
+        let shown: Vec<&str> = found.undefined.iter().take(MAX_SHOWN).map(String::as_str).collect();
+        let more = found.undefined.len() - shown.len();
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        note("not defined", &format_args!("{}{more}", shown.join(", ")))?;
+    }
+    if has_notes { writeln!(text) } else { Ok(()) }
+}
+
+fn formats(formats: &[(String, Comparison)], text: &mut String) -> std::fmt::Result {
     let count = |wanted: fn(&Comparison) -> bool| formats.iter().filter(|(_, found)| wanted(found)).count();
     let equal = count(|found| *found == Comparison::Equal);
     let unknown = count(|found| *found == Comparison::Undefined);
@@ -83,8 +119,8 @@ fn formats(judged: &Judged, text: &mut String) -> std::fmt::Result {
 
 fn damage(judged: &Judged, text: &mut String) -> std::fmt::Result {
     let judgement = &judged.judgement;
-    for (offset, what) in judgement.damage.iter().take(MAX_SHOWN) {
-        writeln!(text, "{WARN}damage{WARN:#}       byte {}: {what}", Grouped(*offset))?;
+    for (place, what) in judgement.damage.iter().take(MAX_SHOWN) {
+        writeln!(text, "{WARN}damage{WARN:#}       {place}: {what}")?;
     }
     let more = judgement.damage.len().saturating_sub(MAX_SHOWN) as u64 + judgement.more_damage;
     if more > 0 {
@@ -121,7 +157,11 @@ fn verdicts(judged: &Judged, text: &mut String) -> std::fmt::Result {
     };
     writeln!(text, "{PASS}pass{PASS:#}  {} rules{idle}\n", of(Verdict::Pass).count())?;
     let (failed, warned) = (of(Verdict::Fail).count(), of(Verdict::Warn).count());
-    let damaged = if judged.judgement.damage.is_empty() { "" } else { ", and the log is damaged" };
+    let damaged = match &judged.judgement.source {
+        _ if judged.judgement.damage.is_empty() => "",
+        Source::Log(_) => ", and the log is damaged",
+        Source::Json(_) => ", and not all can be read",
+    };
     match (failed, warned) {
         (0, 0) => writeln!(text, "conforms{damaged}"),
         (0, _) => writeln!(text, "conforms, {warned} SHOULD to be looked at{damaged}"),

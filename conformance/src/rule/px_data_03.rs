@@ -20,11 +20,12 @@ struct Instances {
 
 impl Checker for Instances {
     fn opened(&mut self, channel: &Channel<'_>, judged: &mut Judged<'_>) {
+        let Some(multi_id) = channel.multi_id else { return };
         judged.exercise();
-        let first = *self.known.entry((channel.topic.to_owned(), channel.multi_id)).or_insert(channel.index);
+        let first = *self.known.entry((channel.topic.to_owned(), multi_id)).or_insert(channel.index);
         if first != channel.index {
             judged.report(channel.topic, channel.place, || {
-                format!("a second subscription of instance {}", channel.multi_id)
+                format!("a second subscription of instance {multi_id}")
             });
         }
     }

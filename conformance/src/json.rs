@@ -1,0 +1,24 @@
+//! What the JSON of a message has to be, and what is wrong with it where it isn't.
+//!
+//! Text is read once, without a tree, by a reader that only says whether all is well ([`Plans::is_clean`]). What
+//! isn't is read again into a [`Tree`], which keeps what other trees lose: repeated keys, numbers as they are
+//! written, and tokens that are no JSON, such as `NaN`. From the tree every breach is told
+//! ([`Plans::explain`]). Both ask the same functions of single values (`value.rs`), so they can hardly
+//! disagree, and a test with random damage holds them to it.
+
+mod base64;
+mod clean;
+mod dialect;
+mod explain;
+mod plan;
+#[cfg(test)]
+mod tests;
+mod tree;
+mod value;
+
+pub(crate) use self::clean::{Clean, MessageSeed};
+pub use self::dialect::{Dialect, Dialects};
+pub use self::explain::Told;
+pub use self::plan::Plans;
+pub(crate) use self::tree::CUT_OFF;
+pub use self::tree::{SyntaxError, Tree};

@@ -1,0 +1,291 @@
+//! Says whether a message is clean, as its text is read, without a tree.
+//!
+//! An error says only that something is wrong: what, is worked out from the tree.
+
+use std::fmt;
+
+use serde::Deserializer;
+use serde::de::{DeserializeSeed, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use uavspec_codegen::schema::{MessageId, Shape};
+use uavspec_runtime::Scalar;
+
+use super::base64;
+use super::dialect::{Dialect, Dialects};
+use super::plan::{Element, FieldPlan, MessagePlan, Plans};
+use super::value::Leaf;
+
+/// What a clean message says of itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Clean {
+    /// Its own field `timestamp`.
+    pub(crate) timestamp: Option<u64>,
+    /// What differs from the published schema.
+    pub(crate) dialects: Dialects,
+}
+
+impl Plans {
+    /// Whether a text is a message, and nothing is wrong with it. `is_rosbridge` allows what rosbridge writes.
+    pub fn is_clean(&self, id: MessageId, text: &str, is_rosbridge: bool) -> bool {
+        let mut reader = serde_json::Deserializer::from_str(text);
+        let seed = MessageSeed::new(self, id, is_rosbridge);
+        seed.deserialize(&mut reader).is_ok() && reader.end().is_ok()
+    }
+}
+
+/// Reads a message.
+pub(crate) struct MessageSeed<'p> {
+    reading: Reading<'p>,
+    plan: &'p MessagePlan,
+}
+
+impl<'p> MessageSeed<'p> {
+    pub(crate) fn new(plans: &'p Plans, id: MessageId, is_rosbridge: bool) -> Self {
+        Self { reading: Reading { plans, is_rosbridge, clean: Clean::default() }, plan: plans.get(id) }
+    }
+}
+
+impl<'de> DeserializeSeed<'de> for MessageSeed<'_> {
+    type Value = Clean;
+
+    fn deserialize<D: Deserializer<'de>>(mut self, deserializer: D) -> Result<Clean, D::Error> {
+        deserializer.deserialize_map(Members {
+            reading: &mut self.reading,
+            plan: self.plan,
+            is_top: true,
+        })?;
+        Ok(self.reading.clean)
+    }
+}
+
+struct Reading<'p> {
+    plans: &'p Plans,
+    is_rosbridge: bool,
+    clean: Clean,
+}
+
+fn unclean<E: Error>() -> E {
+    E::custom("unclean")
+}
+
+/// The members of a message.
+struct Members<'r, 'p> {
+    reading: &'r mut Reading<'p>,
+    plan: &'p MessagePlan,
+    is_top: bool,
+}
+
+impl<'de> Visitor<'de> for Members<'_, '_> {
+    type Value = ();
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("a message")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
+        let Self { reading, plan, is_top } = self;
+        let fields = &plan.fields;
+        let mut seen = Seen::default();
+        let mut guess = 0;
+        while let Some(index) = map.next_key_seed(KeySeed { fields, guess })? {
+            if !seen.insert(index, fields.len()) {
+                return Err(unclean());
+            }
+            let field = &fields[index];
+            if is_top && field.is_timestamp() {
+                reading.clean.timestamp = Some(map.next_value()?);
+            } else {
+                map.next_value_seed(Value { reading, field, is_element: false })?;
+            }
+            guess = index + 1;
+        }
+        if (0..fields.len()).all(|index| seen.contains(index)) { Ok(()) } else { Err(unclean()) }
+    }
+}
+
+/// Which fields have been read. Mostly they come in declared order, and then a number says it.
+#[derive(Default)]
+struct Seen {
+    in_order: usize,
+    others: Vec<bool>,
+}
+
+impl Seen {
+    /// Adds a field, and says whether it wasn't there yet.
+    fn insert(&mut self, index: usize, count: usize) -> bool {
+        if self.contains(index) {
+            return false;
+        }
+        if index == self.in_order {
+            self.in_order += 1;
+        } else {
+            self.others.resize(count, false);
+            self.others[index] = true;
+        }
+        true
+    }
+
+    fn contains(&self, index: usize) -> bool {
+        index < self.in_order || self.others.get(index).is_some_and(|seen| *seen)
+    }
+}
+
+/// Reads a key as the index of the field that it names.
+struct KeySeed<'p> {
+    fields: &'p [FieldPlan],
+    /// The field that is looked at first.
+    guess: usize,
+}
+
+impl<'de> DeserializeSeed<'de> for KeySeed<'_> {
+    type Value = usize;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<usize, D::Error> {
+        deserializer.deserialize_identifier(self)
+    }
+}
+
+impl Visitor<'_> for KeySeed<'_> {
+    type Value = usize;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("the name of a field")
+    }
+
+    fn visit_str<E: Error>(self, key: &str) -> Result<usize, E> {
+        if self.fields.get(self.guess).is_some_and(|field| field.name == key) {
+            return Ok(self.guess);
+        }
+        self.fields.iter().position(|field| field.name == key).ok_or_else(unclean)
+    }
+}
+
+/// Reads the value of a field, or of an element of it.
+struct Value<'r, 'p> {
+    reading: &'r mut Reading<'p>,
+    field: &'p FieldPlan,
+    is_element: bool,
+}
+
+impl Value<'_, '_> {
+    fn is_array(&self) -> bool {
+        self.field.shape != Shape::Single && !self.is_element
+    }
+
+    fn leaf<E: Error>(&self, leaf: Leaf<'_>) -> Result<(), E> {
+        if self.is_array() {
+            return Err(unclean());
+        }
+        self.field.judge(leaf).map_err(|_| unclean())
+    }
+}
+
+impl<'de> DeserializeSeed<'de> for Value<'_, '_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Value<'_, '_> {
+    type Value = ();
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(&self.field.expected(self.is_element), formatter)
+    }
+
+    fn visit_unit<E: Error>(self) -> Result<(), E> {
+        self.leaf(Leaf::Null)
+    }
+
+    fn visit_bool<E: Error>(self, _: bool) -> Result<(), E> {
+        self.leaf(Leaf::Bool)
+    }
+
+    fn visit_u64<E: Error>(self, value: u64) -> Result<(), E> {
+        self.leaf(Leaf::Int(value.into()))
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<(), E> {
+        self.leaf(Leaf::Int(value.into()))
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<(), E> {
+        self.leaf(Leaf::Float(value))
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<(), E> {
+        if let Some(bytes) = self.field.as_base64(text, self.reading.is_rosbridge, self.is_element) {
+            self.reading.clean.dialects.insert(Dialect::Base64);
+            return self.field.judge_bytes(&bytes).then_some(()).ok_or_else(unclean);
+        }
+        self.leaf(Leaf::Text(text))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
+        let Self { reading, field, .. } = self;
+        if let (Element::Text(room), true) = (field.element, reading.is_rosbridge) {
+            let mut bytes = Vec::new();
+            while bytes.len() < room as usize
+                && let Some(byte) = seq.next_element()?
+            {
+                bytes.push(byte);
+            }
+            if seq.next_element::<IgnoredAny>()?.is_some() {
+                return Err(unclean());
+            }
+            reading.clean.dialects.insert(Dialect::NumbersForText);
+            return field.judge_text(&bytes).map_err(|_| unclean());
+        }
+        if field.shape == Shape::Single || self.is_element {
+            return Err(unclean());
+        }
+        let mut count = 0;
+        while seq.next_element_seed(Value { reading, field, is_element: true })?.is_some() {
+            count += 1;
+        }
+        field.judge_length(count).map_err(|_| unclean())
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<(), A::Error> {
+        match self.field.element {
+            Element::Message(id) if !self.is_array() => {
+                let plan = self.reading.plans.get(id);
+                Members { reading: self.reading, plan, is_top: false }.visit_map(map)
+            }
+            _ => Err(unclean()),
+        }
+    }
+}
+
+impl FieldPlan {
+    /// Whether it is the time of a message. It needs no restriction, which its definition doesn't give.
+    pub(super) fn is_timestamp(&self) -> bool {
+        self.name == "timestamp"
+            && matches!(self.element, Element::Scalar(Scalar::UInt64))
+            && self.shape == Shape::Single
+            && self.restriction.is_none()
+    }
+
+    /// The bytes of an array that a text stands for, where that is how rosbridge writes it.
+    ///
+    /// Text that fits into its array is shorter than its base64, so it can't be taken for such.
+    pub(super) fn as_base64(&self, text: &str, is_rosbridge: bool, is_element: bool) -> Option<Vec<u8>> {
+        let is_bytes = match self.element {
+            Element::Text(room) => text.len() > room as usize,
+            _ => self.holds_bytes() && !is_element,
+        };
+        if is_rosbridge && is_bytes { base64::decode(text) } else { None }
+    }
+
+    /// Whether nothing is wrong with an array that was written as base64.
+    fn judge_bytes(&self, bytes: &[u8]) -> bool {
+        match self.element {
+            Element::Text(_) => self.judge_text(bytes).is_ok(),
+            _ => {
+                self.judge_length(bytes.len()).is_ok()
+                    && bytes.iter().all(|byte| self.judge(Leaf::Int((*byte).into())).is_ok())
+            }
+        }
+    }
+}

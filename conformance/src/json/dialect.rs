@@ -1,0 +1,50 @@
+//! How programs write JSON otherwise than the published schema says.
+
+use std::fmt;
+
+/// A way in which the JSON of a message differs from the published schema.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Dialect {
+    /// rosbridge writes arrays of `uint8`, and so `char[N]`, as base64.
+    Base64,
+    /// ROS 2 knows `char` as `uint8`, so `char[N]` is an array of numbers.
+    NumbersForText,
+    /// Python's `json` writes NaN and infinity as tokens that are no JSON.
+    BareNan,
+}
+
+impl Dialect {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Base64, Self::NumbersForText, Self::BareNan];
+}
+
+impl fmt::Display for Dialect {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Base64 => "base64 for arrays of uint8 (rosbridge)",
+            Self::NumbersForText => "numbers for char[N] (ROS 2)",
+            Self::BareNan => "bare NaN or Infinity (Python)",
+        })
+    }
+}
+
+/// Those that were seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Dialects(u8);
+
+impl Dialects {
+    /// Adds one.
+    pub fn insert(&mut self, dialect: Dialect) {
+        self.0 |= 1 << dialect as u8;
+    }
+
+    /// Adds all of others.
+    pub fn absorb(&mut self, others: Self) {
+        self.0 |= others.0;
+    }
+
+    /// All of them, in order.
+    pub fn iter(self) -> impl Iterator<Item = Dialect> {
+        Dialect::ALL.into_iter().filter(move |dialect| self.0 & 1 << *dialect as u8 != 0)
+    }
+}

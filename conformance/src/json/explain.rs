@@ -1,0 +1,260 @@
+//! Tells everything that is wrong with a message.
+
+use std::fmt::{self, Write as _};
+
+use uavspec_codegen::schema::{MessageId, Shape};
+use uavspec_codegen::source::Span;
+
+use super::dialect::{Dialect, Dialects};
+use super::plan::{Element, FieldPlan, MessagePlan, Plans};
+use super::tree::{Tree, shortened};
+use super::value::Leaf;
+use crate::finding::Findings;
+use crate::record::Place;
+use crate::rule::rule;
+
+/// How many unknown fields of one object are told one by one.
+const MAX_UNKNOWN: usize = 16;
+
+/// A message that is told of.
+#[derive(Clone, Copy, Debug)]
+pub struct Told<'m> {
+    /// Its type.
+    pub id: MessageId,
+    /// What findings call it: its topic, or the name of its type.
+    pub name: &'m str,
+    /// Where it stands.
+    pub place: Place,
+    /// Whether what rosbridge writes is allowed.
+    pub is_rosbridge: bool,
+}
+
+impl Plans {
+    /// Reports everything that is wrong with a message; the ways of writing that it has are those returned.
+    pub fn explain(&self, told: Told<'_>, tree: &Tree<'_>, findings: &mut Findings) -> Dialects {
+        let mut explaining = Explaining {
+            plans: self,
+            told,
+            findings,
+            dialects: Dialects::default(),
+            path: String::new(),
+            elements: 0,
+            subject: told.name.to_owned(),
+        };
+        let plan = self.get(told.id);
+        match tree {
+            Tree::Object(members) => explaining.members(members, plan),
+            other => {
+                let text = format_args!("expected an object with the fields of {}, found {other}", plan.name);
+                explaining.report("PX-JSON-02", plan.span, &text);
+            }
+        }
+        explaining.dialects
+    }
+
+    /// The field `timestamp` of a message, where it has one.
+    pub(crate) fn timestamp(&self, id: MessageId, tree: &Tree<'_>) -> Option<u64> {
+        self.get(id).fields.iter().find(|field| field.is_timestamp())?;
+        match tree.get("timestamp") {
+            Some(Tree::Int(value)) => u64::try_from(*value).ok(),
+            _ => None,
+        }
+    }
+}
+
+struct Explaining<'p, 'm> {
+    plans: &'p Plans,
+    told: Told<'m>,
+    findings: &'m mut Findings,
+    dialects: Dialects,
+    /// Where in the message, as `events[2].id`.
+    path: String,
+    /// How many indices the path has.
+    elements: usize,
+    /// The same without indices, behind the name of the message: equal findings have it in common.
+    subject: String,
+}
+
+impl<'p> Explaining<'p, '_> {
+    fn report(&mut self, id: &str, definition: Span, text: &dyn fmt::Display) {
+        let Some(rule) = rule(id) else { return };
+        let (path, is_within) = (&self.path, self.elements > 0);
+        self.findings.report(rule, &self.subject, self.told.place, Some(definition), || {
+            // Without an index the subject says it all.
+            if is_within { format!("{path}: {text}") } else { text.to_string() }
+        });
+    }
+
+    /// Does something within a member.
+    fn within(&mut self, name: &str, what: impl FnOnce(&mut Self)) {
+        let (path, subject) = (self.path.len(), self.subject.len());
+        if path > 0 {
+            self.path.push('.');
+        }
+        self.path.push_str(name);
+        self.subject.push('.');
+        self.subject.push_str(name);
+        what(self);
+        self.path.truncate(path);
+        self.subject.truncate(subject);
+    }
+
+    fn members(&mut self, members: &[(std::borrow::Cow<'_, str>, Tree<'_>)], plan: &'p MessagePlan) {
+        let mut times = vec![0_u32; plan.fields.len()];
+        let mut unknown = 0;
+        for (key, value) in members {
+            let Some(index) = plan.fields.iter().position(|field| field.name == *key) else {
+                unknown += 1;
+                if unknown <= MAX_UNKNOWN {
+                    let text = format_args!("{} has no such field; found {value}", plan.name);
+                    self.within(&shortened(key).escape_debug().to_string(), |within| {
+                        within.report("PX-JSON-01", plan.span, &text);
+                    });
+                }
+                continue;
+            };
+            times[index] = times[index].saturating_add(1);
+            let field = &plan.fields[index];
+            self.within(&field.name, |within| within.field(value, field));
+        }
+        if unknown > MAX_UNKNOWN {
+            let text = format_args!("{} more unknown fields", unknown - MAX_UNKNOWN);
+            self.report("PX-JSON-01", plan.span, &text);
+        }
+        for (field, times) in plan.fields.iter().zip(times) {
+            self.within(&field.name, |within| match times {
+                0 => {
+                    let text = format_args!("the field is missing; expected {}", field.expected(false));
+                    within.report("PX-JSON-01", field.span, &text);
+                }
+                1 => {}
+                times => {
+                    let text = format_args!("the field is there {times} times");
+                    within.report("PX-JSON-01", field.span, &text);
+                }
+            });
+        }
+    }
+
+    /// The value of a field, with all its elements.
+    fn field(&mut self, tree: &Tree<'_>, field: &'p FieldPlan) {
+        if field.shape == Shape::Single {
+            return self.element(tree, field, false);
+        }
+        let is_rosbridge = self.told.is_rosbridge;
+        match tree {
+            Tree::List(values) => {
+                self.length(values.len(), field);
+                self.elements(values, field);
+            }
+            Tree::Text(text) => match field.as_base64(text, is_rosbridge, false) {
+                Some(bytes) => {
+                    self.dialects.insert(Dialect::Base64);
+                    self.length(bytes.len(), field);
+                    let values: Vec<Tree<'_>> = bytes.iter().map(|byte| Tree::Int((*byte).into())).collect();
+                    self.elements(&values, field);
+                }
+                None => self.mistyped(tree, field, false),
+            },
+            _ => self.mistyped(tree, field, false),
+        }
+    }
+
+    fn length(&mut self, found: usize, field: &'p FieldPlan) {
+        if let Err(breach) = field.judge_length(found) {
+            self.report(breach.rule(), field.span, &breach.text(&field.expected(false), ""));
+        }
+    }
+
+    fn elements(&mut self, values: &[Tree<'_>], field: &'p FieldPlan) {
+        let length = self.path.len();
+        self.elements += 1;
+        for (index, value) in values.iter().enumerate() {
+            // Writing to a string can't fail.
+            let _ = write!(self.path, "[{index}]");
+            self.element(value, field, true);
+            self.path.truncate(length);
+        }
+        self.elements -= 1;
+    }
+
+    /// A single value, or an element of an array.
+    fn element(&mut self, tree: &Tree<'_>, field: &'p FieldPlan, is_element: bool) {
+        let leaf = match tree {
+            Tree::Null => Leaf::Null,
+            Tree::Bool(_) => Leaf::Bool,
+            Tree::Int(value) => Leaf::Int(*value),
+            Tree::Float(value, _) => Leaf::Float(*value),
+            Tree::Huge(text) => {
+                let which = match field.element {
+                    Element::Scalar(scalar) if scalar.is_float() => scalar.name(),
+                    _ => "any number",
+                };
+                let text = format_args!(
+                    "expected {}, found {}, which is too large for {which}",
+                    field.expected(is_element),
+                    shortened(text)
+                );
+                return self.report("PX-JSON-02", field.span, &text);
+            }
+            Tree::Token(_) => {
+                self.dialects.insert(Dialect::BareNan);
+                let text = format_args!(
+                    "expected {}, found {tree}, which is no JSON (Python's json writes it)",
+                    field.expected(is_element)
+                );
+                return self.report("PX-JSON-02", field.span, &text);
+            }
+            Tree::Text(text) => match field.as_base64(text, self.told.is_rosbridge, is_element) {
+                Some(bytes) => {
+                    self.dialects.insert(Dialect::Base64);
+                    return self.bytes(&bytes, field);
+                }
+                None => Leaf::Text(text),
+            },
+            Tree::List(values) => return self.list(values, tree, field, is_element),
+            Tree::Object(members) => match field.element {
+                Element::Message(id) => {
+                    let plan = self.plans.get(id);
+                    return self.members(members, plan);
+                }
+                _ => return self.mistyped(tree, field, is_element),
+            },
+        };
+        if let Err(breach) = field.judge(leaf) {
+            let text = breach.text(&field.expected(is_element), &tree.to_string());
+            self.report(breach.rule(), field.span, &text);
+        }
+    }
+
+    /// An array where a single value stands: text as ROS 2 writes it.
+    fn list(&mut self, values: &[Tree<'_>], tree: &Tree<'_>, field: &'p FieldPlan, is_element: bool) {
+        let byte = |value: &Tree<'_>| match value {
+            Tree::Int(value) => u8::try_from(*value).ok(),
+            _ => None,
+        };
+        if !matches!(field.element, Element::Text(_)) || !self.told.is_rosbridge {
+            return self.mistyped(tree, field, is_element);
+        }
+        self.dialects.insert(Dialect::NumbersForText);
+        let bytes: Option<Vec<u8>> = values.iter().map(byte).collect();
+        if let Some(bytes) = bytes {
+            return self.bytes(&bytes, field);
+        }
+        let found = values.iter().find(|value| byte(value).is_none()).unwrap_or(tree);
+        let text = format_args!("expected integers from 0 to 255, found {found}");
+        self.report("PX-JSON-02", field.span, &text);
+    }
+
+    /// Bytes that stand for text.
+    fn bytes(&mut self, bytes: &[u8], field: &'p FieldPlan) {
+        if let Err(breach) = field.judge_text(bytes) {
+            self.report(breach.rule(), field.span, &breach.text(&field.expected(false), ""));
+        }
+    }
+
+    fn mistyped(&mut self, tree: &Tree<'_>, field: &'p FieldPlan, is_element: bool) {
+        let text = format_args!("expected {}, found {tree}", field.expected(is_element));
+        self.report("PX-JSON-02", field.span, &text);
+    }
+}

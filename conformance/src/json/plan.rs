@@ -1,0 +1,141 @@
+//! What each message has to be, put together once for all of a schema.
+
+use uavspec_codegen::schema::{self, Dialect as Language, Form, MessageId, Restriction, Schema, Shape};
+use uavspec_codegen::source::Span;
+use uavspec_runtime::Scalar;
+
+use crate::finding::Findings;
+use crate::rule::{Rule, rule};
+
+/// The plans of all messages of a schema.
+#[derive(Debug)]
+pub struct Plans {
+    /// In the order of the schema.
+    messages: Vec<MessagePlan>,
+}
+
+/// What a message has to be.
+#[derive(Debug)]
+pub(crate) struct MessagePlan {
+    pub(super) name: String,
+    pub(super) fields: Vec<FieldPlan>,
+    pub(super) span: Span,
+    /// How many values of a message each rule judges; sequences count as one.
+    exercises: Vec<(&'static Rule, u64)>,
+}
+
+/// What a field has to be.
+#[derive(Debug)]
+pub(super) struct FieldPlan {
+    pub(super) name: String,
+    pub(super) element: Element,
+    /// How many of them; text is one.
+    pub(super) shape: Shape,
+    pub(super) restriction: Option<Restriction>,
+    pub(super) span: Span,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Element {
+    Scalar(Scalar),
+    /// PX4's `char[N]`.
+    Text(u32),
+    String {
+        bound: Option<u32>,
+    },
+    Message(MessageId),
+}
+
+impl Plans {
+    /// The plans of a schema.
+    pub fn new(schema: &Schema) -> Self {
+        let messages = schema.messages.iter().map(|message| MessagePlan {
+            name: message.name.clone(),
+            fields: message.fields.iter().map(|field| FieldPlan::new(message, field, schema)).collect(),
+            span: message.span,
+            exercises: Vec::new(),
+        });
+        let mut plans = Self { messages: messages.collect() };
+        for id in &schema.nested_first {
+            plans.messages[id.0 as usize].exercises = plans.exercises(*id);
+        }
+        plans
+    }
+
+    pub(crate) fn get(&self, id: MessageId) -> &MessagePlan {
+        &self.messages[id.0 as usize]
+    }
+
+    /// Counts what so many messages exercised.
+    pub(crate) fn exercise(&self, id: MessageId, messages: u64, findings: &mut Findings) {
+        for (rule, values) in &self.get(id).exercises {
+            findings.exercise(rule, values.saturating_mul(messages));
+        }
+    }
+
+    fn exercises(&self, id: MessageId) -> Vec<(&'static Rule, u64)> {
+        let mut sums: Vec<(&'static Rule, u64)> = Vec::new();
+        let mut add =
+            |rule: &'static Rule, values: u64| match sums.iter_mut().find(|(known, _)| known.id == rule.id) {
+                Some((_, sum)) => *sum = sum.saturating_add(values),
+                None => sums.push((rule, values)),
+            };
+        if let Some(rule) = rule("PX-JSON-01") {
+            add(rule, 1);
+        }
+        for field in &self.get(id).fields {
+            let count = match field.shape {
+                Shape::Array(length) => u64::from(length),
+                Shape::Single | Shape::Bounded(_) | Shape::Sequence => 1,
+            };
+            field.rules().filter_map(rule).for_each(|rule| add(rule, count));
+            if let Element::Message(nested) = field.element {
+                for (rule, values) in &self.get(nested).exercises {
+                    add(rule, values.saturating_mul(count));
+                }
+            }
+        }
+        sums
+    }
+}
+
+impl FieldPlan {
+    fn new(message: &schema::Message, field: &schema::Field, schema: &Schema) -> Self {
+        let is_px4 = schema.package_of(message).form == Form::Msg(Language::Px4);
+        let (element, shape) = match (field.ty.element, field.ty.shape) {
+            (schema::Element::Scalar(Scalar::Char), Shape::Array(length)) if is_px4 => {
+                (Element::Text(length), Shape::Single)
+            }
+            (schema::Element::Scalar(scalar), shape) => (Element::Scalar(scalar), shape),
+            (schema::Element::String { bound, .. }, shape) => (Element::String { bound }, shape),
+            (schema::Element::Message(id), shape) => (Element::Message(id), shape),
+        };
+        let restriction = schema.restriction(message, field);
+        Self { name: field.name.clone(), element, shape, restriction, span: field.span }
+    }
+
+    /// The rules that its values can break.
+    fn rules(&self) -> impl Iterator<Item = &'static str> {
+        use uavspec_runtime::Rule;
+        let is_bounded = matches!(self.shape, Shape::Array(_) | Shape::Bounded(_))
+            || matches!(self.element, Element::Text(_) | Element::String { bound: Some(_) });
+        let restriction = self.restriction.as_ref();
+        let asks = |what: fn(&Restriction) -> bool| restriction.is_some_and(what);
+        let asked = [
+            (true, "PX-JSON-02"),
+            (is_bounded, "PX-ARR-01"),
+            (matches!(self.element, Element::Text(_)), Rule::Text.id()),
+            (asks(|asked| asked.count.is_some()), Rule::Count.id()),
+            (asks(|asked| asked.low.is_some() || asked.high.is_some()), Rule::Range.id()),
+            (asks(|asked| asked.known.is_some()), Rule::Enum.id()),
+            (asks(|asked| asked.forbids_nan), Rule::Nan.id()),
+        ];
+        asked.into_iter().filter(|(is_asked, _)| *is_asked).map(|(_, id)| id)
+    }
+
+    /// Whether it holds bytes, which rosbridge writes as base64.
+    pub(super) fn holds_bytes(&self) -> bool {
+        let is_byte = matches!(self.element, Element::Scalar(Scalar::UInt8 | Scalar::Byte | Scalar::Char));
+        is_byte && self.shape != Shape::Single
+    }
+}

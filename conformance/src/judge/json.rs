@@ -1,0 +1,211 @@
+//! Judges messages as JSON.
+
+mod envelope;
+
+use std::collections::{BTreeSet, HashMap};
+use std::io::{self, Read};
+
+use uavspec_codegen::schema::MessageId;
+
+use self::envelope::{Channels, Fast, Form, Open, Which, form, read};
+use super::{Course, Judgement, Source};
+use crate::definitions::Definitions;
+use crate::json::{CUT_OFF, Clean, Dialects, Plans, SyntaxError, Told, Tree};
+use crate::record::{Channel, Message, Place};
+use crate::source::json::{Event, Reader};
+
+/// How many topics or types are told apart: hostile input can have any number.
+const MAX_CHANNELS: usize = 10_000;
+
+/// The longest name of a topic or type that is kept; ROS 2 allows no longer ones either.
+const MAX_NAME: usize = 256;
+
+/// What a source of JSON says of itself.
+#[derive(Debug)]
+pub struct JsonSource {
+    /// How many lines it has.
+    pub lines: u64,
+    /// How many types its messages have.
+    pub types: usize,
+    /// How many messages of rosbridge say something else than that a message is published.
+    pub skipped: u64,
+    /// The topics or types without a definition, by name.
+    pub undefined: BTreeSet<String>,
+    /// How its JSON differs from the published schema.
+    pub dialects: Dialects,
+}
+
+/// Judges messages as JSON: JSON Lines, an array, or a single one. They are all of one type where `of` says so;
+/// otherwise each says its type or its topic.
+///
+/// An error is one of reading; what is wrong with the source itself is part of the judgement.
+pub fn judge_json(
+    input: impl Read,
+    of: Option<MessageId>,
+    definitions: &Definitions,
+) -> io::Result<Judgement> {
+    let mut judge = JsonJudge::new(of, definitions);
+    let mut reader = Reader::new(input);
+    while let Some(item) = reader.next()? {
+        match item.event {
+            Event::Problem(problem) => judge.course.damage(Place::Line(item.line), problem.to_string()),
+            Event::Value { bytes, is_last } => judge.value(bytes, item.line, is_last),
+        }
+    }
+    Ok(judge.finish(reader.lines(), reader.bytes()))
+}
+
+struct JsonJudge<'d> {
+    course: Course<'d>,
+    plans: Plans,
+    channels: Channels,
+    skipped: u64,
+    dialects: Dialects,
+}
+
+impl<'d> JsonJudge<'d> {
+    fn new(of: Option<MessageId>, definitions: &'d Definitions) -> Self {
+        let mut judge = Self {
+            course: Course::new(definitions),
+            plans: Plans::new(&definitions.schema),
+            channels: Channels {
+                only: None,
+                open: Vec::new(),
+                by_type: HashMap::new(),
+                by_topic: HashMap::new(),
+            },
+            skipped: 0,
+            dialects: Dialects::default(),
+        };
+        judge.channels.only = of.and_then(|id| {
+            let name = definitions.schema.message(id).name.clone();
+            judge.open(Which::Type, &name, Some(id), 1)
+        });
+        judge
+    }
+
+    fn value(&mut self, bytes: &[u8], line: u64, is_last: bool) {
+        let place = Place::Line(line);
+        let text = match std::str::from_utf8(bytes) {
+            Ok(text) => text,
+            Err(error) => {
+                let text = format!("no UTF-8 from its byte {} on", error.valid_up_to());
+                return self.course.damage(place, text);
+            }
+        };
+        match read(text, &self.channels, &self.plans) {
+            Fast::Clean(at, clean) => self.message(at, clean, bytes, place),
+            Fast::Skipped => self.skipped += 1,
+            Fast::Undefined => self.course.records += 1,
+            Fast::Unclear => self.explain(text, line, is_last),
+        }
+    }
+
+    /// Reads again what isn't clean, or is new.
+    fn explain(&mut self, text: &str, line: u64, is_last: bool) {
+        let place = Place::Line(line);
+        let tree = match Tree::read(text) {
+            Ok(tree) => tree,
+            Err(SyntaxError { what: CUT_OFF, at }) if is_last => {
+                return self.course.damage(place, format!("the last value is cut off after {at} bytes"));
+            }
+            Err(error) => return self.course.damage(place, error.to_string()),
+        };
+        let (which, name, message) = match self.channels.only {
+            Some(at) => return self.judge(at, &tree, text, place, false),
+            None => match form(&tree) {
+                Form::Message(which, name, message) => (which, name, message),
+                Form::Skipped => return self.skipped += 1,
+                Form::Unknown(problem) => return self.course.damage(place, problem.to_owned()),
+            },
+        };
+        if name.len() > MAX_NAME {
+            let text = format!("a topic or type whose name has more than {MAX_NAME} bytes");
+            return self.course.damage(place, text);
+        }
+        let definition = || match which {
+            Which::Type => self.course.definitions.message_of_type(name),
+            Which::Topic => self.course.definitions.message_of_topic(last_segment(name)),
+        };
+        let Some(at) = self.channels.get(which, name).or_else(|| {
+            let definition = definition();
+            self.open(which, name, definition, line)
+        }) else {
+            return self.course.damage(place, format!("more than {MAX_CHANNELS} topics and types"));
+        };
+        self.judge(at, message, text, place, which == Which::Topic);
+    }
+
+    /// Judges a message of an open channel.
+    fn judge(&mut self, at: usize, tree: &Tree<'_>, text: &str, place: Place, is_rosbridge: bool) {
+        let open = &self.channels.open[at];
+        let Some((id, _)) = open.defined else { return self.course.records += 1 };
+        let told = Told { id, name: &open.name, place, is_rosbridge };
+        let dialects = self.plans.explain(told, tree, &mut self.course.findings);
+        let timestamp = self.plans.timestamp(id, tree);
+        self.message(at, Clean { timestamp, dialects }, text.as_bytes(), place);
+    }
+
+    fn message(&mut self, at: usize, clean: Clean, payload: &[u8], place: Place) {
+        self.course.records += 1;
+        self.dialects.absorb(clean.dialects);
+        let open = &mut self.channels.open[at];
+        open.messages += 1;
+        if let Some(channel) = open.channel() {
+            let message = Message { timestamp: clean.timestamp, payload, place };
+            self.course.message(&channel, &message);
+        }
+    }
+
+    /// Opens a channel; none where there are too many.
+    fn open(&mut self, which: Which, name: &str, definition: Option<MessageId>, line: u64) -> Option<usize> {
+        let at = self.channels.open.len();
+        if at >= MAX_CHANNELS {
+            return None;
+        }
+        let defined = definition.map(|id| (id, self.course.number_channel()));
+        let open = Open { name: last_segment(name).escape_debug().to_string(), defined, messages: 0, line };
+        if let Some(channel) = open.channel() {
+            self.course.opened(&channel);
+        }
+        self.channels.insert(which, name, open);
+        Some(at)
+    }
+
+    fn finish(mut self, lines: u64, bytes: u64) -> Judgement {
+        let mut types = BTreeSet::new();
+        let mut undefined = BTreeSet::new();
+        for open in self.channels.open {
+            match open.defined {
+                Some((id, _)) => {
+                    self.plans.exercise(id, open.messages, &mut self.course.findings);
+                    if open.messages > 0 {
+                        types.insert(id);
+                    }
+                }
+                None => _ = undefined.insert(open.name),
+            }
+        }
+        let source = JsonSource {
+            lines,
+            types: types.len(),
+            skipped: self.skipped,
+            undefined,
+            dialects: self.dialects,
+        };
+        self.course.finish(bytes, Source::Json(source))
+    }
+}
+
+impl Open {
+    fn channel(&self) -> Option<Channel<'_>> {
+        let (id, index) = self.defined?;
+        let place = Place::Line(self.line);
+        Some(Channel { index, topic: &self.name, multi_id: None, definition: Some(id), place })
+    }
+}
+
+/// The topic of PX4 in a name of ROS 2, `/fmu/out/failsafe_flags`; the message in the name of a type.
+fn last_segment(name: &str) -> &str {
+    name.rsplit('/').next().unwrap_or(name)
+}

@@ -1,0 +1,252 @@
+//! Judges logs of PX4.
+
+use std::collections::BTreeMap;
+use std::io::{self, Read};
+
+use uavspec_codegen::dynamic::{FormatProblem, MessageType, PlacedElement, Types};
+use uavspec_codegen::schema::{MessageId, Shape};
+use uavspec_runtime::Scalar;
+
+use super::{Course, Judgement, Source};
+use crate::comparison::{Comparison, compare};
+use crate::definitions::Definitions;
+use crate::finding::Findings;
+use crate::plan::Plan;
+use crate::record::{Channel, Message, Place};
+use crate::rule::rule;
+use crate::source::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
+
+/// What a log says of itself.
+#[derive(Debug)]
+pub struct LogSource {
+    /// What it says of the firmware, such as its version.
+    pub firmware: Option<String>,
+    /// How many dropouts it tells of.
+    pub dropouts: u64,
+    /// The formats of its topics, compared with the definitions, by name.
+    pub formats: Vec<(String, Comparison)>,
+}
+
+/// Judges a log of PX4.
+///
+/// An error is one of reading; what is wrong with the log itself is part of the judgement.
+pub fn judge_ulog(input: impl Read, definitions: &Definitions) -> io::Result<Judgement> {
+    let mut judge = LogJudge::new(definitions);
+    let mut reader = Reader::new(input);
+    let mut log = Log::default();
+    while let Some(item) = reader.next()? {
+        judge.item(&item);
+        let topic = match item.event {
+            Event::Subscription { id, .. } => Some(id),
+            _ => None,
+        };
+        let record = log.take(&item, &mut |offset, problem| judge.tell(offset, &problem));
+        if let Some(record) = record {
+            judge.record(&record, item.offset);
+        }
+        if let Some(subscription) = topic.and_then(|id| log.subscription(id)) {
+            let (id, topic, multi_id) = (subscription.id, subscription.topic.clone(), subscription.multi_id);
+            judge.open(id, &topic, multi_id, item.offset);
+        }
+    }
+    log.finish(&mut |offset, problem| judge.tell(offset, &problem));
+    Ok(judge.finish(&log))
+}
+
+/// A topic of the log and its state.
+struct Open {
+    index: usize,
+    topic: String,
+    multi_id: u8,
+    offset: u64,
+    definition: Option<MessageId>,
+    /// Made with the first message.
+    plan: Option<Plan>,
+    /// Where the payload has its `timestamp`.
+    timestamp: Option<usize>,
+    messages: u64,
+}
+
+struct LogJudge<'d> {
+    course: Course<'d>,
+    /// By the id of the data.
+    open: BTreeMap<u16, Open>,
+    firmware: Option<String>,
+    dropouts: u64,
+    end: u64,
+}
+
+impl<'d> LogJudge<'d> {
+    fn new(definitions: &'d Definitions) -> Self {
+        Self { course: Course::new(definitions), open: BTreeMap::new(), firmware: None, dropouts: 0, end: 0 }
+    }
+
+    fn item(&mut self, item: &Item<'_>) {
+        let place = Place::Byte(item.offset);
+        self.end = self.end.max(item.offset);
+        match &item.event {
+            Event::Information { key: "ver_sw_release" | "ver_sw_branch" | "sys_name", value, ty } => {
+                self.information(ty, value);
+            }
+            Event::Dropout { milliseconds } => {
+                self.dropouts += 1;
+                self.course.dropout(*milliseconds, place);
+            }
+            Event::Data { .. } => self.course.records += 1,
+            // Logs of the first version have none.
+            Event::Problem(Problem::NoFlagBits { version: 0 }) => {}
+            Event::Problem(problem) => self.course.damage(place, problem.to_string()),
+            _ => {}
+        }
+    }
+
+    fn open(&mut self, id: u16, topic: &str, multi_id: u8, offset: u64) {
+        let open = Open {
+            index: self.course.number_channel(),
+            topic: topic.to_owned(),
+            multi_id,
+            offset,
+            definition: self.course.definitions.message_of_topic(topic),
+            plan: None,
+            timestamp: None,
+            messages: 0,
+        };
+        self.course.opened(&open.channel());
+        if let Some(before) = self.open.insert(id, open) {
+            before.close(&mut self.course.findings);
+        }
+    }
+
+    fn record(&mut self, record: &Record<'_>, offset: u64) {
+        let Some(open) = self.open.get_mut(&record.subscription.id) else { return };
+        let place = Place::Byte(offset);
+        let plan = match &mut open.plan {
+            Some(plan) => plan,
+            empty => {
+                open.timestamp = timestamp(record.of);
+                if let Some(rule) = rule("PX-FMT-03") {
+                    self.course.findings.exercise(rule, 1);
+                    if open.timestamp.is_none() {
+                        let text = || "its format has no `uint64_t timestamp`".to_owned();
+                        self.course.findings.report(rule, &open.topic, place, None, text);
+                    }
+                }
+                empty.insert(Plan::new(
+                    record.of,
+                    open.definition,
+                    &self.course.definitions.schema,
+                    &open.topic,
+                ))
+            }
+        };
+        plan.check(record.payload, place, &mut self.course.findings);
+        open.messages += 1;
+        let bytes = open.timestamp.and_then(|at| record.payload.get(at..at + 8));
+        let timestamp = bytes.and_then(|bytes| Some(u64::from_le_bytes(bytes.try_into().ok()?)));
+        self.course.message(&open.channel(), &Message { timestamp, payload: record.payload, place });
+    }
+
+    /// What is wrong with formats, subscriptions and sizes: a rule, where one is about that.
+    fn tell(&mut self, offset: u64, problem: &LogProblem) {
+        let topic =
+            |id: &u16| self.open.get(id).map_or_else(|| format!("id {id}"), |open| open.topic.clone());
+        let (id, subject) = match problem {
+            LogProblem::DataSize { id, .. } => ("PX-DATA-01", topic(id)),
+            LogProblem::UnknownId { id } | LogProblem::Unsubscribed { id } => ("PX-DATA-02", topic(id)),
+            LogProblem::Format { name, problem: FormatProblem::UnknownType { .. } } => {
+                ("PX-FMT-02", name.clone())
+            }
+            _ => return self.course.damage(Place::Byte(offset), problem.to_string()),
+        };
+        if let Some(rule) = rule(id) {
+            self.course.findings.report(rule, &subject, Place::Byte(offset), None, || problem.to_string());
+        }
+    }
+
+    fn finish(mut self, log: &Log) -> Judgement {
+        for (_, open) in std::mem::take(&mut self.open) {
+            open.close(&mut self.course.findings);
+        }
+        for id in ["PX-DATA-01", "PX-DATA-02"] {
+            if let Some(rule) = rule(id) {
+                self.course.findings.exercise(rule, self.course.records);
+            }
+        }
+        let formats = formats(log, self.course.definitions, &mut self.course.findings);
+        let source = LogSource { firmware: self.firmware, dropouts: self.dropouts, formats };
+        self.course.finish(self.end, Source::Log(source))
+    }
+
+    fn information(&mut self, ty: &str, value: &[u8]) {
+        let text = match <[u8; 4]>::try_from(value) {
+            // The version as a number: major, minor and patch level, and the type of the release.
+            Ok(bytes) if ty == "uint32_t" => {
+                let [_, patch, minor, major] = bytes;
+                format!("v{major}.{minor}.{patch}")
+            }
+            _ if ty.starts_with("char[") => String::from_utf8_lossy(value).into_owned(),
+            _ => return,
+        };
+        self.firmware = Some(match self.firmware.take() {
+            Some(known) => format!("{known} {text}"),
+            None => text,
+        });
+    }
+}
+
+impl Open {
+    fn channel(&self) -> Channel<'_> {
+        Channel {
+            index: self.index,
+            topic: &self.topic,
+            multi_id: Some(self.multi_id),
+            definition: self.definition,
+            place: Place::Byte(self.offset),
+        }
+    }
+
+    fn close(self, findings: &mut Findings) {
+        if let Some(plan) = self.plan {
+            plan.exercise(self.messages, findings);
+        }
+    }
+}
+
+/// Where a payload has its `timestamp`.
+fn timestamp(of: MessageType<'_>) -> Option<usize> {
+    let is_timestamp = |field: &uavspec_codegen::dynamic::Placed<'_>| {
+        field.name == "timestamp"
+            && matches!(field.element, PlacedElement::Scalar(Scalar::UInt64))
+            && field.shape == Shape::Single
+    };
+    of.layout().find(is_timestamp).map(|field| field.offset)
+}
+
+/// The formats of all subscribed topics, compared with the definitions.
+fn formats(log: &Log, definitions: &Definitions, findings: &mut Findings) -> Vec<(String, Comparison)> {
+    let types = Types::new(&definitions.schema);
+    let mut opened: BTreeMap<&str, u64> = BTreeMap::new();
+    for subscription in log.subscriptions() {
+        opened.entry(&subscription.topic).or_insert(subscription.offset);
+    }
+    let mut compared: BTreeMap<String, Comparison> = BTreeMap::new();
+    for of in log.types().iter() {
+        if let Some(rule) = rule("PX-FMT-02") {
+            findings.exercise(rule, 1);
+        }
+        let Some(offset) = opened.get(of.name()) else { continue };
+        let comparison = match definitions.message_of_topic(of.name()) {
+            None => Comparison::Undefined,
+            Some(id) => compare(of, types.get(id)),
+        };
+        if let (Some(rule), false) = (rule("PX-FMT-01"), comparison == Comparison::Undefined) {
+            findings.exercise(rule, 1);
+            if let Comparison::Differs(differences) = &comparison {
+                let place = Place::Byte(*offset);
+                findings.report(rule, of.name(), place, None, || differences.to_string());
+            }
+        }
+        compared.insert(of.name().to_owned(), comparison);
+    }
+    compared.into_iter().collect()
+}

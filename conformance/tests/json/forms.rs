@@ -1,0 +1,83 @@
+//! The forms in which messages come, and what their numbers are.
+
+use serde_json::{Value, json};
+use uavspec_conformance::judge::Source;
+
+use super::support::Writer;
+use super::{PERIOD, broken, damage, glider, judge_bare, judge_bytes, published, source, type_name};
+
+#[test]
+fn messages_come_in_several_forms() {
+    let (one, two) = (glider(PERIOD), glider(2 * PERIOD));
+    let pretty = |value: &Value| serde_json::to_string_pretty(value).expect("JSON");
+    for (text, lines) in [
+        (format!("{one}\n{two}\n"), 2),
+        (format!("{one}\r\n\r\n  \r\n{two}"), 4),
+        (json!([one, two]).to_string(), 1),
+        (format!("[\n{one},\n{two}\n]\n"), 4),
+        (format!("\n {}\n{}", pretty(&one), pretty(&two)), 79),
+        (format!("{}\n", pretty(&json!([one, two]))), 80),
+    ] {
+        let judgement = judge_bare(&text);
+        assert_eq!((broken(&judgement), damage(&judgement)), (vec![], vec![]), "{text}");
+        assert_eq!((judgement.records, judgement.judged), (2, 2), "{text}");
+        if lines < 10 {
+            assert_eq!(source(&judgement).lines, lines, "{text}");
+        }
+    }
+    let swapped = format!(r#"{{"message":{one},"id":1,"type":"{}"}}"#, type_name());
+    let mixed = [
+        json!({"op": "advertise", "topic": "/fmu/out/glider", "type": "px4_msgs/msg/Glider"}).to_string(),
+        published("/fmu/out/glider", &one),
+        published("/fmu/out/kite", &one),
+        published("/fmu/out/kite", &json!(1)),
+        published("/2/fmu/out/glider", &one),
+        swapped,
+        format!(r#"{{"topic":"/2/fmu/out/glider","msg":{two},"op":"publish"}}"#),
+    ];
+    let judgement = judge_bytes(mixed.join("\n").as_bytes());
+    assert_eq!((broken(&judgement), damage(&judgement)), (vec![], vec![]));
+    assert_eq!((judgement.records, judgement.judged), (6, 4));
+    let found = source(&judgement);
+    assert_eq!((found.lines, found.types, found.skipped), (7, 1, 1));
+    assert_eq!(found.undefined.iter().collect::<Vec<_>>(), ["kite"]);
+}
+
+#[test]
+fn what_rosbridge_writes_is_understood_and_named() {
+    let mut message = glider(PERIOD);
+    message["raw"] = json!("AQIDBAU=");
+    let numbers = published("/glider", &{
+        let mut message = message.clone();
+        message["name"] = json!([68, 45, 49, 0]);
+        message
+    });
+    message["name"] = json!("RC0xAA==");
+    let judgement = judge_bytes(format!("{numbers}\n{}\n", published("/glider", &message)).as_bytes());
+    assert_eq!((broken(&judgement), damage(&judgement), judgement.judged), (vec![], vec![], 2));
+    let dialects: Vec<String> =
+        source(&judgement).dialects.iter().map(|dialect| dialect.to_string()).collect();
+    assert_eq!(dialects, ["base64 for arrays of uint8 (rosbridge)", "numbers for char[N] (ROS 2)"]);
+    message["raw"] = json!("AQID");
+    let judgement = judge_bytes(published("/glider", &message).as_bytes());
+    assert_eq!(broken(&judgement), [("PX-ARR-01", "glider.raw: expected 5 elements, found 3".to_owned())]);
+}
+
+#[test]
+fn integers_of_64_bits_are_exact() {
+    let mut message = glider(u64::MAX);
+    message["serial"] = json!(i64::MAX);
+    let judgement = judge_bare(&message.to_string());
+    assert_eq!(broken(&judgement), []);
+    let text = message.to_string().replace(&i64::MAX.to_string(), "9223372036854775808");
+    assert_eq!(broken(&judge_bare(&text)).len(), 1);
+    let text = message.to_string().replace(&u64::MAX.to_string(), "18446744073709551616");
+    assert_eq!(broken(&judge_bare(&text)).len(), 1);
+}
+
+#[test]
+fn logs_are_still_known_by_their_magic() {
+    let judgement = judge_bytes(&Writer::with_flags().bytes);
+    assert!(matches!(judgement.source, Source::Log(_)));
+    assert!(matches!(judge_bytes(b"").source, Source::Json(_)));
+}
