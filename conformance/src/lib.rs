@@ -19,3 +19,4 @@ pub mod record;
 pub mod report;
 pub mod rule;
 pub mod source;
+pub mod testee;
