@@ -1,7 +1,9 @@
 //! The command line of `uavspec`.
 //!
 //! Exit status: 0 conforms; 1 doesn't; 2 wrong usage, or definitions that can't be read; 3 a source that can't be
-//! read; 5 nothing was checked.
+//! read, or a testee that broke; 5 nothing was checked.
+
+mod test;
 
 use std::fs::File;
 use std::io::{self, Write as _};
@@ -29,6 +31,8 @@ struct Cli {
 enum Command {
     /// Judge logs that others wrote.
     Check(CheckArgs),
+    /// Ask a codec or validator in any language, as a child process.
+    Test(test::TestArgs),
     /// List the rules.
     Rules,
 }
@@ -76,6 +80,7 @@ enum Status {
 pub fn main() -> ExitCode {
     let status = match Cli::parse().command {
         Command::Check(args) => check(&args),
+        Command::Test(args) => test::test(&args),
         Command::Rules => {
             rules();
             Status::Conforms
@@ -92,15 +97,9 @@ fn rules() {
 }
 
 fn check(args: &CheckArgs) -> Status {
-    let definitions = match &args.definitions {
-        None => Definitions::built_in(),
-        Some(path) => match Definitions::load(path) {
-            Ok(definitions) => definitions,
-            Err(failure) => {
-                anstream::eprintln!("{failure}");
-                return Status::Usage;
-            }
-        },
+    let definitions = match definitions(args.definitions.as_deref()) {
+        Ok(definitions) => definitions,
+        Err(status) => return status,
     };
     let mut judged = Vec::new();
     let mut is_unreadable = false;
@@ -124,6 +123,14 @@ fn check(args: &CheckArgs) -> Status {
         let _ = io::stdout().write_all(to_json(&judged, &definitions).as_bytes());
     }
     status(&judged, is_unreadable)
+}
+
+/// The definitions at a path, or those of this program; what is wrong with them has been told.
+fn definitions(path: Option<&Path>) -> Result<Definitions, Status> {
+    path.map_or_else(|| Ok(Definitions::built_in()), Definitions::load).map_err(|failure| {
+        anstream::eprintln!("{failure}");
+        Status::Usage
+    })
 }
 
 fn judge(path: &Path, definitions: &Definitions) -> io::Result<Judged> {
