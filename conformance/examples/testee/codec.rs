@@ -26,7 +26,7 @@ impl Codec<'_> {
 
     pub(crate) fn answer(&self, request: &Value) -> Value {
         let result = match request["type"].as_str() {
-            Some(CODE) => self.code(&request["value"], request["op"] == "severity"),
+            Some(CODE) => Self::code(&request["value"], request["op"] == "severity"),
             Some(LIST) => self.list(&request["value"]),
             Some(name) => match self.find(name) {
                 Some((message, of)) => answer(request, message, of),
@@ -47,7 +47,7 @@ impl Codec<'_> {
         Some((self.schema.message(*id), self.types.get(*id)))
     }
 
-    fn code(&self, value: &Value, is_asked: bool) -> Result<Value, String> {
+    fn code(value: &Value, is_asked: bool) -> Result<Value, String> {
         let code = value.as_u64().and_then(|code| u32::try_from(code).ok()).ok_or("no code")?;
         let class = || json!({ "class": ErrorClass::of(code).name(), "severity": Severity::of(code).name() });
         Ok(if is_asked { class() } else { Value::Null })
@@ -57,7 +57,7 @@ impl Codec<'_> {
         let items = value.as_array().ok_or("no list")?;
         let known = || self.schema.packages.iter().flat_map(|it| &it.error_tables).flat_map(|it| &it.codes);
         for item in items {
-            self.code(item, false)?;
+            Self::code(item, false)?;
             if *item == 0 {
                 return Err("0 is no error".to_owned());
             }

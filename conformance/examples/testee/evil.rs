@@ -84,7 +84,7 @@ impl Evil {
             match field.element {
                 PlacedElement::Scalar(Scalar::UInt16) if self.is("swap-uint16") => each(value, &swap),
                 PlacedElement::Scalar(scalar) if scalar.is_float() && self.is("drop-nan") => {
-                    each(value, &drop_nan)
+                    each(value, &drop_nan);
                 }
                 _ => {}
             }
