@@ -1,5 +1,5 @@
 //! Judges outputs of implementations by the definitions that `uavspec-codegen` reads: now logs of PX4
-//! (`ULog`); captures, codecs and live servers are to follow.
+//! (`ULog`) and codecs ([`testee`]); captures and live servers are to follow.
 //!
 //! ```text
 //!  bytes ──source──▶ records ──plan, rule──▶ findings ──▶ verdicts ──report──▶ terminal, JSON, SARIF, JUnit

@@ -307,3 +307,35 @@ fn answers_can_come_from_a_file() {
     let (status, printed, _) = uavspec(folder.path(), &["--replay", "odd"]);
     assert!(status == Some(1) && printed.contains("id 99999999") && printed.contains("no JSON"), "{printed}");
 }
+
+#[test]
+fn other_definitions_can_be_asked_about() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let definition = "uint64 timestamp  # [us] Time\nint64 offset  # [us] Off\nint32 low\nfloat64 wide\n\
+                      float64[2] pair\nfloat32 narrow  # [@range -1, 1] [@invalid NaN] How far\nchar[8] name\n\
+                      bool is_set\nbool[3] set\nint16[2] short\nWind[2] winds\n";
+    std::fs::write(folder.path().join("Odd.msg"), definition).expect("a file");
+    let wind = "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] [@invalid NaN] Speed\n";
+    std::fs::write(folder.path().join("Wind.msg"), wind).expect("a file");
+    let testee = testee().to_str().expect("UTF-8");
+    let arguments = ["--definitions", ".", "--", testee, "--definitions", "."];
+    let (status, printed, said) = uavspec(folder.path(), &arguments);
+    assert!(status == Some(0) && printed.contains("Odd"), "{printed}{said}");
+    assert!(printed.contains(" 0 failed, 0 unsupported, 0 not run, 0 restarts"), "{printed}");
+    let (_, printed, _) = uavspec(folder.path(), &["--definitions", ".", "--dump-cases", "-"]);
+    // One above the greatest int64 can be told from it, one below the least can't.
+    assert!(printed.contains("Odd/offset-above-max") && !printed.contains("Odd/offset-below-min"));
+    // The reference for this repository knows none of them.
+    let (status, printed, _) = uavspec(folder.path(), &["--definitions", ".", "--", testee]);
+    assert!(status == Some(5) && printed.ends_with("nothing was checked\n"), "{printed}");
+}
+
+#[test]
+#[ignore = "needs python3"]
+fn a_codec_written_by_hand_in_another_language_passes() {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("testees/python/testee.py");
+    let command = vec!["python3".into(), "-B".into(), script.into()];
+    let outcome = ask(&everything(), &Options { command, ..options(&[]) });
+    assert_eq!(failures(&outcome), BTreeSet::new());
+    assert!(outcome.manners.are_good() && outcome.counts().passed > 1_000, "{:?}", outcome.counts());
+}

@@ -5,13 +5,14 @@
 //! uavspec test -- target/debug/examples/testee
 //! ```
 //!
-//! With an argument it misbehaves, for the tests of the runner: see `evil.rs`.
+//! `--definitions PATH` makes it know other types than those of this repository. With another argument it misbehaves, for the tests of the runner: see `evil.rs`.
 
 mod codec;
 mod evil;
 
 use std::env;
 use std::io::{self, BufRead, Write};
+use std::path::Path;
 
 use codec::Codec;
 use evil::Evil;
@@ -23,7 +24,12 @@ fn main() -> io::Result<()> {
     let arguments: Vec<String> = env::args().skip(1).collect();
     let evil = Evil::read(&arguments);
     evil.at_start();
-    let definitions = Definitions::built_in();
+    let definitions = match arguments.as_slice() {
+        [option, path] if option == "--definitions" => {
+            Definitions::load(Path::new(path)).map_err(|failure| io::Error::other(failure.to_string()))?
+        }
+        _ => Definitions::built_in(),
+    };
     let types = Types::new(&definitions.schema);
     let codec = Codec { schema: &definitions.schema, types: &types };
     let mut output = io::stdout().lock();

@@ -175,7 +175,8 @@ impl Maker<'_, '_> {
 
     fn vector(&self, vector: &Value, cases: &mut Vec<Case>) {
         let rule = vector["rule"].as_str();
-        let json = vector.get("json");
+        let is_held = Format::ALL.iter().any(|format| vector.get(format.name()).is_some());
+        let json = vector.get("json").filter(|json| is_held || !is_blurred(json));
         for format in Format::ALL {
             let bytes = vector[format.name()].as_str().and_then(from_hex);
             if let Some(bytes) = &bytes {
@@ -252,6 +253,18 @@ fn decoded(rule: Option<&str>, wanted: Option<&Value>) -> Expected {
     }
 }
 
+/// Whether a number was lost when the vector was read: one below the least `int64` comes out as that, but as a
+/// float, and it depends on the testee whether that is an integer.
+#[allow(clippy::float_cmp, clippy::cast_precision_loss)] // it is exactly that
+fn is_blurred(value: &Value) -> bool {
+    match value {
+        Value::Number(number) => number.is_f64() && number.as_f64() == Some(i64::MIN as f64),
+        Value::Array(items) => items.iter().any(is_blurred),
+        Value::Object(members) => members.values().any(is_blurred),
+        Value::Null | Value::Bool(_) | Value::String(_) => false,
+    }
+}
+
 fn from_hex(text: &str) -> Option<Vec<u8>> {
     let pairs = text.as_bytes().chunks(2).map(|pair| std::str::from_utf8(pair).ok());
     pairs.map(|pair| u8::from_str_radix(pair?, 16).ok()).collect()
@@ -286,6 +299,8 @@ mod tests {
         assert_eq!(find("severity/flockwave/ErrorCode/code-66").expected.ok, {
             Want::Exactly(json!({ "class": "warning", "severity": "warning" }))
         });
+        let least = serde_json::from_str("[{\"x\": -9223372036854775809}]").expect("JSON");
+        assert!(is_blurred(&least) && !is_blurred(&json!([i64::MIN, u64::MAX, 0.5])));
         let case = find("validate/px4/Event/timestamp-null");
         assert_eq!(
             (&case.request(0)["value"]["timestamp"], &case.expected),
