@@ -218,6 +218,14 @@ fn split_writes_and_much_on_standard_error_are_no_fault() {
 }
 
 #[test]
+fn answers_may_come_in_any_order() {
+    let selected = some();
+    let outcome = ask(&selected, &options(&["later", &selected[4].to_string()]));
+    assert_eq!((outcome.counts().passed, outcome.restarts), (8, 0));
+    assert!(outcome.manners.are_good(), "{:?}", outcome.manners);
+}
+
+#[test]
 fn repeated_and_late_answers_are_bad_manners() {
     let selected = some();
     let outcome = ask(&selected, &options(&["repeat", &selected[4].to_string()]));

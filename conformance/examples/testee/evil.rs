@@ -15,12 +15,14 @@ const FLOOD: usize = 200 << 10;
 pub(crate) struct Evil {
     mode: String,
     id: Option<u64>,
+    /// An answer that is held back, and until how many others have gone.
+    held: Option<(String, usize)>,
 }
 
 impl Evil {
     pub(crate) fn read(arguments: &[String]) -> Self {
         let mode = arguments.first().cloned().unwrap_or_default();
-        Self { mode, id: arguments.get(1).and_then(|id| id.parse().ok()) }
+        Self { mode, id: arguments.get(1).and_then(|id| id.parse().ok()), held: None }
     }
 
     pub(crate) fn is(&self, mode: &str) -> bool {
@@ -91,8 +93,19 @@ impl Evil {
         }
     }
 
-    pub(crate) fn write(&self, answer: &Value, output: &mut impl Write) -> io::Result<()> {
+    pub(crate) fn write(&mut self, answer: &Value, output: &mut impl Write) -> io::Result<()> {
         let line = format!("{answer}\n");
+        if self.is("later") && answer["id"].as_u64() == self.id {
+            self.held = Some((line, 3));
+            return Ok(());
+        }
+        if let Some((held, others)) = &mut self.held {
+            *others = others.saturating_sub(1);
+            if *others == 0 {
+                output.write_all(held.as_bytes())?;
+                self.held = None;
+            }
+        }
         if !self.is("split") {
             return output.write_all(line.as_bytes());
         }

@@ -22,7 +22,7 @@ use uavspec_conformance::definitions::Definitions;
 
 fn main() -> io::Result<()> {
     let arguments: Vec<String> = env::args().skip(1).collect();
-    let evil = Evil::read(&arguments);
+    let mut evil = Evil::read(&arguments);
     evil.at_start();
     let definitions = match arguments.as_slice() {
         [option, path] if option == "--definitions" => {

@@ -213,3 +213,62 @@ fn shorten(value: &impl fmt::Display) -> String {
         None => text,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+    use crate::definitions::Definitions;
+
+    fn with(mut value: Value, field: &str, other: Value) -> Value {
+        value[field] = other;
+        value
+    }
+
+    #[test]
+    fn numbers_count_as_the_field_holds_them() {
+        let definitions = Definitions::built_in();
+        let types = Types::new(&definitions.schema);
+        let battery = types.find("px4", "BatteryStatus").expect("a type");
+        let zero = battery.default().to_json().expect("JSON");
+        let compare = |field: &str, wanted: Value, actual: Value| {
+            let (wanted, actual) = (with(zero.clone(), field, wanted), with(zero.clone(), field, actual));
+            compare_message(battery, &wanted, &actual, "").is_ok()
+        };
+        // As a float32 both are the same.
+        assert!(compare("voltage_v", json!(0.1), json!(0.100_000_001_490_116_12)));
+        assert!(!compare("voltage_v", json!(0.1), json!(0.100_000_01)));
+        assert!(compare("voltage_v", json!(-0.0), json!(0)));
+        assert!(compare("voltage_v", Value::Null, json!({ "$f": "NaN" })));
+        assert!(compare("voltage_v", Value::Null, Value::Null));
+        assert!(!compare("voltage_v", Value::Null, json!("NaN")));
+        assert!(!compare("voltage_v", json!(0.0), Value::Null));
+        assert!(!compare("voltage_v", json!(1.0), json!({ "$f": "inf" })));
+        assert!(compare("timestamp", json!(u64::MAX), json!({ "$u64": "18446744073709551615" })));
+        assert!(!compare("timestamp", json!(u64::MAX), json!(18_446_744_073_709_551_615.0)));
+        assert!(compare("timestamp", json!(7), json!(7.0)));
+        assert!(!compare("connected", json!(true), json!(1)));
+        assert!(!compare("connected", json!(true), json!("true")));
+    }
+
+    #[test]
+    fn objects_have_exactly_their_members() {
+        let place =
+            |wanted: Value, actual: Value| compare_json(&wanted, &actual, "").expect_err("a difference").path;
+        assert_eq!(place(json!({ "a": { "b": 1 } }), json!({ "a": {} })), "/a/b");
+        assert_eq!(place(json!({ "a": 1 }), json!({ "a": 1, "c": 1 })), "/c");
+        assert_eq!(place(json!([1, 2]), json!([1, 3])), "/1");
+        assert_eq!(place(json!([1, 2]), json!([1])), "");
+    }
+
+    #[test]
+    fn bytes_count_one_by_one() {
+        let right = [vec![1, 2, 0], vec![1, 2]];
+        assert_eq!(compare_bytes(&right, &json!("AQIA")), Ok(()));
+        assert_eq!(compare_bytes(&right, &json!("AQI=")), Ok(()));
+        let wrong = compare_bytes(&right, &json!("AQMA")).expect_err("another byte");
+        assert_eq!(wrong.to_string(), "byte 1: expected 0200 of 3 bytes, got 0300 of 3 bytes");
+        assert!(compare_bytes(&right, &json!([1, 2, 0])).is_err());
+    }
+}
