@@ -1,10 +1,12 @@
 //! The command line of `uavspec`.
 //!
 //! Exit status: 0 conforms; 1 doesn't; 2 wrong usage, or definitions that can't be read; 3 a source that can't be
-//! read; 5 nothing was checked.
+//! read, or a testee that broke; 5 nothing was checked.
 
-use std::fs::File;
+mod test;
+
 use std::io::{self, Write as _};
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -14,7 +16,9 @@ use uavspec_codegen::schema::MessageId;
 
 use crate::definitions::Definitions;
 use crate::finding::Verdict;
+use crate::input;
 use crate::judge;
+use crate::parallel;
 use crate::report::{Judged, to_json, to_text};
 use crate::rule::RULES;
 
@@ -30,6 +34,8 @@ struct Cli {
 enum Command {
     /// Judge logs and messages that others wrote.
     Check(CheckArgs),
+    /// Ask a codec or validator in any language, as a child process.
+    Test(test::TestArgs),
     /// List the rules.
     Rules,
 }
@@ -41,6 +47,7 @@ enum Command {
   uavspec check --definitions ../px4_msgs/msg logs/*.ulg
   uavspec check --format json flight.ulg > report.json
   uavspec check rosbridge.jsonl
+  zcat flight.ulg.gz | uavspec check - archive/
   uavspec check --type px4/FailsafeFlags flags.jsonl
 
 JSON is an object a line, or an array of objects. Without --type each says what it is:
@@ -49,7 +56,8 @@ JSON is an object a line, or an array of objects. Without --type each says what 
 
 Exit status: 0 conforms, 1 does not, 2 wrong usage or definitions, 3 a file can't be read, 5 nothing was checked.")]
 struct CheckArgs {
-    /// Logs of PX4 in the format `ULog`, or messages as JSON or JSON Lines; which, is seen by the content.
+    /// Logs of PX4 in the format `ULog`, or messages as JSON or JSON Lines, also packed with gzip or zstd; which,
+    /// is seen by the content. Folders are searched; `-` is standard input.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// What to judge by: a uavspec.toml, a folder with one, or a folder of .msg files; those of this program,
@@ -59,6 +67,9 @@ struct CheckArgs {
     /// The type of all messages as JSON, which then have nothing around them.
     #[arg(long = "type", value_name = "PACKAGE/NAME")]
     of: Option<String>,
+    /// How many files are read at the same time; as many as there are processors, where nothing is said.
+    #[arg(long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
     /// How to report.
     #[arg(long, default_value = "text")]
     format: Format,
@@ -86,6 +97,7 @@ enum Status {
 pub fn main() -> ExitCode {
     let status = match Cli::parse().command {
         Command::Check(args) => check(&args),
+        Command::Test(args) => test::test(&args),
         Command::Rules => {
             rules();
             Status::Conforms
@@ -102,15 +114,9 @@ fn rules() {
 }
 
 fn check(args: &CheckArgs) -> Status {
-    let definitions = match &args.definitions {
-        None => Definitions::built_in(),
-        Some(path) => match Definitions::load(path) {
-            Ok(definitions) => definitions,
-            Err(failure) => {
-                anstream::eprintln!("{failure}");
-                return Status::Usage;
-            }
-        },
+    let definitions = match definitions(args.definitions.as_deref()) {
+        Ok(definitions) => definitions,
+        Err(status) => return status,
     };
     let of = args.of.as_deref().map(|name| (name, definitions.message_of_type(name)));
     if let Some((name, None)) = of {
@@ -118,10 +124,20 @@ fn check(args: &CheckArgs) -> Status {
         return Status::Usage;
     }
     let of = of.and_then(|(_, id)| id);
+    let files = match input::files(&args.files) {
+        Ok(files) => files,
+        Err((path, error)) => {
+            anstream::eprintln!("error: {}: {error}", path.display());
+            return Status::Unreadable;
+        }
+    };
     let mut judged = Vec::new();
     let mut is_unreadable = false;
-    for path in &args.files {
-        match judge(path, of, &definitions) {
+    parallel::each(
+        &files,
+        args.jobs,
+        |path| judge(path, of, &definitions),
+        |path, result| match result {
             Ok(found) => {
                 if args.format == Format::Text {
                     // The stream drops the colours where they would not be shown.
@@ -133,8 +149,8 @@ fn check(args: &CheckArgs) -> Status {
                 anstream::eprintln!("error: {}: {error}", path.display());
                 is_unreadable = true;
             }
-        }
-    }
+        },
+    );
     if args.format == Format::Json {
         // A reader that has seen enough closes the pipe: that is no failure.
         let _ = io::stdout().write_all(to_json(&judged, &definitions).as_bytes());
@@ -142,9 +158,17 @@ fn check(args: &CheckArgs) -> Status {
     status(&judged, is_unreadable)
 }
 
+/// The definitions at a path, or those of this program; what is wrong with them has been told.
+fn definitions(path: Option<&Path>) -> Result<Definitions, Status> {
+    path.map_or_else(|| Ok(Definitions::built_in()), Definitions::load).map_err(|failure| {
+        anstream::eprintln!("{failure}");
+        Status::Usage
+    })
+}
+
 fn judge(path: &Path, of: Option<MessageId>, definitions: &Definitions) -> io::Result<Judged> {
     let started = Instant::now();
-    let judgement = judge::judge(File::open(path)?, of, definitions)?;
+    let judgement = judge::judge(input::open(path)?, of, definitions)?;
     Ok(Judged { path: path.display().to_string(), judgement, elapsed: started.elapsed().as_millis() })
 }
 

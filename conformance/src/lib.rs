@@ -1,5 +1,5 @@
 //! Judges outputs of implementations by the definitions that `uavspec-codegen` reads: now logs of PX4
-//! (`ULog`), and messages as JSON; other captures, codecs and live servers are to follow.
+//! (`ULog`), messages as JSON, and codecs ([`testee`]); other captures and live servers are to follow.
 //!
 //! ```text
 //!  bytes ──source──▶ records ──plan, rule──▶ findings ──▶ verdicts ──report──▶ terminal, JSON, SARIF, JUnit
@@ -16,8 +16,10 @@ pub mod finding;
 pub mod input;
 pub mod json;
 pub mod judge;
+pub mod parallel;
 pub mod plan;
 pub mod record;
 pub mod report;
 pub mod rule;
 pub mod source;
+pub mod testee;

@@ -1,0 +1,144 @@
+//! How a testee may misbehave. `testee MODE [ID]` does so over the question with that id, or over all.
+
+use std::io::{self, Write};
+use std::process;
+use std::thread;
+use std::time::Duration;
+
+use serde_json::{Value, json};
+use uavspec_codegen::dynamic::{PlacedElement, Types};
+use uavspec_runtime::Scalar;
+
+/// What a flood has: more than a pipe holds.
+const FLOOD: usize = 200 << 10;
+
+pub(crate) struct Evil {
+    mode: String,
+    id: Option<u64>,
+    /// An answer that is held back, and until how many others have gone.
+    held: Option<(String, usize)>,
+}
+
+impl Evil {
+    pub(crate) fn read(arguments: &[String]) -> Self {
+        let mode = arguments.first().cloned().unwrap_or_default();
+        Self { mode, id: arguments.get(1).and_then(|id| id.parse().ok()), held: None }
+    }
+
+    pub(crate) fn is(&self, mode: &str) -> bool {
+        self.mode == mode
+    }
+
+    pub(crate) fn at_start(&self) {
+        match self.mode.as_str() {
+            "exit" => {
+                eprintln!("out of cheese");
+                process::exit(7);
+            }
+            "no-hello" => hang(),
+            "bad-hello" => println!("hello, world"),
+            _ => {}
+        }
+    }
+
+    /// What is done instead of answering, if anything. `count` counts the hello too.
+    pub(crate) fn instead(&self, count: usize, request: &Value, output: &mut impl Write) -> io::Result<bool> {
+        if self.is("crash-third") && count == 3 {
+            process::exit(4);
+        }
+        if self.id.is_some() && request["id"].as_u64() != self.id {
+            return Ok(false);
+        }
+        match self.mode.as_str() {
+            "hang" => hang(),
+            "crash" => {
+                eprintln!("no field of that name");
+                process::exit(3);
+            }
+            "wrong-id" => writeln!(output, "{}", json!({ "id": 1_000_000, "ok": null }))?,
+            "not-utf8" => output.write_all(b"{\"id\":0,\"ok\":\"\xff\"}\n")?,
+            "endless" => loop {
+                output.write_all(&[b'x'; 4096])?;
+            },
+            "flood" => {
+                eprintln!("{}", "x".repeat(FLOOD));
+                return Ok(false);
+            }
+            "repeat" => {
+                writeln!(output, "{}", json!({ "id": request["id"], "unsupported": true }))?;
+                return Ok(false);
+            }
+            _ => return Ok(false),
+        }
+        output.flush()?;
+        Ok(true)
+    }
+
+    /// Makes the answer wrong, in modes that are bugs of codecs.
+    pub(crate) fn spoil(&self, types: &Types, request: &Value, answer: &mut Value) {
+        let name = request["type"].as_str().and_then(|name| name.split_once('/'));
+        let Some(message) = name.and_then(|(package, name)| types.find(package, name)) else { return };
+        if request["op"] != "decode" {
+            return;
+        }
+        for field in message.layout() {
+            let Some(value) = answer.get_mut("ok").and_then(|ok| ok.get_mut(field.name)) else { continue };
+            match field.element {
+                PlacedElement::Scalar(Scalar::UInt16) if self.is("swap-uint16") => each(value, &swap),
+                PlacedElement::Scalar(scalar) if scalar.is_float() && self.is("drop-nan") => {
+                    each(value, &drop_nan);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    pub(crate) fn write(&mut self, answer: &Value, output: &mut impl Write) -> io::Result<()> {
+        let line = format!("{answer}\n");
+        if self.is("later") && answer["id"].as_u64() == self.id {
+            self.held = Some((line, 3));
+            return Ok(());
+        }
+        if let Some((held, others)) = &mut self.held {
+            *others = others.saturating_sub(1);
+            if *others == 0 {
+                output.write_all(held.as_bytes())?;
+                self.held = None;
+            }
+        }
+        if !self.is("split") {
+            return output.write_all(line.as_bytes());
+        }
+        for part in line.as_bytes().chunks(7) {
+            output.write_all(part)?;
+            output.flush()?;
+            thread::yield_now();
+        }
+        Ok(())
+    }
+}
+
+fn hang() {
+    loop {
+        thread::sleep(Duration::from_secs(60));
+    }
+}
+
+fn each(value: &mut Value, change: &dyn Fn(&mut Value)) {
+    match value {
+        Value::Array(items) => items.iter_mut().for_each(change),
+        other => change(other),
+    }
+}
+
+fn swap(value: &mut Value) {
+    if let Some(number) = value.as_u64().and_then(|number| u16::try_from(number).ok()) {
+        *value = number.swap_bytes().into();
+    }
+}
+
+fn drop_nan(value: &mut Value) {
+    if value.get("$f").is_some() {
+        *value = json!(0.0);
+    }
+}

@@ -1,0 +1,191 @@
+//! `uavspec test`.
+
+use std::ffi::OsString;
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, IsTerminal as _, Write as _};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use clap::Args;
+use globset::{Glob, GlobMatcher};
+use uavspec_codegen::dynamic::Types;
+
+use super::{Format, Status};
+use crate::testee::case::{Case, cases};
+use crate::testee::file::{dump, replay};
+use crate::testee::outcome::Outcome;
+use crate::testee::report::{to_json, to_text};
+use crate::testee::run::{Options, run};
+
+/// Arguments of `test`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  uavspec test -- ./my-codec --stdio
+  uavspec test --filter 'decode-*/px4/Event/*' -- python3 testee.py
+  uavspec test --dump-cases questions.jsonl
+  uavspec test --replay answers.jsonl
+
+A testee reads a line of JSON for each question and writes one for each answer, in any order:
+  → {\"op\":\"hello\",\"protocol\":1}
+  ← {\"op\":\"hello\",\"name\":\"my-codec\",\"ops\":[\"decode\",\"validate\"],\"types\":[\"px4/Event\"]}
+  → {\"id\":17,\"op\":\"decode\",\"type\":\"px4/Event\",\"format\":\"uorb\",\"bytes\":\"<base64>\"}
+  ← {\"id\":17,\"ok\":{…}}   or \"rejected\":\"reason\"   or \"unsupported\":true   or \"error\":\"…\"
+Integers beyond ±2^53 are {\"$u64\":\"…\"} or {\"$i64\":\"…\"}, and NaN is {\"$f\":\"NaN\"}, both ways.
+
+Exit status: 0 conforms, 1 does not, 2 wrong usage or definitions, 3 the testee broke, 5 nothing was checked.")]
+pub(super) struct TestArgs {
+    /// The testee: a program and its arguments. A script that starts another program should `exec` it.
+    #[arg(last = true, value_name = "COMMAND", required_unless_present_any = ["dump_cases", "replay"])]
+    command: Vec<OsString>,
+    /// What to ask about: a uavspec.toml, a folder with one, or a folder of .msg files; the definitions of this
+    /// program, where nothing is said.
+    #[arg(long, value_name = "PATH")]
+    definitions: Option<PathBuf>,
+    /// Only the cases whose names, such as decode-uorb/px4/Event/typical, this glob matches.
+    #[arg(long, value_name = "PATTERN")]
+    filter: Option<String>,
+    /// How long a testee may be silent while there are questions, in seconds.
+    #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = seconds)]
+    timeout: Duration,
+    /// How long it may take to introduce itself, in seconds.
+    #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = seconds)]
+    start_timeout: Duration,
+    /// How many questions are on their way to a process at once.
+    #[arg(long, value_name = "N", default_value = "32", value_parser = clap::value_parser!(u16).range(1..))]
+    window: u16,
+    /// How many processes run at once.
+    #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..=256))]
+    jobs: u16,
+    /// How to report.
+    #[arg(long, default_value = "text")]
+    format: Format,
+    /// Write the questions to a file, each with its right answers, and ask nobody; - is standard output.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["command", "replay"])]
+    dump_cases: Option<PathBuf>,
+    /// Judge the answers in a file; - is standard input.
+    #[arg(long, value_name = "FILE", conflicts_with = "command")]
+    replay: Option<PathBuf>,
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds: f64 = text.parse().map_err(|_| "no number".to_owned())?;
+    let duration = Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())?;
+    // What is added to the time of day must not go beyond its end.
+    let is_sensible = !duration.is_zero() && duration <= Duration::from_secs(86_400);
+    is_sensible.then_some(duration).ok_or_else(|| "more than 0, and at most a day".to_owned())
+}
+
+pub(super) fn test(args: &TestArgs) -> Status {
+    let definitions = match super::definitions(args.definitions.as_deref()) {
+        Ok(definitions) => definitions,
+        Err(status) => return status,
+    };
+    let types = Types::new(&definitions.schema);
+    let cases = cases(&definitions, &types);
+    let selected = match select(&cases, args.filter.as_deref()) {
+        Ok(selected) => selected,
+        Err(error) => {
+            anstream::eprintln!("error: {error}");
+            return Status::Usage;
+        }
+    };
+    if let Some(path) = &args.dump_cases {
+        return said(path, write_cases(path, &cases, &selected, &types))
+            .map_or_else(|status| status, |()| Status::Conforms);
+    }
+    let outcome = match &args.replay {
+        Some(path) => match said(path, read_answers(path, &cases, &selected, &types)) {
+            Ok(outcome) => outcome,
+            Err(status) => return status,
+        },
+        None => match ask(args, &cases, &selected, &types) {
+            Ok(outcome) => outcome,
+            Err(error) => {
+                anstream::eprintln!("error: {error}");
+                return Status::Unreadable;
+            }
+        },
+    };
+    // A reader that has seen enough closes the pipe: that is no failure. The stream drops colours where needed.
+    let _ = match args.format {
+        Format::Text => write!(anstream::stdout(), "{}", to_text(&outcome)),
+        Format::Json => io::stdout().write_all(to_json(&outcome).as_bytes()),
+    };
+    status(&outcome)
+}
+
+/// The indices of the cases that a pattern matches; an error where there is none, as that must be a mistake.
+fn select(cases: &[Case], pattern: Option<&str>) -> Result<Vec<usize>, String> {
+    let Some(pattern) = pattern else { return Ok((0..cases.len()).collect()) };
+    let glob: GlobMatcher = Glob::new(pattern).map_err(|error| error.to_string())?.compile_matcher();
+    let found = cases.iter().enumerate().filter(|(_, case)| glob.is_match(case.name())).map(|(id, _)| id);
+    let found: Vec<usize> = found.collect();
+    if found.is_empty() { Err(format!("no case matches {pattern}")) } else { Ok(found) }
+}
+
+fn ask<'c>(
+    args: &TestArgs,
+    cases: &'c [Case],
+    selected: &[usize],
+    types: &Types,
+) -> Result<Outcome<'c>, String> {
+    let options = Options {
+        window: args.window.into(),
+        timeout: args.timeout,
+        start_timeout: args.start_timeout,
+        jobs: args.jobs.into(),
+        ..Options::new(args.command.clone())
+    };
+    let is_shown = io::stderr().is_terminal();
+    let progress = |done: usize, total: usize| {
+        // A line now and then; the last one makes room for the report.
+        if is_shown && done == total {
+            eprint!("\r\x1b[K");
+        } else if is_shown && done.is_multiple_of(64) {
+            eprint!("\r{done} of {total}");
+        }
+    };
+    run(cases, selected, types, &options, &progress)
+}
+
+fn write_cases(path: &Path, cases: &[Case], selected: &[usize], types: &Types) -> io::Result<()> {
+    if path == Path::new("-") {
+        return match dump(cases, selected, types, &mut BufWriter::new(io::stdout().lock())) {
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+            other => other,
+        };
+    }
+    dump(cases, selected, types, &mut BufWriter::new(File::create(path)?))
+}
+
+fn read_answers<'c>(
+    path: &Path,
+    cases: &'c [Case],
+    selected: &[usize],
+    types: &Types,
+) -> io::Result<Outcome<'c>> {
+    if path == Path::new("-") {
+        return replay(cases, selected, types, &mut io::stdin().lock());
+    }
+    replay(cases, selected, types, &mut BufReader::new(File::open(path)?))
+}
+
+fn said<T>(path: &Path, result: io::Result<T>) -> Result<T, Status> {
+    result.map_err(|error| {
+        anstream::eprintln!("error: {}: {error}", path.display());
+        Status::Unreadable
+    })
+}
+
+fn status(outcome: &Outcome<'_>) -> Status {
+    let counts = outcome.counts();
+    if outcome.gave_up.is_some() {
+        Status::Unreadable
+    } else if counts.failed > 0 || !outcome.manners.are_good() {
+        Status::Breaks
+    } else if counts.passed == 0 {
+        Status::Nothing
+    } else {
+        Status::Conforms
+    }
+}

@@ -1,0 +1,18 @@
+//! Codecs and validators in any language, asked over pipes.
+//!
+//! ```text
+//!  definitions ──vectors──▶ cases ──run──▶ process ──answers──▶ compare ──▶ verdicts ──report──▶ terminal, JSON
+//!                              └────────dump──▶ file ──▶ … ──▶ file ──replay──┘
+//! ```
+//!
+//! [`protocol`] says what goes over the pipes, [`wire`] how values look there.
+
+pub mod case;
+pub mod compare;
+pub mod file;
+pub mod outcome;
+mod process;
+pub mod protocol;
+pub mod report;
+pub mod run;
+pub mod wire;

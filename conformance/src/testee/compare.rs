@@ -1,0 +1,274 @@
+//! Whether an answer is right.
+//!
+//! Numbers count by the value that the field's type holds: a float32 as float32, NaN as NaN, and 0 as -0, because
+//! not every writer of JSON has a word for that. Bytes tell the two apart, and are compared one by one.
+
+use std::fmt;
+
+use serde_json::Value;
+use uavspec_codegen::dynamic::{MessageType, PlacedElement, Types};
+use uavspec_codegen::schema::Shape;
+use uavspec_runtime::Scalar;
+
+use super::case::{Case, Want};
+use super::protocol::Answer;
+use super::wire::{float, from_base64, integer};
+
+/// Most characters of a value that are told.
+const MAX_SHOWN: usize = 400;
+
+/// Where an answer is wrong.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Difference {
+    /// The place in the value, such as `/events/2/id`; empty for the whole.
+    pub path: String,
+    /// What should be there.
+    pub expected: String,
+    /// What is there.
+    pub actual: String,
+}
+
+impl Difference {
+    fn new(path: &str, expected: impl fmt::Display, actual: impl fmt::Display) -> Self {
+        Self { path: path.to_owned(), expected: shorten(&expected), actual: shorten(&actual) }
+    }
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let colon = if self.path.is_empty() { "" } else { ": " };
+        write!(f, "{}{colon}expected {}, got {}", self.path, self.expected, self.actual)
+    }
+}
+
+/// Compares an answer with what is expected.
+pub fn compare(case: &Case, answer: &Answer, types: &Types) -> Result<(), Difference> {
+    let expected = &case.expected;
+    match (answer, &expected.ok) {
+        (Answer::Rejected(_), _) if expected.rejection => Ok(()),
+        (Answer::Ok(_), Want::Anything) => Ok(()),
+        (Answer::Ok(value), Want::Message(wanted)) => {
+            let message =
+                case.type_name.split_once('/').and_then(|(package, name)| types.find(package, name));
+            match message {
+                Some(message) => compare_message(message, wanted, value, ""),
+                None => compare_json(wanted, value, ""),
+            }
+        }
+        (Answer::Ok(value), Want::Bytes(right)) => compare_bytes(right, value),
+        (Answer::Ok(value), Want::Exactly(wanted)) => compare_json(wanted, value, ""),
+        (other, _) => Err(Difference::new("", describe(case), told(other))),
+    }
+}
+
+/// What is expected, in words.
+fn describe(case: &Case) -> String {
+    let or = if case.expected.rejection { ", or a rejection" } else { "" };
+    let broken = case.rule.as_ref().map(|rule| format!(" ({rule})")).unwrap_or_default();
+    match &case.expected.ok {
+        Want::Nothing => format!("a rejection{broken}"),
+        Want::Anything => "acceptance".to_owned() + or,
+        Want::Message(value) | Want::Exactly(value) => format!("{value}{or}"),
+        Want::Bytes(right) => format!("{}{or}", right.first().map_or_else(String::new, |bytes| hex(bytes))),
+    }
+}
+
+fn told(answer: &Answer) -> String {
+    match answer {
+        Answer::Ok(value) => format!("ok: {value}"),
+        Answer::Rejected(reason) => format!("rejected: {reason}"),
+        Answer::Unsupported => "unsupported".to_owned(),
+        Answer::Error(error) => format!("error: {error}"),
+    }
+}
+
+fn compare_bytes(right: &[Vec<u8>], actual: &Value) -> Result<(), Difference> {
+    let wanted = right.first().map(Vec::as_slice).unwrap_or_default();
+    let Some(bytes) = actual.as_str().and_then(from_base64) else {
+        return Err(Difference::new("", "bytes in base64", actual));
+    };
+    if right.contains(&bytes) {
+        return Ok(());
+    }
+    let at = wanted.iter().zip(&bytes).position(|(left, right)| left != right);
+    let at = at.unwrap_or(wanted.len().min(bytes.len()));
+    // Sixteen bytes from the first that differs, and how many there are.
+    let excerpt = |bytes: &[u8]| {
+        let part = bytes.get(at..).unwrap_or_default();
+        format!("{} of {} bytes", hex(part.get(..16).unwrap_or(part)), bytes.len())
+    };
+    Err(Difference::new(&format!("byte {at}"), excerpt(wanted), excerpt(&bytes)))
+}
+
+fn compare_message(
+    of: MessageType<'_>,
+    wanted: &Value,
+    actual: &Value,
+    path: &str,
+) -> Result<(), Difference> {
+    compare_members(wanted, actual, path, |name, wanted, actual, path| {
+        let field = of.layout().find(|field| field.name == name);
+        field.map_or_else(
+            || compare_json(wanted, actual, path),
+            |field| compare_shaped(field.element, field.shape, wanted, actual, path),
+        )
+    })
+}
+
+/// Compares what one field holds.
+fn compare_shaped(
+    element: PlacedElement<'_>,
+    shape: Shape,
+    wanted: &Value,
+    actual: &Value,
+    path: &str,
+) -> Result<(), Difference> {
+    if shape != Shape::Single && wanted.is_array() {
+        return compare_items(wanted, actual, path, |wanted, actual, path| {
+            compare_shaped(element, Shape::Single, wanted, actual, path)
+        });
+    }
+    match element {
+        PlacedElement::Message(nested) => compare_message(nested, wanted, actual, path),
+        PlacedElement::Scalar(scalar) if scalar.is_float() => compare_float(scalar, wanted, actual, path),
+        _ => compare_json(wanted, actual, path),
+    }
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::float_cmp)] // as the field's type holds it, and exactly
+fn compare_float(scalar: Scalar, wanted: &Value, actual: &Value, path: &str) -> Result<(), Difference> {
+    let is_equal = |left: f64, right: f64| match scalar {
+        Scalar::Float32 => left as f32 == right as f32,
+        _ => left == right,
+    };
+    match (float(wanted), float(actual)) {
+        (Some(left), Some(right)) if is_equal(left, right) || left.is_nan() && right.is_nan() => Ok(()),
+        (Some(left), _) if left.is_nan() => Err(Difference::new(path, "NaN", actual)),
+        _ => Err(Difference::new(path, wanted, actual)),
+    }
+}
+
+fn compare_json(wanted: &Value, actual: &Value, path: &str) -> Result<(), Difference> {
+    match wanted {
+        Value::Array(_) => compare_items(wanted, actual, path, compare_json),
+        Value::Object(_) => compare_members(wanted, actual, path, |_, wanted, actual, path| {
+            compare_json(wanted, actual, path)
+        }),
+        Value::Number(_) if integer(wanted).is_some() && integer(wanted) == integer(actual) => Ok(()),
+        _ if wanted == actual => Ok(()),
+        _ => Err(Difference::new(path, wanted, actual)),
+    }
+}
+
+fn compare_items(
+    wanted: &Value,
+    actual: &Value,
+    path: &str,
+    mut compare: impl FnMut(&Value, &Value, &str) -> Result<(), Difference>,
+) -> Result<(), Difference> {
+    let (Some(left), Some(right)) = (wanted.as_array(), actual.as_array()) else {
+        return Err(Difference::new(path, wanted, actual));
+    };
+    if left.len() != right.len() {
+        return Err(Difference::new(
+            path,
+            format_args!("{} elements", left.len()),
+            format_args!("{}: {actual}", right.len()),
+        ));
+    }
+    let mut items = left.iter().zip(right).enumerate();
+    items.try_for_each(|(index, (wanted, actual))| compare(wanted, actual, &format!("{path}/{index}")))
+}
+
+fn compare_members(
+    wanted: &Value,
+    actual: &Value,
+    path: &str,
+    mut compare: impl FnMut(&str, &Value, &Value, &str) -> Result<(), Difference>,
+) -> Result<(), Difference> {
+    let (Some(left), Some(right)) = (wanted.as_object(), actual.as_object()) else {
+        return Err(Difference::new(path, wanted, actual));
+    };
+    for (name, wanted) in left {
+        let path = format!("{path}/{name}");
+        let Some(actual) = right.get(name) else {
+            return Err(Difference::new(&path, wanted, "no such member"));
+        };
+        compare(name, wanted, actual, &path)?;
+    }
+    match right.iter().find(|(name, _)| !left.contains_key(*name)) {
+        Some((name, value)) => Err(Difference::new(&format!("{path}/{name}"), "no such member", value)),
+        None => Ok(()),
+    }
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn shorten(value: &impl fmt::Display) -> String {
+    let text = value.to_string();
+    match text.char_indices().nth(MAX_SHOWN) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+    use crate::definitions::Definitions;
+
+    fn with(mut value: Value, field: &str, other: Value) -> Value {
+        value[field] = other;
+        value
+    }
+
+    #[test]
+    fn numbers_count_as_the_field_holds_them() {
+        let definitions = Definitions::built_in();
+        let types = Types::new(&definitions.schema);
+        let battery = types.find("px4", "BatteryStatus").expect("a type");
+        let zero = battery.default().to_json().expect("JSON");
+        let compare = |field: &str, wanted: Value, actual: Value| {
+            let (wanted, actual) = (with(zero.clone(), field, wanted), with(zero.clone(), field, actual));
+            compare_message(battery, &wanted, &actual, "").is_ok()
+        };
+        // As a float32 both are the same.
+        assert!(compare("voltage_v", json!(0.1), json!(0.100_000_001_490_116_12)));
+        assert!(!compare("voltage_v", json!(0.1), json!(0.100_000_01)));
+        assert!(compare("voltage_v", json!(-0.0), json!(0)));
+        assert!(compare("voltage_v", Value::Null, json!({ "$f": "NaN" })));
+        assert!(compare("voltage_v", Value::Null, Value::Null));
+        assert!(!compare("voltage_v", Value::Null, json!("NaN")));
+        assert!(!compare("voltage_v", json!(0.0), Value::Null));
+        assert!(!compare("voltage_v", json!(1.0), json!({ "$f": "inf" })));
+        assert!(compare("timestamp", json!(u64::MAX), json!({ "$u64": "18446744073709551615" })));
+        assert!(!compare("timestamp", json!(u64::MAX), json!(18_446_744_073_709_551_615.0)));
+        assert!(compare("timestamp", json!(7), json!(7.0)));
+        assert!(!compare("connected", json!(true), json!(1)));
+        assert!(!compare("connected", json!(true), json!("true")));
+    }
+
+    #[test]
+    fn objects_have_exactly_their_members() {
+        let place =
+            |wanted: Value, actual: Value| compare_json(&wanted, &actual, "").expect_err("a difference").path;
+        assert_eq!(place(json!({ "a": { "b": 1 } }), json!({ "a": {} })), "/a/b");
+        assert_eq!(place(json!({ "a": 1 }), json!({ "a": 1, "c": 1 })), "/c");
+        assert_eq!(place(json!([1, 2]), json!([1, 3])), "/1");
+        assert_eq!(place(json!([1, 2]), json!([1])), "");
+    }
+
+    #[test]
+    fn bytes_count_one_by_one() {
+        let right = [vec![1, 2, 0], vec![1, 2]];
+        assert_eq!(compare_bytes(&right, &json!("AQIA")), Ok(()));
+        assert_eq!(compare_bytes(&right, &json!("AQI=")), Ok(()));
+        let wrong = compare_bytes(&right, &json!("AQMA")).expect_err("another byte");
+        assert_eq!(wrong.to_string(), "byte 1: expected 0200 of 3 bytes, got 0300 of 3 bytes");
+        assert!(compare_bytes(&right, &json!([1, 2, 0])).is_err());
+    }
+}

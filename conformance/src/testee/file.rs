@@ -1,0 +1,89 @@
+//! Testees that can't be started from here: questions go to a file, and answers come from one.
+
+use std::io::{self, BufRead, Write};
+
+use serde_json::{Value, json};
+use uavspec_codegen::dynamic::Types;
+
+use super::case::{Case, Want};
+use super::outcome::{Manners, Outcome, Verdict};
+use super::protocol::{Answer, Hello};
+use super::run::{excerpt, judge};
+use super::wire::{to_base64, to_wire};
+
+/// Writes the selected cases, a line each: what is sent, and beside it the name, the description and what is right.
+pub fn dump(cases: &[Case], selected: &[usize], types: &Types, output: &mut dyn Write) -> io::Result<()> {
+    for (id, case) in selected.iter().filter_map(|id| Some((*id, cases.get(*id)?))) {
+        let mut line = case.request(id as u64);
+        line["case"] = case.name().into();
+        line["description"] = case.description.clone().into();
+        if let Some(rule) = &case.rule {
+            line["rule"] = rule.clone().into();
+        }
+        line["expected"] = expected(case, types);
+        writeln!(output, "{line}")?;
+    }
+    output.flush()
+}
+
+/// `ok` is a list of right answers; without it, anything is right where `accepted` is true.
+fn expected(case: &Case, types: &Types) -> Value {
+    let mut expected =
+        json!({ "rejected": case.expected.rejection, "accepted": case.expected.ok != Want::Nothing });
+    let message = || case.type_name.split_once('/').and_then(|(package, name)| types.find(package, name));
+    match &case.expected.ok {
+        Want::Nothing | Want::Anything => {}
+        Want::Message(value) => expected["ok"] = json!([to_wire(value, message())]),
+        Want::Exactly(value) => expected["ok"] = json!([to_wire(value, None)]),
+        Want::Bytes(right) => expected["ok"] = right.iter().map(|bytes| to_base64(bytes)).collect(),
+    }
+    expected
+}
+
+/// Judges answers that stand in a file, a line each. Where a hello stands among them, what it promises and the file
+/// doesn't answer is not run; without one, all that has no answer is unsupported.
+pub fn replay<'c>(
+    cases: &'c [Case],
+    selected: &[usize],
+    types: &Types,
+    input: &mut dyn BufRead,
+) -> io::Result<Outcome<'c>> {
+    let (mut hello, mut manners) = (None, Manners::default());
+    let mut verdicts: Vec<Option<Verdict>> = vec![None; cases.len()];
+    let mut line = Vec::new();
+    loop {
+        line.clear();
+        if input.read_until(b'\n', &mut line)? == 0 {
+            break;
+        }
+        if let Ok(found) = Hello::read(&line) {
+            hello = Some(found);
+            continue;
+        }
+        let (id, answer) = match Answer::read(line.trim_ascii()) {
+            Ok(answer) => answer,
+            Err(wrong) => {
+                manners.remark(format!("{wrong}: {}", excerpt(&line)));
+                continue;
+            }
+        };
+        let found = usize::try_from(id).ok().and_then(|id| Some((cases.get(id)?, verdicts.get_mut(id)?)));
+        match found {
+            None => manners.remark(format!("an answer without a question: id {id}")),
+            Some((_, Some(_))) => manners.remark(format!("a second answer to id {id}")),
+            Some((case, verdict)) => *verdict = Some(judge(case, &answer, types)),
+        }
+    }
+    let absent = |case: &Case| match &hello {
+        Some(hello) if case.is_for(hello) => Verdict::NotRun,
+        _ => Verdict::Unsupported,
+    };
+    let verdicts = selected.iter().filter_map(|id| {
+        let case = cases.get(*id)?;
+        Some((case, verdicts.get_mut(*id).and_then(Option::take).unwrap_or_else(|| absent(case))))
+    });
+    let verdicts: Vec<_> = verdicts.collect();
+    let missing = verdicts.iter().filter(|(_, verdict)| *verdict == Verdict::NotRun).count();
+    let gave_up = (missing > 0).then(|| format!("{missing} answers are absent"));
+    Ok(Outcome { hello, verdicts, manners, restarts: 0, gave_up })
+}

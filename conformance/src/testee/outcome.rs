@@ -1,0 +1,146 @@
+//! What came of asking.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use super::case::Case;
+use super::compare::Difference;
+use super::protocol::Hello;
+
+/// How many different remarks on manners are kept; of more only the number.
+const MAX_REMARKS: usize = 20;
+
+/// What came of a case.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// The answer was right.
+    Pass,
+    /// The answer was wrong, and where.
+    Fail(Difference),
+    /// The testee doesn't do this. That is no failure, and no pass.
+    Unsupported,
+    /// The process ended over it.
+    Crashed {
+        /// How it ended.
+        how: String,
+        /// What it said last on standard error.
+        stderr: String,
+    },
+    /// No answer came in time.
+    TimedOut {
+        /// How long was waited.
+        after: Duration,
+        /// What it said last on standard error.
+        stderr: String,
+    },
+    /// It was not asked: the run ended before, or the answer is absent from a file.
+    NotRun,
+}
+
+impl Verdict {
+    /// Its name.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Pass => "pass",
+            Self::Fail(_) => "fail",
+            Self::Unsupported => "unsupported",
+            Self::Crashed { .. } => "crashed",
+            Self::TimedOut { .. } => "timed out",
+            Self::NotRun => "not run",
+        }
+    }
+
+    /// Whether it counts against the testee.
+    pub const fn is_failure(&self) -> bool {
+        matches!(self, Self::Fail(_) | Self::Crashed { .. } | Self::TimedOut { .. })
+    }
+}
+
+/// What a testee did against the protocol, each remark once with how often it applied.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Manners {
+    /// What, and how often.
+    pub remarks: Vec<(String, usize)>,
+    /// How many others there were.
+    pub more: usize,
+}
+
+impl Manners {
+    pub(super) fn remark(&mut self, what: String) {
+        if let Some((_, count)) = self.remarks.iter_mut().find(|(known, _)| *known == what) {
+            *count += 1;
+        } else if self.remarks.len() < MAX_REMARKS {
+            self.remarks.push((what, 1));
+        } else {
+            self.more += 1;
+        }
+    }
+
+    /// Whether there is nothing to tell.
+    pub fn are_good(&self) -> bool {
+        self.remarks.is_empty()
+    }
+}
+
+/// A whole run.
+#[derive(Clone, Debug)]
+pub struct Outcome<'c> {
+    /// Who was asked; none where a file of answers doesn't say.
+    pub hello: Option<Hello>,
+    /// The cases with their verdicts.
+    pub verdicts: Vec<(&'c Case, Verdict)>,
+    /// What was against the protocol.
+    pub manners: Manners,
+    /// How often the process had to be started again.
+    pub restarts: u32,
+    /// Why the run ended early.
+    pub gave_up: Option<String>,
+}
+
+/// How many cases came to which verdict.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Right answers.
+    pub passed: usize,
+    /// Wrong answers, crashes and hangs.
+    pub failed: usize,
+    /// What the testee doesn't do.
+    pub unsupported: usize,
+    /// What it wasn't asked.
+    pub not_run: usize,
+}
+
+impl Counts {
+    fn add(&mut self, verdict: &Verdict) {
+        match verdict {
+            Verdict::Pass => self.passed += 1,
+            Verdict::Unsupported => self.unsupported += 1,
+            Verdict::NotRun => self.not_run += 1,
+            Verdict::Fail(_) | Verdict::Crashed { .. } | Verdict::TimedOut { .. } => self.failed += 1,
+        }
+    }
+}
+
+impl Outcome<'_> {
+    /// The counts of all cases.
+    pub fn counts(&self) -> Counts {
+        let mut counts = Counts::default();
+        self.verdicts.iter().for_each(|(_, verdict)| counts.add(verdict));
+        counts
+    }
+
+    /// The counts for each op with its form, and type.
+    pub fn table(&self) -> BTreeMap<(String, &str), Counts> {
+        let mut table: BTreeMap<(String, &str), Counts> = BTreeMap::new();
+        for (case, verdict) in &self.verdicts {
+            table.entry((case.action(), &case.type_name)).or_default().add(verdict);
+        }
+        table
+    }
+
+    /// The cases that failed.
+    pub fn failures(&self) -> impl Iterator<Item = (&Case, &Verdict)> {
+        let failed = self.verdicts.iter().filter(|(_, verdict)| verdict.is_failure());
+        failed.map(|(case, verdict)| (*case, verdict))
+    }
+}

@@ -1,0 +1,374 @@
+//! Asks a testee all cases, and names what it fails, hangs or crashes over.
+//!
+//! Several questions are on their way at once. When the process ends or falls silent, one of those without an answer
+//! is to blame: each is asked again alone, the oldest first, until one of them brings down a process that was asked
+//! nothing else. So a culprit is always seen to be one; a crash that none of them leads to alone is told as such.
+
+use std::collections::{BTreeSet, VecDeque};
+use std::ffi::OsString;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use uavspec_codegen::dynamic::Types;
+
+use super::case::Case;
+use super::compare::compare;
+use super::outcome::{Manners, Outcome, Verdict};
+use super::process::{Process, Said};
+use super::protocol::{Answer, Hello};
+
+/// How a testee is run.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The program and its arguments.
+    pub command: Vec<OsString>,
+    /// How many questions are on their way to a process at once.
+    pub window: usize,
+    /// How long a process may be silent while there are questions.
+    pub timeout: Duration,
+    /// How long it may take to introduce itself.
+    pub start_timeout: Duration,
+    /// How many processes run at once.
+    pub jobs: usize,
+    /// How often processes are started again, all in all.
+    pub max_restarts: u32,
+    /// The longest line that is read, in bytes.
+    pub line_limit: usize,
+}
+
+impl Options {
+    /// The usual ones.
+    pub fn new(command: Vec<OsString>) -> Self {
+        Self {
+            command,
+            window: 32,
+            timeout: Duration::from_secs(5),
+            // Some virtual machines take their time.
+            start_timeout: Duration::from_secs(30),
+            jobs: 1,
+            max_restarts: 20,
+            line_limit: 16 << 20,
+        }
+    }
+}
+
+/// Asks a testee the selected cases (indices, which are the ids on the wire); an error where it can't be started or
+/// doesn't introduce itself. `progress` gets how many are done, and how many there are.
+pub fn run<'c>(
+    cases: &'c [Case],
+    selected: &[usize],
+    types: &Types,
+    options: &Options,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Result<Outcome<'c>, String> {
+    let (first, hello) = start(options)?;
+    let (asked, others): (Vec<usize>, Vec<usize>) =
+        selected.iter().partition(|id| cases.get(**id).is_some_and(|case| case.is_for(&hello)));
+    let total = asked.len();
+    let state = State { queue: asked.into(), ..State::default() };
+    let shared = Shared { cases, types, options, progress, total, state: Mutex::new(state) };
+    let mut first = Some(first);
+    thread::scope(|scope| {
+        for _ in 0..options.jobs.max(1) {
+            let worker = Worker::new(&shared, first.take());
+            scope.spawn(|| worker.run());
+        }
+    });
+    let mut state = shared.state.into_inner().unwrap_or_else(PoisonError::into_inner);
+    state.verdicts.extend(others.into_iter().map(|id| (id, Verdict::Unsupported)));
+    state.verdicts.extend(state.queue.drain(..).map(|id| (id, Verdict::NotRun)));
+    state.verdicts.sort_by_key(|(id, _)| *id);
+    let verdicts = state.verdicts.into_iter().filter_map(|(id, verdict)| Some((cases.get(id)?, verdict)));
+    Ok(Outcome {
+        hello: Some(hello),
+        verdicts: verdicts.collect(),
+        manners: state.manners,
+        restarts: state.restarts,
+        gave_up: state.gave_up,
+    })
+}
+
+/// Starts a process and lets it introduce itself.
+fn start(options: &Options) -> Result<(Process, Hello), String> {
+    let program = options.command.first().map(|program| program.to_string_lossy()).unwrap_or_default();
+    let mut process = Process::start(&options.command, options.line_limit)
+        .map_err(|error| format!("can't start {program}: {error}"))?;
+    process.send(Hello::request());
+    let until = Instant::now() + options.start_timeout;
+    let wrong = match process.hear(until) {
+        Said::Line(line) => match Hello::read(&line) {
+            Ok(hello) => return Ok((process, hello)),
+            Err(wrong) => format!("{wrong}: {}", excerpt(&line)),
+        },
+        Said::TooLong => "a line that is too long".to_owned(),
+        Said::Closed => match process.ended(until) {
+            Some(how) if !how.is_empty() => format!("it ended: {how}"),
+            Some(_) => "it ended".to_owned(),
+            None => "it closed its standard output".to_owned(),
+        },
+        Said::Nothing => format!("nothing within {} s", options.start_timeout.as_secs_f32()),
+    };
+    let stderr = process.kill();
+    let said =
+        if stderr.is_empty() { String::new() } else { format!("\nIts standard error ends:\n{stderr}") };
+    Err(format!("{program} doesn't introduce itself: {wrong}{said}"))
+}
+
+struct Shared<'r> {
+    cases: &'r [Case],
+    types: &'r Types,
+    options: &'r Options,
+    progress: &'r (dyn Fn(usize, usize) + Sync),
+    total: usize,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    queue: VecDeque<usize>,
+    verdicts: Vec<(usize, Verdict)>,
+    manners: Manners,
+    restarts: u32,
+    gave_up: Option<String>,
+}
+
+impl Shared<'_> {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn decide(&self, id: usize, verdict: Verdict) {
+        let mut state = self.state();
+        state.verdicts.push((id, verdict));
+        (self.progress)(state.verdicts.len(), self.total);
+    }
+
+    fn remark(&self, what: String) {
+        self.state().manners.remark(what);
+    }
+}
+
+/// Why a process is of no more use.
+#[derive(Clone, Debug)]
+enum End {
+    Silent,
+    Ended(String),
+}
+
+/// One process after the other.
+struct Worker<'s, 'r> {
+    shared: &'s Shared<'r>,
+    process: Option<Process>,
+    /// Questions without an answer, the oldest first.
+    open: VecDeque<usize>,
+    /// How many questions this process was asked.
+    asked: usize,
+    answered: BTreeSet<usize>,
+    /// When a question or an answer last went over the wire.
+    last: Instant,
+    /// Questions to be asked alone.
+    suspects: VecDeque<usize>,
+    /// What they are suspected of.
+    suspicion: Option<String>,
+}
+
+impl<'s, 'r> Worker<'s, 'r> {
+    fn new(shared: &'s Shared<'r>, process: Option<Process>) -> Self {
+        Self {
+            shared,
+            process,
+            open: VecDeque::new(),
+            asked: 0,
+            answered: BTreeSet::new(),
+            last: Instant::now(),
+            suspects: VecDeque::new(),
+            suspicion: None,
+        }
+    }
+
+    fn run(mut self) {
+        // The first process of another worker is no restart.
+        let mut is_restart = self.process.is_some();
+        while self.has_work() {
+            if self.process.is_none() && !self.start(is_restart) {
+                break;
+            }
+            is_restart = true;
+            self.ask();
+            if !self.open.is_empty() {
+                self.hear();
+            }
+        }
+        self.end();
+        // What a run that gave up leaves behind.
+        self.shared.state().queue.extend(self.open.drain(..).chain(self.suspects.drain(..)));
+    }
+
+    fn has_work(&self) -> bool {
+        let state = self.shared.state();
+        state.gave_up.is_none()
+            && !(self.open.is_empty() && self.suspects.is_empty() && state.queue.is_empty())
+    }
+
+    fn start(&mut self, is_restart: bool) -> bool {
+        if is_restart {
+            let mut state = self.shared.state();
+            if state.restarts >= self.shared.options.max_restarts {
+                let why = self.suspicion.as_ref().map(|why| format!("; last {why}")).unwrap_or_default();
+                state.gave_up = Some(format!("gave up after {} restarts{why}", state.restarts));
+                return false;
+            }
+            state.restarts += 1;
+        }
+        match start(self.shared.options) {
+            Ok((process, _)) => {
+                self.process = Some(process);
+                self.asked = 0;
+                self.answered.clear();
+                true
+            }
+            Err(error) => {
+                self.shared.state().gave_up = Some(error);
+                false
+            }
+        }
+    }
+
+    /// Sends what may be sent: suspects one by one.
+    fn ask(&mut self) {
+        if self.suspicion.is_some() {
+            if self.open.is_empty()
+                && let Some(id) = self.suspects.pop_front()
+            {
+                self.send(id);
+            }
+            return;
+        }
+        while self.open.len() < self.shared.options.window.max(1) {
+            let Some(id) = self.shared.state().queue.pop_front() else { return };
+            self.send(id);
+        }
+    }
+
+    fn send(&mut self, id: usize) {
+        if self.open.is_empty() {
+            self.last = Instant::now();
+        }
+        if let (Some(process), Some(case)) = (&self.process, self.shared.cases.get(id)) {
+            process.send(case.request(id as u64).to_string());
+            self.open.push_back(id);
+            self.asked += 1;
+        }
+    }
+
+    fn hear(&mut self) {
+        let until = self.last + self.shared.options.timeout;
+        let Some(process) = &mut self.process else { return };
+        match process.hear(until) {
+            Said::Line(line) => self.line(&line),
+            Said::Nothing => return self.broken(End::Silent),
+            Said::TooLong => {
+                let limit = self.shared.options.line_limit;
+                return self.broken(End::Ended(format!("a line of more than {limit} bytes")));
+            }
+            Said::Closed => {
+                let how = match process.ended(until) {
+                    Some(how) if how.is_empty() => "it ended by itself".to_owned(),
+                    Some(how) => how,
+                    None => "it closed its standard output".to_owned(),
+                };
+                return self.broken(End::Ended(how));
+            }
+        }
+        // Lines that are no answers don't win time.
+        if !self.open.is_empty() && Instant::now() >= self.last + self.shared.options.timeout {
+            self.broken(End::Silent);
+        }
+    }
+
+    fn line(&mut self, line: &[u8]) {
+        let (id, answer) = match Answer::read(line.trim_ascii()) {
+            Ok(answer) => answer,
+            Err(wrong) => return self.shared.remark(format!("{wrong}: {}", excerpt(line))),
+        };
+        let place = self.open.iter().position(|open| *open as u64 == id);
+        let Some((id, case)) = place.and_then(|place| {
+            let id = self.open.remove(place)?;
+            Some((id, self.shared.cases.get(id)?))
+        }) else {
+            let is_repeated = usize::try_from(id).is_ok_and(|id| self.answered.contains(&id));
+            let what = if is_repeated { "a second answer to" } else { "an answer without a question:" };
+            return self.shared.remark(format!("{what} id {id}"));
+        };
+        self.answered.insert(id);
+        self.last = Instant::now();
+        self.shared.decide(id, judge(case, &answer, self.shared.types));
+        if self.suspects.is_empty()
+            && self.open.is_empty()
+            && let Some(what) = self.suspicion.take()
+        {
+            self.shared.remark(what + ", and none of them leads to that alone");
+        }
+    }
+
+    /// Ends the process, and finds out over which question that happened.
+    fn broken(&mut self, end: End) {
+        let Some(mut process) = self.process.take() else { return };
+        let stderr = process.kill();
+        if let (1, 1, Some(id)) = (self.open.len(), self.asked, self.open.front().copied()) {
+            self.open.clear();
+            let after = self.shared.options.timeout;
+            self.shared.decide(
+                id,
+                match end {
+                    End::Silent => Verdict::TimedOut { after, stderr },
+                    End::Ended(how) => Verdict::Crashed { how, stderr },
+                },
+            );
+            self.suspicion = None;
+            let mut state = self.shared.state();
+            self.suspects.drain(..).rev().for_each(|id| state.queue.push_front(id));
+            return;
+        }
+        let how = match end {
+            End::Silent => "it fell silent".to_owned(),
+            End::Ended(how) => how,
+        };
+        self.suspicion = Some(format!("{how} over {} questions on their way", self.open.len()));
+        self.open.drain(..).rev().for_each(|id| self.suspects.push_front(id));
+    }
+
+    /// Closes its standard input, and looks whether it ends as it should.
+    fn end(&mut self) {
+        let Some(mut process) = self.process.take() else { return };
+        process.close();
+        let until = Instant::now() + self.shared.options.timeout;
+        while let Said::Line(line) = process.hear(until) {
+            self.shared.remark(format!("a line after the last answer: {}", excerpt(&line)));
+            if Instant::now() >= until {
+                break;
+            }
+        }
+        match process.ended(until) {
+            None => self.shared.remark("it doesn't end when its standard input does".to_owned()),
+            Some(how) if !how.is_empty() => self.shared.remark(format!("it ends with {how}")),
+            Some(_) => {}
+        }
+    }
+}
+
+pub(super) fn judge(case: &Case, answer: &Answer, types: &Types) -> Verdict {
+    if *answer == Answer::Unsupported {
+        return Verdict::Unsupported;
+    }
+    compare(case, answer, types).map_or_else(Verdict::Fail, |()| Verdict::Pass)
+}
+
+/// The beginning of a line, as text.
+pub(super) fn excerpt(line: &[u8]) -> String {
+    const MOST: usize = 80;
+    let part = line.get(..MOST).unwrap_or(line);
+    let end = if line.len() > MOST { "…" } else { "" };
+    format!("`{}{end}`", String::from_utf8_lossy(part).trim_end())
+}

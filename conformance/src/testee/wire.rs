@@ -1,0 +1,199 @@
+//! Values as they travel: JSON whose numbers no reader loses.
+//!
+//! Many a reader of JSON keeps all numbers as 64-bit floats. So integers beyond ±2^53 travel as
+//! `{"$u64": "18446744073709551615"}` or `{"$i64": "…"}`, and floats that JSON has no word for as `{"$f": "NaN"}`,
+//! `{"$f": "inf"}` and `{"$f": "-inf"}`. Bytes travel in base64 (RFC 4648, section 4, with padding).
+
+use serde_json::{Map, Number, Value, json};
+use uavspec_codegen::dynamic::{MessageType, PlacedElement};
+
+/// Up to here 64-bit floats hold every integer.
+const EXACT: u64 = 1 << 53;
+
+/// The tag of integers above zero.
+const UNSIGNED: &str = "$u64";
+
+/// The tag of integers below zero.
+const SIGNED: &str = "$i64";
+
+/// The tag of floats that JSON has no word for.
+const FLOAT: &str = "$f";
+
+/// The value as it travels. Null in the place of a float is NaN; `of` tells where floats are.
+pub fn to_wire(value: &Value, of: Option<MessageType<'_>>) -> Value {
+    match value {
+        Value::Number(number) => number_to_wire(number),
+        Value::Array(items) => items.iter().map(|item| to_wire(item, of)).collect(),
+        Value::Object(members) => {
+            let member = |(name, value): (&String, &Value)| (name.clone(), member_to_wire(name, value, of));
+            Value::Object(members.iter().map(member).collect())
+        }
+        Value::Null | Value::Bool(_) | Value::String(_) => value.clone(),
+    }
+}
+
+fn member_to_wire(name: &str, value: &Value, of: Option<MessageType<'_>>) -> Value {
+    let field = of.and_then(|message| message.layout().find(|field| field.name == name));
+    match field.map(|field| field.element) {
+        Some(PlacedElement::Message(nested)) => to_wire(value, Some(nested)),
+        Some(PlacedElement::Scalar(scalar)) if scalar.is_float() => float_to_wire(value),
+        _ => to_wire(value, None),
+    }
+}
+
+fn float_to_wire(value: &Value) -> Value {
+    match value {
+        Value::Null => json!({ FLOAT: "NaN" }),
+        Value::Array(items) => items.iter().map(float_to_wire).collect(),
+        other => to_wire(other, None),
+    }
+}
+
+fn number_to_wire(number: &Number) -> Value {
+    if let Some(value) = number.as_u64().filter(|value| *value > EXACT) {
+        json!({ UNSIGNED: value.to_string() })
+    } else if let Some(value) = number.as_i64().filter(|value| value.unsigned_abs() > EXACT) {
+        json!({ SIGNED: value.to_string() })
+    } else {
+        Value::Number(number.clone())
+    }
+}
+
+/// The value without tags: NaN is null, as in the published schemas; what JSON can't say stays as it is.
+pub fn from_wire(value: &Value) -> Value {
+    match value {
+        Value::Array(items) => items.iter().map(from_wire).collect(),
+        Value::Object(members) => {
+            let plain = || members.iter().map(|(name, value)| (name.clone(), from_wire(value))).collect();
+            untagged(members).unwrap_or_else(|| Value::Object(plain()))
+        }
+        other => other.clone(),
+    }
+}
+
+fn untagged(members: &Map<String, Value>) -> Option<Value> {
+    let value = Value::Object(members.clone());
+    match float(&value) {
+        Some(float) if float.is_nan() => Some(Value::Null),
+        _ => integer(&value).and_then(Number::from_i128).map(Value::Number),
+    }
+}
+
+/// The integer that a value is. Floats without a fraction are integers: not every writer tells the two apart.
+pub(super) fn integer(value: &Value) -> Option<i128> {
+    match value {
+        Value::Number(number) => number.as_i128().or_else(|| whole(number.as_f64()?)),
+        Value::Object(_) => {
+            let (tag, text) = tag(value)?;
+            (tag == UNSIGNED || tag == SIGNED).then(|| text.parse().ok()).flatten()
+        }
+        _ => None,
+    }
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss)] // no fraction, and within bounds
+fn whole(value: f64) -> Option<i128> {
+    (value.fract() == 0.0 && value.abs() <= EXACT as f64).then_some(value as i128)
+}
+
+/// The float that a value is; null is NaN.
+#[allow(clippy::cast_precision_loss)] // a float is what was asked for
+pub(super) fn float(value: &Value) -> Option<f64> {
+    match value {
+        Value::Null => Some(f64::NAN),
+        Value::Number(number) => number.as_f64(),
+        Value::Object(_) => match tag(value)? {
+            (FLOAT, "NaN") => Some(f64::NAN),
+            (FLOAT, "inf") => Some(f64::INFINITY),
+            (FLOAT, "-inf") => Some(f64::NEG_INFINITY),
+            _ => integer(value).map(|value| value as f64),
+        },
+        _ => None,
+    }
+}
+
+fn tag(value: &Value) -> Option<(&str, &str)> {
+    let members = value.as_object()?;
+    let (name, text) = members.iter().next().filter(|_| members.len() == 1)?;
+    Some((name, text.as_str()?))
+}
+
+const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
+/// Bytes in base64.
+pub fn to_base64(bytes: &[u8]) -> String {
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for chunk in bytes.chunks(3) {
+        let byte = |index: usize| u32::from(chunk.get(index).copied().unwrap_or(0));
+        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+        for index in 0..4 {
+            let digit = ALPHABET[(bits >> (18 - 6 * index) & 63) as usize];
+            text.push(if index <= chunk.len() { digit.into() } else { '=' });
+        }
+    }
+    text
+}
+
+/// Bytes from base64; none where it isn't that.
+pub fn from_base64(text: &str) -> Option<Vec<u8>> {
+    let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
+    let digits = text.trim_end_matches('=');
+    if !text.len().is_multiple_of(4) || text.len() - digits.len() > 2 {
+        return None;
+    }
+    for chunk in digits.as_bytes().chunks(4) {
+        let mut bits = 0;
+        for index in 0..4 {
+            let digit = chunk.get(index).map_or(Some(0), |digit| value_of(*digit))?;
+            bits = bits << 6 | digit;
+        }
+        let [_, found @ ..] = bits.to_be_bytes();
+        bytes.extend(found.iter().take(chunk.len() - 1));
+    }
+    Some(bytes)
+}
+
+fn value_of(digit: u8) -> Option<u32> {
+    ALPHABET.iter().position(|known| *known == digit).and_then(|at| u32::try_from(at).ok())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_is_that_of_rfc_4648() {
+        // Section 10.
+        for (plain, coded) in [
+            ("", ""),
+            ("f", "Zg=="),
+            ("fo", "Zm8="),
+            ("foo", "Zm9v"),
+            ("foob", "Zm9vYg=="),
+            ("fooba", "Zm9vYmE="),
+            ("foobar", "Zm9vYmFy"),
+        ] {
+            assert_eq!(to_base64(plain.as_bytes()), coded);
+            assert_eq!(from_base64(coded).as_deref(), Some(plain.as_bytes()));
+        }
+        for wrong in ["A", "AA", "AAA", "A===", "====", "AA A", "AAA-"] {
+            assert_eq!(from_base64(wrong), None, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn what_others_would_lose_is_tagged() {
+        let plain = json!([0, -7, 0.5, u64::MAX, i64::MIN, EXACT, EXACT + 1, "x", true, { "a": -9_007_199_254_740_993_i64 }]);
+        let wire = to_wire(&plain, None);
+        assert_eq!(wire[3], json!({ "$u64": "18446744073709551615" }));
+        assert_eq!(wire[4], json!({ "$i64": "-9223372036854775808" }));
+        assert_eq!(wire[5], json!(9_007_199_254_740_992_u64));
+        assert_eq!(wire[6], json!({ "$u64": "9007199254740993" }));
+        assert_eq!(from_wire(&wire), plain);
+        assert_eq!(from_wire(&json!({ "$f": "NaN" })), Value::Null);
+        assert_eq!(float(&json!({ "$f": "-inf" })), Some(f64::NEG_INFINITY));
+        assert_eq!(integer(&json!(5.0)), Some(5));
+        assert_eq!(integer(&json!(5.5)), None);
+        assert_eq!(integer(&json!({ "$u64": "5", "x": 1 })), None);
+    }
+}

@@ -1,0 +1,74 @@
+#!/usr/bin/env python3
+"""A testee for `uavspec test`, with the standard library only.
+
+    uavspec test -- python3 conformance/testees/python/testee.py
+"""
+
+import base64
+import json
+import sys
+
+from codec import TYPES, Rejected, alignment, check, decode, encode, layout
+
+EXACT = 2**53
+
+
+def to_wire(value):
+    """Integers that other readers of JSON would lose are tagged."""
+    if isinstance(value, dict):
+        return {name: to_wire(item) for name, item in value.items()}
+    if isinstance(value, list):
+        return [to_wire(item) for item in value]
+    if type(value) is int and abs(value) > EXACT:
+        return {"$u64" if value > 0 else "$i64": str(value)}
+    return value
+
+
+def from_wire(value):
+    if isinstance(value, list):
+        return [from_wire(item) for item in value]
+    if isinstance(value, dict):
+        for tag, read in (("$u64", int), ("$i64", int), ("$f", float)):
+            if list(value) == [tag]:
+                return read(value[tag])
+        return {name: from_wire(item) for name, item in value.items()}
+    return value
+
+
+def text(data):
+    return base64.b64encode(data).decode()
+
+
+def answer(request):
+    message, form, op = TYPES.get(request["type"]), request.get("format"), request["op"]
+    if message is None or op not in ("decode", "encode", "roundtrip", "validate", "layout"):
+        return {"unsupported": True}
+    try:
+        if op == "decode":
+            return {"ok": to_wire(decode(message, form, base64.b64decode(request["bytes"])))}
+        if op == "encode":
+            return {"ok": text(encode(message, form, from_wire(request["value"])))}
+        if op == "roundtrip":
+            return {"ok": text(encode(message, form, decode(message, form, base64.b64decode(request["bytes"]))))}
+        if op == "validate":
+            check(message, from_wire(request["value"]), is_strict=True)
+            return {"ok": None}
+        places, end = layout(message, form)
+        size = end + -end % alignment(message)
+        return {"ok": {"size": size, "size_no_padding": end, "offsets": places}}
+    except Rejected as reason:
+        return {"rejected": str(reason)}
+    except Exception as error:  # noqa: BLE001 - whatever it is, the next question can be answered
+        return {"error": repr(error)}
+
+
+OPS = ["decode", "encode", "roundtrip", "validate", "layout"]
+
+for line in sys.stdin:
+    request = json.loads(line)
+    if request["op"] == "hello":
+        reply = {"op": "hello", "name": "python", "version": "1", "ops": OPS, "types": list(TYPES)}
+    else:
+        reply = {"id": request["id"], **answer(request)}
+    # Without this the answers stay in a buffer, and the other side waits for them.
+    print(json.dumps(reply), flush=True)
