@@ -3,9 +3,11 @@
 use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::path::Path;
+use std::sync::OnceLock;
 
 use include_dir::{Dir, include_dir};
 use uavspec_codegen::cli::{Failure, read_definitions};
+use uavspec_codegen::dynamic::Types;
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, MessageId, Schema};
 use uavspec_codegen::source::Span;
@@ -21,6 +23,7 @@ pub struct Definitions {
     /// What they say.
     pub schema: Schema,
     by_topic: HashMap<String, MessageId>,
+    types: OnceLock<Types>,
 }
 
 impl Definitions {
@@ -55,7 +58,7 @@ impl Definitions {
                 by_topic.entry(topic.clone()).or_insert(*id);
             }
         }
-        Self { sources, schema, by_topic }
+        Self { sources, schema, by_topic, types: OnceLock::new() }
     }
 
     /// The message that a topic of PX4 carries. A versioned one may have its version behind its name.
@@ -78,6 +81,11 @@ impl Definitions {
             .flat_map(|known| &known.messages)
             .find(|id| self.schema.message(**id).name == name)
             .copied()
+    }
+
+    /// The types of all messages, with their codecs; made when they are first asked for.
+    pub fn types(&self) -> &Types {
+        self.types.get_or_init(|| Types::new(&self.schema))
     }
 
     /// Where something is defined, as `file:line`.

@@ -80,8 +80,8 @@ pub(super) fn test(args: &TestArgs) -> Status {
         Ok(definitions) => definitions,
         Err(status) => return status,
     };
-    let types = Types::new(&definitions.schema);
-    let cases = cases(&definitions, &types);
+    let types = definitions.types();
+    let cases = cases(&definitions, types);
     let selected = match select(&cases, args.filter.as_deref()) {
         Ok(selected) => selected,
         Err(error) => {
@@ -90,15 +90,15 @@ pub(super) fn test(args: &TestArgs) -> Status {
         }
     };
     if let Some(path) = &args.dump_cases {
-        return said(path, write_cases(path, &cases, &selected, &types))
+        return said(path, write_cases(path, &cases, &selected, types))
             .map_or_else(|status| status, |()| Status::Conforms);
     }
     let outcome = match &args.replay {
-        Some(path) => match said(path, read_answers(path, &cases, &selected, &types)) {
+        Some(path) => match said(path, read_answers(path, &cases, &selected, types)) {
             Ok(outcome) => outcome,
             Err(status) => return status,
         },
-        None => match ask(args, &cases, &selected, &types) {
+        None => match ask(args, &cases, &selected, types) {
             Ok(outcome) => outcome,
             Err(error) => {
                 anstream::eprintln!("error: {error}");

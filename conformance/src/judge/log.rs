@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::io::{self, Read};
 
-use uavspec_codegen::dynamic::{FormatProblem, MessageType, PlacedElement, Types};
+use uavspec_codegen::dynamic::{FormatProblem, MessageType, PlacedElement};
 use uavspec_codegen::schema::{MessageId, Shape};
 use uavspec_runtime::Scalar;
 
@@ -224,7 +224,7 @@ fn timestamp(of: MessageType<'_>) -> Option<usize> {
 
 /// The formats of all subscribed topics, compared with the definitions.
 fn formats(log: &Log, definitions: &Definitions, findings: &mut Findings) -> Vec<(String, Comparison)> {
-    let types = Types::new(&definitions.schema);
+    let types = definitions.types();
     let mut opened: BTreeMap<&str, u64> = BTreeMap::new();
     for subscription in log.subscriptions() {
         opened.entry(&subscription.topic).or_insert(subscription.offset);
