@@ -6,6 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use serde_json::Value;
 use support::typical;
 
@@ -39,6 +40,7 @@ fn a_log_is_judged_and_the_status_says_how() {
     fs::write(folder.path().join("empty.ulg"), "").expect("a file");
     let (status, printed, _) = uavspec(folder.path(), &["check", "empty.ulg"]);
     assert_eq!(status, Some(5), "{printed}");
+    assert!(printed.contains("nothing was judged"), "{printed}");
     let (status, _, said) = uavspec(folder.path(), &["check", "absent.ulg", "flight.ulg"]);
     assert_eq!(status, Some(3));
     assert!(said.contains("error: absent.ulg"), "{said}");
@@ -93,6 +95,22 @@ fn messages_as_json_are_judged_with_and_without_their_type() {
     assert_eq!((&source["kind"], &source["lines"], &source["types"]), (&"json".into(), &4.into(), &1.into()));
     let finding = &source["findings"][0];
     assert_eq!((&finding["rule"], &finding["examples"][0]["line"]), (&"PX-JSON-01".into(), &3.into()));
+}
+
+#[test]
+fn folders_and_packed_files_are_judged_in_their_order() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::create_dir(folder.path().join("day")).expect("a folder");
+    let zstd = compress_to_vec(&typical(20)[..], CompressionLevel::Fastest);
+    fs::write(folder.path().join("day/b.ulg.zst"), zstd).expect("a file");
+    fs::write(folder.path().join("day/a.ulg"), typical(30)).expect("a file");
+    for jobs in ["1", "4"] {
+        let (status, printed, _) = uavspec(folder.path(), &["check", "--jobs", jobs, "day"]);
+        assert_eq!(status, Some(0), "{printed}");
+        let heads: Vec<&str> = printed.lines().filter(|line| line.contains(" records, ")).collect();
+        assert!(heads[0].starts_with("day/a.ulg") && heads[0].contains("600 records"), "{printed}");
+        assert!(heads[1].starts_with("day/b.ulg.zst") && heads[1].contains("400 records"), "{printed}");
+    }
 }
 
 #[test]

@@ -163,6 +163,7 @@ fn verdicts(judged: &Judged, text: &mut String) -> std::fmt::Result {
         Source::Json(_) => ", and not all can be read",
     };
     match (failed, warned) {
+        (0, _) if judged.judgement.judged == 0 => writeln!(text, "nothing was judged{damaged}"),
         (0, 0) => writeln!(text, "conforms{damaged}"),
         (0, _) => writeln!(text, "conforms, {warned} SHOULD to be looked at{damaged}"),
         _ => writeln!(text, "does not conform: {failed} MUST, {warned} SHOULD{damaged}"),
