@@ -20,7 +20,7 @@ use crate::input;
 use crate::judge;
 use crate::parallel;
 use crate::report::{Judged, to_json, to_text};
-use crate::rule::RULES;
+use crate::rule::{RULES, Rule, rule};
 
 /// Judges outputs of drone software by the specification.
 #[derive(Debug, Parser)]
@@ -67,6 +67,12 @@ struct CheckArgs {
     /// The type of all messages as JSON, which then have nothing around them.
     #[arg(long = "type", value_name = "PACKAGE/NAME")]
     of: Option<String>,
+    /// Let formats that differ from the definitions count as breaches (PX-FMT-01).
+    #[arg(long)]
+    strict_formats: bool,
+    /// Rules that have to be exercised: that nothing was there to judge is a breach, too.
+    #[arg(long, value_name = "ID", value_delimiter = ',')]
+    require: Vec<String>,
     /// How many files are read at the same time; as many as there are processors, where nothing is said.
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
@@ -118,6 +124,14 @@ fn check(args: &CheckArgs) -> Status {
         Ok(definitions) => definitions,
         Err(status) => return status,
     };
+    let mut required = Vec::new();
+    for id in &args.require {
+        let Some(rule) = rule(id) else {
+            anstream::eprintln!("error: --require {id}: no such rule\n  help: `uavspec rules` lists all");
+            return Status::Usage;
+        };
+        required.push(rule);
+    }
     let of = args.of.as_deref().map(|name| (name, definitions.message_of_type(name)));
     if let Some((name, None)) = of {
         anstream::eprintln!("error: --type {name}: the definitions have no such message");
@@ -155,7 +169,15 @@ fn check(args: &CheckArgs) -> Status {
         // A reader that has seen enough closes the pipe: that is no failure.
         let _ = io::stdout().write_all(to_json(&judged, &definitions).as_bytes());
     }
-    status(&judged, is_unreadable)
+    let status = status(&judged, is_unreadable, args.strict_formats);
+    let idle = |rule: &&&Rule| judged.iter().all(|judged| judged.judgement.findings.exercised(rule) == 0);
+    for rule in required.iter().filter(idle) {
+        anstream::eprintln!(
+            "error: {} was required, and nothing was there that it could have judged",
+            rule.id
+        );
+    }
+    if required.iter().any(|rule| idle(&rule)) { status.max(Status::Breaks) } else { status }
 }
 
 /// The definitions at a path, or those of this program; what is wrong with them has been told.
@@ -172,9 +194,14 @@ fn judge(path: &Path, of: Option<MessageId>, definitions: &Definitions) -> io::R
     Ok(Judged { path: path.display().to_string(), judgement, elapsed: started.elapsed().as_millis() })
 }
 
-fn status(judged: &[Judged], is_unreadable: bool) -> Status {
-    let fails =
-        |judged: &Judged| RULES.iter().any(|rule| judged.judgement.findings.verdict(rule) == Verdict::Fail);
+fn status(judged: &[Judged], is_unreadable: bool, are_formats_strict: bool) -> Status {
+    let fails = |judged: &Judged| {
+        RULES.iter().any(|rule| match judged.judgement.findings.verdict(rule) {
+            Verdict::Fail => true,
+            Verdict::Shown => are_formats_strict && rule.id == "PX-FMT-01",
+            Verdict::Pass | Verdict::Warn | Verdict::NotExercised => false,
+        })
+    };
     if is_unreadable {
         Status::Unreadable
     } else if judged.iter().any(fails) {

@@ -114,6 +114,30 @@ fn folders_and_packed_files_are_judged_in_their_order() {
 }
 
 #[test]
+fn formats_and_idle_rules_count_where_that_is_asked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("flight.ulg"), typical(20)).expect("a file");
+    fs::create_dir(folder.path().join("msg")).expect("a folder");
+    let topic = "# A topic\n\nuint64 timestamp  # [us] Time\nfloat32 other     # [-] Another field\n# TOPICS topic_3\n";
+    fs::write(folder.path().join("msg/Topic.msg"), topic).expect("a file");
+    let check = |arguments: &[&str]| {
+        let all = [&["check", "flight.ulg", "--definitions", "msg"], arguments].concat();
+        uavspec(folder.path(), &all)
+    };
+    assert_eq!(check(&[]).0, Some(0));
+    let (status, printed, _) = check(&["--strict-formats"]);
+    assert_eq!(status, Some(1), "{printed}");
+    assert!(printed.contains("differs    topic_3: it lacks other (float32)"), "{printed}");
+    assert_eq!(check(&["--require", "PX-TIME-01,PX-FMT-01"]).0, Some(0));
+    let (status, _, said) = check(&["--require", "PX-VER-01"]);
+    assert_eq!(status, Some(1));
+    assert!(said.contains("PX-VER-01 was required"), "{said}");
+    let (status, _, said) = check(&["--require", "PX-NONE-01"]);
+    assert_eq!(status, Some(2));
+    assert!(said.contains("no such rule") && said.contains("help:"), "{said}");
+}
+
+#[test]
 fn programs_get_json() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("flight.ulg"), typical(20)).expect("a file");
