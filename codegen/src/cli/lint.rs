@@ -62,18 +62,20 @@ pub(super) fn run(args: &LintArgs) -> Result<bool, Failure> {
     let mut loaded = load::load(&plan)?;
     let mut findings = judge(&plan, &loaded, args.preset);
     let mended = if args.fix { mend(&plan, &mut loaded, &mut findings, args.preset)? } else { 0 };
-    let summary = summary("lint", &findings, &loaded, started);
     let fixes = match (mended, findings.iter().filter(|finding| !finding.fix.is_empty()).count()) {
         (0, 0) => String::new(),
         (0, count) => format!("; `--fix` mends {count}"),
         (count, _) => format!("; {count} mended"),
     };
+    let settings = settings(&plan, &loaded, args.preset);
     let rules = RULES.iter().filter_map(|rule| {
-        let level = settings(&plan, &loaded, args.preset).level(rule)?;
+        let level = settings.level(rule)?;
         Some(RuleInfo { id: rule.id, purpose: rule.purpose, level })
     });
     let is_fine = args.report.show("lint", rules.collect(), &findings, &loaded.sources);
-    anstream::eprintln!("{summary}{fixes}");
+    let files = plural(loaded.files.len(), "file");
+    let elapsed = started.elapsed().as_millis();
+    anstream::eprintln!("lint: {files} read: {} ({elapsed} ms){fixes}", summary(&findings));
     Ok(is_fine)
 }
 
@@ -109,7 +111,7 @@ fn judge(plan: &Plan, loaded: &Loaded, preset: Option<PresetName>) -> Vec<Findin
 }
 
 /// How many findings of each level there are.
-pub(super) fn summary(command: &str, findings: &[Finding], loaded: &Loaded, started: Instant) -> String {
+fn summary(findings: &[Finding]) -> String {
     let count = |level| findings.iter().filter(|finding| finding.level == level).count();
     let counts: Vec<String> = Level::ALL
         .into_iter()
@@ -117,9 +119,7 @@ pub(super) fn summary(command: &str, findings: &[Finding], loaded: &Loaded, star
         .filter(|level| count(*level) > 0)
         .map(|level| plural(count(level), level.name()))
         .collect();
-    let counts = if counts.is_empty() { "nothing found".to_owned() } else { counts.join(", ") };
-    let elapsed = started.elapsed().as_millis();
-    format!("{command}: {} read: {counts} ({elapsed} ms)", plural(loaded.files.len(), "file"))
+    if counts.is_empty() { "nothing found".to_owned() } else { counts.join(", ") }
 }
 
 /// Mends all that can be, until nothing is left, and writes the files that changed. How many findings it was.
