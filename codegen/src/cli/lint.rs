@@ -73,9 +73,9 @@ pub(super) fn run(args: &LintArgs) -> Result<bool, Failure> {
         Some(RuleInfo { id: rule.id, purpose: rule.purpose, level })
     });
     let is_fine = args.report.show("lint", rules.collect(), &findings, &loaded.sources);
-    let files = plural(loaded.files.len(), "file");
+    let read = plural(loaded.files.len(), "file");
     let elapsed = started.elapsed().as_millis();
-    anstream::eprintln!("lint: {files} read: {} ({elapsed} ms){fixes}", summary(&findings));
+    anstream::eprintln!("lint: {read} read: {} ({elapsed} ms){fixes}", summary(&findings));
     Ok(is_fine)
 }
 
