@@ -17,16 +17,16 @@ pub(crate) enum What {
     Compile,
     /// Reading and writing messages.
     Codec,
+    /// Judging logs and JSON.
+    Conformance,
 }
 
 pub(crate) fn run(what: What) -> ExitCode {
-    let here = Path::new(".");
     let result = match what {
-        What::Codegen => cargo(here, &["bench", "--package", "uavspec-codegen", "--bench", "codegen"]),
+        What::Codegen => benches(&[("uavspec-codegen", "codegen")]),
         What::Compile => compile::run(),
-        What::Codec => [("uavspec", "codec"), ("uavspec-codegen", "dynamic")]
-            .into_iter()
-            .try_for_each(|(package, bench)| cargo(here, &["bench", "--package", package, "--bench", bench])),
+        What::Codec => benches(&[("uavspec", "codec"), ("uavspec-codegen", "dynamic")]),
+        What::Conformance => benches(&["ulog", "check", "json"].map(|bench| ("uavspec-conformance", bench))),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -35,6 +35,14 @@ pub(crate) fn run(what: What) -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Runs benchmarks one after the other: packages and names.
+fn benches(benches: &[(&str, &str)]) -> Result<(), String> {
+    let run = |(package, bench): &(&str, &str)| {
+        cargo(Path::new("."), &["bench", "--package", package, "--bench", bench])
+    };
+    benches.iter().try_for_each(run)
 }
 
 fn cargo(folder: &Path, arguments: &[&str]) -> Result<(), String> {

@@ -22,7 +22,8 @@ enum Command {
     #[command(after_help = "Examples:
   cargo xtask bench codegen      time to read, to emit and to write PX4's 261 messages, at 1, 4 and 16 times
   cargo xtask bench compile      time to compile the crate that is generated from them
-  cargo xtask bench codec        time to read and write messages, beside a plain copy and other crates")]
+  cargo xtask bench codec        time to read and write messages, beside a plain copy and other crates
+  cargo xtask bench conformance  time to judge logs and JSON, beside serde_json and jsonschema")]
     Bench {
         /// What to measure.
         what: bench::What,
