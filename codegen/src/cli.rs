@@ -95,11 +95,28 @@ pub struct CodegenArgs {
   cargo xtask inspect                 the model of what uavspec.toml names
   cargo xtask inspect --package px4 --dialect px4 --input msg/BatteryStatus.msg")]
 pub struct InspectArgs {
+    #[command(flatten)]
+    definitions: DefinitionsArgs,
+}
+
+/// Which definitions a command reads.
+#[derive(Args, Debug)]
+struct DefinitionsArgs {
     /// The configuration file, where it is not found by itself.
     #[arg(long, value_name = "FILE", conflicts_with = "package")]
     config: Option<PathBuf>,
     #[command(flatten)]
     package: Option<PackageArgs>,
+}
+
+impl DefinitionsArgs {
+    /// The package that is given, or else what the configuration file says.
+    fn plan(&self) -> Result<Plan, Failure> {
+        match &self.package {
+            Some(package) => Ok(package.plan(Path::new(""), &[])),
+            None => Config::find(self.config.as_deref())?.plan(),
+        }
+    }
 }
 
 /// A package given on the command line instead of a file.
@@ -299,10 +316,7 @@ fn codegen(args: &CodegenArgs) -> Result<bool, Failure> {
 }
 
 fn inspect(args: &InspectArgs) -> Result<bool, Failure> {
-    let plan = match &args.package {
-        Some(package) => package.plan(Path::new(""), &[]),
-        None => Config::find(args.config.as_deref())?.plan()?,
-    };
+    let plan = args.definitions.plan()?;
     let (loaded, schema, diagnostics) = read(&plan)?;
     report("inspect", &loaded, &diagnostics, "nothing printed");
     if has_errors(&diagnostics) {

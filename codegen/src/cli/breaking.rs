@@ -10,7 +10,7 @@ use super::config::{Config, Inputs, Plan};
 use super::load::{load, load_beside};
 use super::report::ReportArgs;
 use super::revision::Checkout;
-use super::{Failure, PackageArgs, plural};
+use super::{DefinitionsArgs, Failure, PackageArgs, plural};
 use crate::breaking::{Between, Category, RULES, breaking};
 use crate::diagnostic::{Diagnostic, Level, has_errors, render};
 use crate::finding::Finding;
@@ -35,11 +35,8 @@ pub struct BreakingArgs {
     /// Between which states: a change raises the version of its message by one; between releases it may be more.
     #[arg(long, default_value = "commits")]
     between: BetweenName,
-    /// The configuration file, where it is not found by itself.
-    #[arg(long, value_name = "FILE", conflicts_with = "package")]
-    config: Option<PathBuf>,
     #[command(flatten)]
-    package: Option<PackageArgs>,
+    definitions: DefinitionsArgs,
     #[command(flatten)]
     report: ReportArgs,
 }
@@ -63,7 +60,7 @@ impl From<BetweenName> for Between {
 
 pub(super) fn run(args: &BreakingArgs) -> Result<bool, Failure> {
     let started = Instant::now();
-    let new_plan = new_plan(args)?;
+    let new_plan = args.definitions.plan()?;
     // The files of a revision are there until both states are read.
     let (old_plan, _checkout) = old_plan(args, &new_plan)?;
     let mut old = load(&old_plan)?;
@@ -102,13 +99,6 @@ pub(super) fn run(args: &BreakingArgs) -> Result<bool, Failure> {
     Ok(is_fine)
 }
 
-fn new_plan(args: &BreakingArgs) -> Result<Plan, Failure> {
-    match &args.package {
-        Some(package) => Ok(package.plan(Path::new(""), &[])),
-        None => Config::find(args.config.as_deref())?.plan(),
-    }
-}
-
 /// How to read the earlier state, and its files where they had to be taken out of the repository.
 fn old_plan(args: &BreakingArgs, new: &Plan) -> Result<(Plan, Option<Checkout>), Failure> {
     let against = Path::new(&args.against);
@@ -116,7 +106,7 @@ fn old_plan(args: &BreakingArgs, new: &Plan) -> Result<(Plan, Option<Checkout>),
         return plan_of_folder(args, new, against).map(|plan| (plan, None));
     }
     let revision = Some(args.against.clone());
-    if let Some(package) = &args.package {
+    if let Some(package) = &args.definitions.package {
         let near = package.input.first().map_or(Path::new("."), PathBuf::as_path);
         let checkout = Checkout::of(&args.against, near, new)?;
         let places: Result<Vec<PathBuf>, Failure> =
@@ -126,7 +116,7 @@ fn old_plan(args: &BreakingArgs, new: &Plan) -> Result<(Plan, Option<Checkout>),
         let plan = Plan { root, revision, ..moved.plan(Path::new(""), &[]) };
         return Ok((plan, Some(checkout)));
     }
-    let config = Config::find(args.config.as_deref())?;
+    let config = Config::find(args.definitions.config.as_deref())?;
     let checkout = Checkout::of(&args.against, config.file(), new)?;
     let place = checkout.place_of(config.file())?;
     // The revision's own configuration says what there was then; before there was one, today's has to do.
@@ -140,14 +130,14 @@ fn old_plan(args: &BreakingArgs, new: &Plan) -> Result<(Plan, Option<Checkout>),
 
 /// A folder with a configuration file of its own, or with nothing but the definitions of one package.
 fn plan_of_folder(args: &BreakingArgs, new: &Plan, folder: &Path) -> Result<Plan, Failure> {
-    if let Some(package) = &args.package {
+    if let Some(package) = &args.definitions.package {
         let of_folder = PackageArgs { input: vec![folder.to_path_buf()], ..package.clone() };
         return Ok(of_folder.plan(Path::new(""), &[]));
     }
     if let Some(file) = Config::in_folder(folder) {
         return Config::read(&file)?.plan();
     }
-    let mut plan = new_plan(args)?;
+    let mut plan = args.definitions.plan()?;
     if plan.packages.len() > 1 {
         let message = format!("{} has no uavspec.toml, and there are several packages", folder.display());
         let names: Vec<&str> = new.packages.iter().map(|package| package.name.as_str()).collect();

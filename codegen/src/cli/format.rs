@@ -3,16 +3,16 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::io::{self, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
 use similar::TextDiff;
 
-use super::config::{Config, Plan};
+use super::config::Plan;
 use super::load::{self, Loaded};
 use super::rewrite::{self, Change};
-use super::{Failure, PackageArgs, plural, report};
+use super::{DefinitionsArgs, Failure, plural, report};
 use crate::format::{self, Formatted};
 use crate::source::{SourceId, SourceMap};
 
@@ -28,19 +28,13 @@ pub struct FmtArgs {
     /// Write nothing; print what differs and fail if anything does.
     #[arg(long)]
     check: bool,
-    /// The configuration file, where it is not found by itself.
-    #[arg(long, value_name = "FILE", conflicts_with = "package")]
-    config: Option<PathBuf>,
     #[command(flatten)]
-    package: Option<PackageArgs>,
+    definitions: DefinitionsArgs,
 }
 
 pub(super) fn run(args: &FmtArgs) -> Result<bool, Failure> {
     let started = Instant::now();
-    let plan = match &args.package {
-        Some(package) => package.plan(Path::new(""), &[]),
-        None => Config::find(args.config.as_deref())?.plan()?,
-    };
+    let plan = args.definitions.plan()?;
     let (changes, loaded) = changes(&plan)?;
     report("fmt", &loaded, &loaded.diagnostics, "left as they are");
     let result = if args.check {

@@ -2,16 +2,15 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
 
-use super::config::{Config, Plan, PresetName};
+use super::config::{Plan, PresetName};
 use super::load::{self, Loaded};
 use super::report::ReportArgs;
 use super::rewrite::{self, Change};
-use super::{Failure, PackageArgs, plural};
+use super::{DefinitionsArgs, Failure, plural};
 use crate::diagnostic::Level;
 use crate::finding::Finding;
 use crate::lint::{Ignore, Preset, RULES, Settings, apply, lint};
@@ -31,11 +30,8 @@ const MAX_PASSES: usize = 10;
 
 Exit status: 0 nothing of level error (or of the level that --deny names), 1 some, 2 it can't be carried out.")]
 pub struct LintArgs {
-    /// The configuration file, where it is not found by itself.
-    #[arg(long, value_name = "FILE", conflicts_with = "package")]
-    config: Option<PathBuf>,
     #[command(flatten)]
-    package: Option<PackageArgs>,
+    definitions: DefinitionsArgs,
     /// The set of rules, instead of that in uavspec.toml; px4, where none is chosen.
     #[arg(long)]
     preset: Option<PresetName>,
@@ -55,10 +51,7 @@ pub(super) fn run(args: &LintArgs) -> Result<bool, Failure> {
         return Ok(true);
     }
     let started = Instant::now();
-    let plan = match &args.package {
-        Some(package) => package.plan(Path::new(""), &[]),
-        None => Config::find(args.config.as_deref())?.plan()?,
-    };
+    let plan = args.definitions.plan()?;
     let mut loaded = load::load(&plan)?;
     let mut findings = judge(&plan, &loaded, args.preset);
     let mended = if args.fix { mend(&plan, &mut loaded, &mut findings, args.preset)? } else { 0 };
