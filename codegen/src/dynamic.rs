@@ -39,6 +39,7 @@ mod compile;
 mod error;
 mod initial;
 mod json;
+pub mod members;
 mod packed;
 mod plan;
 mod trail;

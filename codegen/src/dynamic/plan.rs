@@ -4,6 +4,7 @@ use uavspec_runtime::Scalar;
 use uavspec_runtime::layout::Size;
 
 use super::error::Defect;
+use super::members::Named;
 use super::packed::Packed;
 use crate::schema::{Restriction, Shape};
 use crate::value::Value;
@@ -48,6 +49,12 @@ pub(super) struct Field {
     pub(super) default: Option<Value>,
     pub(super) restriction: Option<Restriction>,
     pub(super) is_restricted: bool,
+}
+
+impl Named for Field {
+    fn name(&self) -> &str {
+        &self.name
+    }
 }
 
 impl Field {

@@ -6,6 +6,7 @@ use std::fmt;
 
 use serde::Deserializer;
 use serde::de::{DeserializeSeed, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use uavspec_codegen::dynamic::members::{KeySeed, Seen};
 use uavspec_codegen::schema::{MessageId, Shape};
 use uavspec_runtime::Scalar;
 
@@ -99,63 +100,6 @@ impl<'de> Visitor<'de> for Members<'_, '_> {
             guess = index + 1;
         }
         if (0..fields.len()).all(|index| seen.contains(index)) { Ok(()) } else { Err(unclean()) }
-    }
-}
-
-/// Which fields have been read. Mostly they come in declared order, and then a number says it.
-#[derive(Default)]
-struct Seen {
-    in_order: usize,
-    others: Vec<bool>,
-}
-
-impl Seen {
-    /// Adds a field, and says whether it wasn't there yet.
-    fn insert(&mut self, index: usize, count: usize) -> bool {
-        if self.contains(index) {
-            return false;
-        }
-        if index == self.in_order {
-            self.in_order += 1;
-        } else {
-            self.others.resize(count, false);
-            self.others[index] = true;
-        }
-        true
-    }
-
-    fn contains(&self, index: usize) -> bool {
-        index < self.in_order || self.others.get(index).is_some_and(|seen| *seen)
-    }
-}
-
-/// Reads a key as the index of the field that it names.
-struct KeySeed<'p> {
-    fields: &'p [FieldPlan],
-    /// The field that is looked at first.
-    guess: usize,
-}
-
-impl<'de> DeserializeSeed<'de> for KeySeed<'_> {
-    type Value = usize;
-
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<usize, D::Error> {
-        deserializer.deserialize_identifier(self)
-    }
-}
-
-impl Visitor<'_> for KeySeed<'_> {
-    type Value = usize;
-
-    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("the name of a field")
-    }
-
-    fn visit_str<E: Error>(self, key: &str) -> Result<usize, E> {
-        if self.fields.get(self.guess).is_some_and(|field| field.name == key) {
-            return Ok(self.guess);
-        }
-        self.fields.iter().position(|field| field.name == key).ok_or_else(unclean)
     }
 }
 

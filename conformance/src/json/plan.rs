@@ -1,5 +1,6 @@
 //! What each message has to be, put together once for all of a schema.
 
+use uavspec_codegen::dynamic::members::Named;
 use uavspec_codegen::schema::{self, Dialect as Language, Form, MessageId, Restriction, Schema, Shape};
 use uavspec_codegen::source::Span;
 use uavspec_runtime::Scalar;
@@ -96,6 +97,12 @@ impl Plans {
             }
         }
         sums
+    }
+}
+
+impl Named for FieldPlan {
+    fn name(&self) -> &str {
+        &self.name
     }
 }
 

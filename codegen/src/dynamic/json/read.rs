@@ -6,6 +6,7 @@ use serde::Deserializer;
 use serde::de::{DeserializeSeed, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
 use super::number::NumberSeed;
+use crate::dynamic::members::{KeySeed, Seen};
 use crate::dynamic::plan::{Element, Field, Plan, SLOT};
 use crate::dynamic::trail::Trail;
 use crate::dynamic::{DynamicMessage, MessageType};
@@ -111,7 +112,7 @@ impl<'de> Visitor<'de> for MessageSeed<'_, '_> {
         let Self { builder, plan, base } = self;
         let mut seen = Seen::default();
         let mut guess = 0;
-        while let Some(index) = map.next_key_seed(KeySeed { plan, guess })? {
+        while let Some(index) = map.next_key_seed(KeySeed { fields: &plan.fields, guess })? {
             let field = &plan.fields[index];
             builder.trail.enter(&field.name);
             if !seen.insert(index, plan.fields.len()) {
@@ -127,65 +128,6 @@ impl<'de> Visitor<'de> for MessageSeed<'_, '_> {
             }
             None => Ok(()),
         }
-    }
-}
-
-/// Which fields have been read. Mostly they come in declared order, and then a number says it.
-#[derive(Default)]
-struct Seen {
-    in_order: usize,
-    others: Vec<bool>,
-}
-
-impl Seen {
-    /// Adds a field, and says whether it wasn't there yet.
-    fn insert(&mut self, index: usize, count: usize) -> bool {
-        if self.contains(index) {
-            return false;
-        }
-        if index == self.in_order {
-            self.in_order += 1;
-        } else {
-            self.others.resize(count, false);
-            self.others[index] = true;
-        }
-        true
-    }
-
-    fn contains(&self, index: usize) -> bool {
-        index < self.in_order || self.others.get(index).is_some_and(|seen| *seen)
-    }
-}
-
-/// Reads a key as the index of the field that it names.
-struct KeySeed<'t> {
-    plan: &'t Plan,
-    /// The field that is looked at first.
-    guess: usize,
-}
-
-impl<'de> DeserializeSeed<'de> for KeySeed<'_> {
-    type Value = usize;
-
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<usize, D::Error> {
-        deserializer.deserialize_identifier(self)
-    }
-}
-
-impl Visitor<'_> for KeySeed<'_> {
-    type Value = usize;
-
-    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("the name of a field")
-    }
-
-    fn visit_str<E: serde::de::Error>(self, key: &str) -> Result<usize, E> {
-        let fields = &self.plan.fields;
-        if fields.get(self.guess).is_some_and(|field| *field.name == *key) {
-            return Ok(self.guess);
-        }
-        let found = fields.iter().position(|field| *field.name == *key);
-        found.ok_or_else(|| E::custom(format_args!("unknown field `{key}`")))
     }
 }
 
