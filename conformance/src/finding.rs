@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use uavspec_codegen::source::Span;
 
+use crate::detail::Detail;
 use crate::record::Place;
 use crate::rule::{Level, RULES, Rule};
 
@@ -23,7 +24,7 @@ pub struct Group {
     /// How often.
     pub count: u64,
     /// The first of them: where, and what was found there.
-    pub examples: Vec<(Place, String)>,
+    pub examples: Vec<(Place, Detail)>,
     /// Where the definition says what should be.
     pub definition: Option<Span>,
 }
@@ -70,7 +71,7 @@ impl Findings {
         subject: &str,
         place: Place,
         definition: Option<Span>,
-        text: impl FnOnce() -> String,
+        detail: impl FnOnce() -> Detail,
     ) {
         let Some(at) = index(rule) else { return };
         // A finding says that there was something to judge.
@@ -92,7 +93,7 @@ impl Findings {
         });
         group.count += 1;
         if group.examples.len() < MAX_EXAMPLES {
-            group.examples.push((place, text()));
+            group.examples.push((place, detail()));
         }
     }
 

@@ -12,7 +12,7 @@ pub use self::log::{LogSource, judge_ulog};
 use crate::definitions::Definitions;
 use crate::finding::Findings;
 use crate::record::{Channel, Message, Place};
-use crate::rule::{Check, Checker, Judged, RULES, Rule};
+use crate::rule::{Check, Checker, Interest, Judged, RULES, Rule};
 use crate::source::ULOG_MAGIC;
 
 /// How many places of damage are kept.
@@ -68,8 +68,9 @@ pub fn judge(
 struct Course<'d> {
     definitions: &'d Definitions,
     findings: Findings,
-    checkers: Vec<(&'static Rule, Box<dyn Checker>)>,
-    channels: usize,
+    followers: Vec<Follower>,
+    /// By the index of a channel.
+    channels: Vec<Followed>,
     records: u64,
     judged: u64,
     first: Option<u64>,
@@ -78,17 +79,45 @@ struct Course<'d> {
     more_damage: u64,
 }
 
+/// A rule that follows the records.
+struct Follower {
+    rule: &'static Rule,
+    checker: Box<dyn Checker>,
+    exercised: u64,
+}
+
+/// Who follows a channel.
+#[derive(Default)]
+struct Followed {
+    /// Indices of the followers that want its messages.
+    by: Vec<usize>,
+    /// What most of them want to know.
+    interest: Interest,
+}
+
+impl Follower {
+    fn judge<T>(
+        &mut self,
+        definitions: &Definitions,
+        findings: &mut Findings,
+        what: impl FnOnce(&mut dyn Checker, &mut Judged<'_>) -> T,
+    ) -> T {
+        let Self { rule, checker, exercised } = self;
+        what(&mut **checker, &mut Judged { rule, definitions, findings, exercised })
+    }
+}
+
 impl<'d> Course<'d> {
     fn new(definitions: &'d Definitions) -> Self {
-        let checkers = RULES.iter().filter_map(|rule| match rule.check {
-            Check::State(start) => Some((*rule, start())),
+        let followers = RULES.iter().filter_map(|rule| match rule.check {
+            Check::State(start) => Some(Follower { rule, checker: start(), exercised: 0 }),
             Check::Value | Check::Source => None,
         });
         Self {
             definitions,
             findings: Findings::default(),
-            checkers: checkers.collect(),
-            channels: 0,
+            followers: followers.collect(),
+            channels: Vec::new(),
             records: 0,
             judged: 0,
             first: None,
@@ -100,15 +129,26 @@ impl<'d> Course<'d> {
 
     /// A number for the next channel.
     fn number_channel(&mut self) -> usize {
-        self.channels += 1;
-        self.channels - 1
+        self.channels.push(Followed::default());
+        self.channels.len() - 1
     }
 
     fn opened(&mut self, channel: &Channel<'_>) {
-        for (rule, checker) in &mut self.checkers {
-            let (definitions, findings) = (self.definitions, &mut self.findings);
-            checker.opened(channel, &mut Judged { rule, definitions, findings });
+        let mut followed = Followed::default();
+        for (at, follower) in self.followers.iter_mut().enumerate() {
+            let opened = |checker: &mut dyn Checker, judged: &mut Judged<'_>| checker.opened(channel, judged);
+            let interest = follower.judge(self.definitions, &mut self.findings, opened);
+            if interest > Interest::Nothing {
+                followed.by.push(at);
+                followed.interest = followed.interest.max(interest);
+            }
         }
+        self.channels[channel.index] = followed;
+    }
+
+    /// Whether a rule wants to know what the messages of a channel say.
+    fn wants_values(&self, channel: usize) -> bool {
+        self.channels[channel].interest == Interest::Values
     }
 
     /// A message that was judged by itself.
@@ -118,14 +158,16 @@ impl<'d> Course<'d> {
             self.first = Some(self.first.map_or(timestamp, |first| first.min(timestamp)));
             self.last = self.last.max(timestamp);
         }
-        for (rule, checker) in &mut self.checkers {
-            let (definitions, findings) = (self.definitions, &mut self.findings);
-            checker.message(channel, message, &mut Judged { rule, definitions, findings });
+        for at in &self.channels[channel.index].by {
+            let message = |checker: &mut dyn Checker, judged: &mut Judged<'_>| {
+                checker.message(channel, message, judged);
+            };
+            self.followers[*at].judge(self.definitions, &mut self.findings, message);
         }
     }
 
     fn dropout(&mut self, milliseconds: u16, place: Place) {
-        self.checkers.iter_mut().for_each(|(_, checker)| checker.dropout(milliseconds, place));
+        self.followers.iter_mut().for_each(|follower| follower.checker.dropout(milliseconds, place));
     }
 
     fn damage(&mut self, place: Place, text: String) {
@@ -137,9 +179,9 @@ impl<'d> Course<'d> {
     }
 
     fn finish(mut self, bytes: u64, source: Source) -> Judgement {
-        for (rule, checker) in &mut self.checkers {
-            let (definitions, findings) = (self.definitions, &mut self.findings);
-            checker.end(&mut Judged { rule, definitions, findings });
+        for follower in &mut self.followers {
+            follower.judge(self.definitions, &mut self.findings, |checker, judged| checker.end(judged));
+            self.findings.exercise(follower.rule, follower.exercised);
         }
         Judgement {
             source,

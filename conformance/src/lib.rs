@@ -12,14 +12,17 @@
 pub mod cli;
 pub mod comparison;
 pub mod definitions;
+pub mod detail;
 pub mod finding;
 pub mod input;
 pub mod json;
 pub mod judge;
+pub mod matrix;
 pub mod parallel;
 pub mod plan;
 pub mod record;
 pub mod report;
 pub mod rule;
+pub mod sample;
 pub mod source;
 pub mod testee;

@@ -4,13 +4,12 @@
 //! that both have. A healthy message costs a few comparisons for each restricted field; only of one that isn't
 //! healthy it is worked out what is wrong where.
 
-use std::fmt;
-
 use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
 use uavspec_codegen::schema::{Element, Field, Message, MessageId, Restriction, Schema, Shape};
 use uavspec_codegen::source::Span;
 use uavspec_runtime::{Number, Scalar};
 
+use crate::detail::{Detail, hexadecimal};
 use crate::finding::Findings;
 use crate::record::Place;
 use crate::rule::{Rule, rule};
@@ -227,51 +226,37 @@ impl Step {
 
     /// Works out what a value that may be unhealthy breaks, and reports it.
     fn explain(&self, value: &[u8], index: usize, place: Place, findings: &mut Findings) {
-        let mut report = |id: &str, text: &dyn fmt::Display| {
-            if let Some(rule) = rule(id) {
-                findings.report(rule, &self.subject, place, self.definition, || self.located(index, text));
-            }
+        let mut report = |id: &str, detail: Detail| {
+            let Some(rule) = rule(id) else { return };
+            let detail = detail.at(self.located(index)).excerpt(hexadecimal(value));
+            findings.report(rule, &self.subject, place, self.definition, || detail);
         };
         match &self.kind {
-            Kind::Bool => report("PX-BOOL-01", &format_args!("{} where a bool is 0 or 1", value[0])),
+            Kind::Bool => {
+                let detail = Detail::new(format!("{} where a bool is 0 or 1", value[0]));
+                report("PX-BOOL-01", detail.expected("0 or 1").actual(value[0].to_string()));
+            }
             Kind::Text(_) => {
                 if let Err(error) = std::str::from_utf8(until_nul(value)) {
-                    let text = format_args!("no UTF-8 from its byte {} on", error.valid_up_to());
-                    report(uavspec_runtime::Rule::Text.id(), &text);
+                    let text = format!("no UTF-8 from its byte {} on", error.valid_up_to());
+                    report(uavspec_runtime::Rule::Text.id(), Detail::new(text).expected("UTF-8"));
                 }
             }
             Kind::Number(scalar, restriction, _) => {
-                let constraint = restriction.constraint();
                 let Some(found) = number(*scalar, value) else { return };
-                let Some(broken) = constraint.broken_by(found) else { return };
-                report(broken.id(), &Explained { rule: broken, found, restriction });
+                let Some(broken) = restriction.constraint().broken_by(found) else { return };
+                report(broken.id(), Detail::of_number(broken, found, restriction));
             }
         }
     }
 
-    /// What is said of an element: which one, where there are several, and what.
-    fn located(&self, index: usize, text: &dyn fmt::Display) -> String {
-        // The rule stands beside it in any report.
-        let text = text.to_string();
-        let text = text.rsplit_once(" (PX-").map_or(text.as_str(), |(text, _)| text);
+    /// Which element is meant, where there are several.
+    fn located(&self, index: usize) -> String {
         match (self.count > 1, self.path.contains('[')) {
-            (true, _) => format!("{}[{index}]: {text}", self.path),
-            (false, true) => format!("{}: {text}", self.path),
-            (false, false) => text.to_owned(),
+            (true, _) => format!("{}[{index}]", self.path),
+            (false, true) => self.path.clone(),
+            (false, false) => String::new(),
         }
-    }
-}
-
-/// What a number should have been.
-struct Explained<'r> {
-    rule: uavspec_runtime::Rule,
-    found: Number,
-    restriction: &'r Restriction,
-}
-
-impl fmt::Display for Explained<'_> {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.rule.explain(self.found, Some(&self.restriction.constraint()), None, formatter)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use uavspec_codegen::dynamic::DynamicView;
 use uavspec_codegen::schema::MessageId;
 
 /// Where in its source a record stands.
@@ -41,7 +42,7 @@ impl fmt::Display for Grouped {
 /// A stream of messages of one type: a subscription of a log, a topic of a capture.
 #[derive(Clone, Copy, Debug)]
 pub struct Channel<'c> {
-    /// Its number in its source.
+    /// Its number in its source. A channel that is opened anew in the place of another has that one's.
     pub index: usize,
     /// The topic.
     pub topic: &'c str,
@@ -58,8 +59,8 @@ pub struct Channel<'c> {
 pub struct Message<'m> {
     /// Its field `timestamp`, in µs since system start.
     pub timestamp: Option<u64>,
-    /// Its bytes.
-    pub payload: &'m [u8],
+    /// Its fields, where a rule wants them ([`Interest::Values`](crate::rule::Interest)) and they can be read.
+    pub values: Option<DynamicView<'m>>,
     /// Where it stands.
     pub place: Place,
 }

@@ -26,8 +26,10 @@ mod px_ver_01;
 use std::fmt;
 
 use crate::definitions::Definitions;
+use crate::detail::Detail;
 use crate::finding::Findings;
 use crate::record::{Channel, Message, Place};
+use crate::sample::Flight;
 
 /// Every rule, by id.
 pub static RULES: [&Rule; 19] = [
@@ -73,6 +75,27 @@ impl fmt::Display for Level {
     }
 }
 
+/// Whether what a rule says is beyond doubt.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// The specification lays it down.
+    Normative,
+    /// The specification contradicts itself; how, says the text.
+    Disputed(&'static str),
+    /// It follows from the specification, or from what it is for.
+    Advisory,
+}
+
+impl fmt::Display for Status {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(match self {
+            Self::Normative => "normative",
+            Self::Disputed(_) => "disputed",
+            Self::Advisory => "advisory",
+        })
+    }
+}
+
 /// A rule.
 #[derive(Debug)]
 pub struct Rule {
@@ -80,12 +103,18 @@ pub struct Rule {
     pub id: &'static str,
     /// How much it binds.
     pub level: Level,
+    /// Whether it is beyond doubt.
+    pub status: Status,
     /// What has to hold.
     pub statement: &'static str,
     /// What lays it down.
     pub source: &'static str,
+    /// What it is about.
+    pub applies_to: &'static str,
     /// What finds breaches.
     pub check: Check,
+    /// What it has to find.
+    pub mutants: &'static [Mutant],
 }
 
 /// What finds breaches of a rule.
@@ -99,10 +128,33 @@ pub enum Check {
     State(fn() -> Box<dyn Checker>),
 }
 
+/// A source that breaks a rule: a small change of one that conforms.
+#[derive(Debug)]
+pub struct Mutant {
+    /// What is changed.
+    pub name: &'static str,
+    /// Makes it of a flight; none where the definitions have nothing that could be changed so.
+    pub make: fn(&Flight<'_>) -> Option<Vec<u8>>,
+    /// The ids of other rules that it can't but break, too.
+    pub also: &'static [&'static str],
+}
+
+/// What a rule wants to know of a channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Interest {
+    /// No more than that it was opened.
+    #[default]
+    Nothing,
+    /// When messages come.
+    Times,
+    /// What they say.
+    Values,
+}
+
 /// Follows the records of one source.
 pub trait Checker {
-    /// A channel is opened: a topic with its type.
-    fn opened(&mut self, _channel: &Channel<'_>, _judged: &mut Judged<'_>) {}
+    /// A channel is opened: a topic with its type. Only messages of channels that are of interest come.
+    fn opened(&mut self, channel: &Channel<'_>, judged: &mut Judged<'_>) -> Interest;
 
     /// A message comes.
     fn message(&mut self, _channel: &Channel<'_>, _message: &Message<'_>, _judged: &mut Judged<'_>) {}
@@ -114,6 +166,30 @@ pub trait Checker {
     fn end(&mut self, _judged: &mut Judged<'_>) {}
 }
 
+/// A state for each channel.
+#[derive(Debug)]
+struct PerChannel<T>(Vec<T>);
+
+impl<T: Default + Clone> PerChannel<T> {
+    /// Starts anew with a channel.
+    fn open(&mut self, channel: &Channel<'_>, state: T) {
+        let count = self.0.len().max(channel.index + 1);
+        self.0.resize(count, T::default());
+        self.0[channel.index] = state;
+    }
+
+    /// The state of a channel that was opened.
+    fn of(&mut self, channel: &Channel<'_>) -> Option<&mut T> {
+        self.0.get_mut(channel.index)
+    }
+}
+
+impl<T> Default for PerChannel<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
 /// Where a rule puts what it finds.
 pub struct Judged<'j> {
     /// The rule.
@@ -122,19 +198,30 @@ pub struct Judged<'j> {
     pub definitions: &'j Definitions,
     /// All findings.
     pub findings: &'j mut Findings,
+    /// How often it was exercised.
+    pub exercised: &'j mut u64,
 }
 
 impl Judged<'_> {
     /// Something was looked at, whatever came of it.
     pub fn exercise(&mut self) {
-        self.findings.exercise(self.rule, 1);
+        *self.exercised += 1;
     }
 
     /// Something breaks the rule.
-    pub fn report(&mut self, subject: &str, place: Place, text: impl FnOnce() -> String) {
-        self.findings.report(self.rule, subject, place, None, text);
+    pub fn report(&mut self, subject: &str, place: Place, detail: impl FnOnce() -> Detail) {
+        self.findings.report(self.rule, subject, place, None, detail);
     }
 }
+
+// A rule that finds nothing is none.
+const _: () = {
+    let mut at = 0;
+    while at < RULES.len() {
+        assert!(!RULES[at].mutants.is_empty(), "a rule without a mutant");
+        at += 1;
+    }
+};
 
 /// The rule of an id.
 pub fn rule(id: &str) -> Option<&'static Rule> {

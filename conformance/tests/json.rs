@@ -18,8 +18,6 @@ use uavspec_conformance::judge::{JsonSource, Judgement, Source, judge};
 use uavspec_conformance::record::Place;
 use uavspec_conformance::rule::{RULES, rule};
 
-use support::OF_JSON;
-
 const GLIDER: &str = "\
 uint32 MESSAGE_VERSION = 2
 uint8 ORB_QUEUE_LENGTH = 2
@@ -252,11 +250,8 @@ fn mutants() -> Vec<(&'static str, String, &'static str)> {
 }
 
 #[test]
-fn each_rule_finds_its_mutants_and_no_other_rule_does() {
+fn what_is_said_of_a_breach_tells_what_and_where() {
     let mutants = mutants();
-    for id in OF_JSON {
-        assert!(mutants.iter().any(|(of, ..)| *of == id), "{id} has a mutant");
-    }
     for (id, last, said) in mutants {
         let judgement = judge_bytes(lines_with(&last).as_bytes());
         let found = broken(&judgement);

@@ -84,6 +84,14 @@ pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
     files
 }
 
+/// A valid message of each type as JSON, by its id: values are typical, and no two fields side by side have the
+/// same. None where no value satisfies the type.
+pub fn typical(schema: &Schema) -> Vec<Option<String>> {
+    let parts = Parts::of(schema);
+    let typical = |message| field::message_typical(schema, message, &parts, &mut typical::Typical::default());
+    schema.messages.iter().map(typical).collect()
+}
+
 struct Emitter<'s> {
     schema: &'s Schema,
     options: &'s Options,

@@ -28,40 +28,55 @@ impl Plans {
     /// Whether a text is a message, and nothing is wrong with it. `is_rosbridge` allows what rosbridge writes.
     pub fn is_clean(&self, id: MessageId, text: &str, is_rosbridge: bool) -> bool {
         let mut reader = serde_json::Deserializer::from_str(text);
-        let seed = MessageSeed::new(self, id, is_rosbridge);
+        let seed = MessageSeed::new(self, id, is_rosbridge, &mut []);
         seed.deserialize(&mut reader).is_ok() && reader.end().is_ok()
     }
 }
 
 /// Reads a message.
-pub(crate) struct MessageSeed<'p> {
-    reading: Reading<'p>,
+pub(crate) struct MessageSeed<'p, 'v> {
+    reading: Reading<'p, 'v>,
     plan: &'p MessagePlan,
 }
 
-impl<'p> MessageSeed<'p> {
-    pub(crate) fn new(plans: &'p Plans, id: MessageId, is_rosbridge: bool) -> Self {
-        Self { reading: Reading { plans, is_rosbridge, clean: Clean::default() }, plan: plans.get(id) }
+impl<'p, 'v> MessageSeed<'p, 'v> {
+    /// `values` gets the numbers and bools of the message as they lie in memory. It has the size of the message,
+    /// or is empty where nobody wants them.
+    pub(crate) fn new(plans: &'p Plans, id: MessageId, is_rosbridge: bool, values: &'v mut [u8]) -> Self {
+        let reading = Reading { plans, is_rosbridge, values, clean: Clean::default() };
+        Self { reading, plan: plans.get(id) }
     }
 }
 
-impl<'de> DeserializeSeed<'de> for MessageSeed<'_> {
+impl<'de> DeserializeSeed<'de> for MessageSeed<'_, '_> {
     type Value = Clean;
 
     fn deserialize<D: Deserializer<'de>>(mut self, deserializer: D) -> Result<Clean, D::Error> {
         deserializer.deserialize_map(Members {
             reading: &mut self.reading,
             plan: self.plan,
+            base: 0,
             is_top: true,
         })?;
         Ok(self.reading.clean)
     }
 }
 
-struct Reading<'p> {
+struct Reading<'p, 'v> {
     plans: &'p Plans,
     is_rosbridge: bool,
+    values: &'v mut [u8],
     clean: Clean,
+}
+
+impl Reading<'_, '_> {
+    /// Keeps a value at its place in memory.
+    fn keep(&mut self, scalar: Scalar, at: usize, leaf: Leaf<'_>) {
+        let bytes = leaf.bytes(scalar);
+        if let Some(place) = self.values.get_mut(at..at + scalar.size()) {
+            place.copy_from_slice(&bytes[..scalar.size()]);
+        }
+    }
 }
 
 fn unclean<E: Error>() -> E {
@@ -69,13 +84,15 @@ fn unclean<E: Error>() -> E {
 }
 
 /// The members of a message.
-struct Members<'r, 'p> {
-    reading: &'r mut Reading<'p>,
+struct Members<'r, 'p, 'v> {
+    reading: &'r mut Reading<'p, 'v>,
     plan: &'p MessagePlan,
+    /// Where the message starts in memory.
+    base: usize,
     is_top: bool,
 }
 
-impl<'de> Visitor<'de> for Members<'_, '_> {
+impl<'de> Visitor<'de> for Members<'_, '_, '_> {
     type Value = ();
 
     fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -83,7 +100,7 @@ impl<'de> Visitor<'de> for Members<'_, '_> {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
-        let Self { reading, plan, is_top } = self;
+        let Self { reading, plan, base, is_top } = self;
         let fields = &plan.fields;
         let mut seen = Seen::default();
         let mut guess = 0;
@@ -93,9 +110,11 @@ impl<'de> Visitor<'de> for Members<'_, '_> {
             }
             let field = &fields[index];
             if is_top && field.is_timestamp() {
-                reading.clean.timestamp = Some(map.next_value()?);
+                let timestamp: u64 = map.next_value()?;
+                reading.clean.timestamp = Some(timestamp);
+                reading.keep(Scalar::UInt64, field.offset, Leaf::Int(timestamp.into()));
             } else {
-                map.next_value_seed(Value { reading, field, is_element: false })?;
+                map.next_value_seed(Value { reading, field, at: base + field.offset, is_element: false })?;
             }
             guess = index + 1;
         }
@@ -104,26 +123,31 @@ impl<'de> Visitor<'de> for Members<'_, '_> {
 }
 
 /// Reads the value of a field, or of an element of it.
-struct Value<'r, 'p> {
-    reading: &'r mut Reading<'p>,
+struct Value<'r, 'p, 'v> {
+    reading: &'r mut Reading<'p, 'v>,
     field: &'p FieldPlan,
+    /// Where it starts in memory.
+    at: usize,
     is_element: bool,
 }
 
-impl Value<'_, '_> {
+impl Value<'_, '_, '_> {
     fn is_array(&self) -> bool {
         self.field.shape != Shape::Single && !self.is_element
     }
 
-    fn leaf<E: Error>(&self, leaf: Leaf<'_>) -> Result<(), E> {
+    fn leaf<E: Error>(self, leaf: Leaf<'_>) -> Result<(), E> {
         if self.is_array() {
             return Err(unclean());
+        }
+        if let (Element::Scalar(scalar), false) = (self.field.element, self.reading.values.is_empty()) {
+            self.reading.keep(scalar, self.at, leaf);
         }
         self.field.judge(leaf).map_err(|_| unclean())
     }
 }
 
-impl<'de> DeserializeSeed<'de> for Value<'_, '_> {
+impl<'de> DeserializeSeed<'de> for Value<'_, '_, '_> {
     type Value = ();
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
@@ -131,7 +155,7 @@ impl<'de> DeserializeSeed<'de> for Value<'_, '_> {
     }
 }
 
-impl<'de> Visitor<'de> for Value<'_, '_> {
+impl<'de> Visitor<'de> for Value<'_, '_, '_> {
     type Value = ();
 
     fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -142,8 +166,8 @@ impl<'de> Visitor<'de> for Value<'_, '_> {
         self.leaf(Leaf::Null)
     }
 
-    fn visit_bool<E: Error>(self, _: bool) -> Result<(), E> {
-        self.leaf(Leaf::Bool)
+    fn visit_bool<E: Error>(self, value: bool) -> Result<(), E> {
+        self.leaf(Leaf::Bool(value))
     }
 
     fn visit_u64<E: Error>(self, value: u64) -> Result<(), E> {
@@ -167,7 +191,7 @@ impl<'de> Visitor<'de> for Value<'_, '_> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
-        let Self { reading, field, .. } = self;
+        let Self { reading, field, at, .. } = self;
         if let (Element::Text(room), true) = (field.element, reading.is_rosbridge) {
             let mut bytes = Vec::new();
             while bytes.len() < room as usize
@@ -185,8 +209,10 @@ impl<'de> Visitor<'de> for Value<'_, '_> {
             return Err(unclean());
         }
         let mut count = 0;
-        while seq.next_element_seed(Value { reading, field, is_element: true })?.is_some() {
+        let mut element = at;
+        while seq.next_element_seed(Value { reading, field, at: element, is_element: true })?.is_some() {
             count += 1;
+            element += field.stride;
         }
         field.judge_length(count).map_err(|_| unclean())
     }
@@ -195,7 +221,7 @@ impl<'de> Visitor<'de> for Value<'_, '_> {
         match self.field.element {
             Element::Message(id) if !self.is_array() => {
                 let plan = self.reading.plans.get(id);
-                Members { reading: self.reading, plan, is_top: false }.visit_map(map)
+                Members { reading: self.reading, plan, base: self.at, is_top: false }.visit_map(map)
             }
             _ => Err(unclean()),
         }

@@ -1,6 +1,6 @@
 //! Tells everything that is wrong with a message.
 
-use std::fmt::{self, Write as _};
+use std::fmt::Write as _;
 
 use uavspec_codegen::schema::{MessageId, Shape};
 use uavspec_codegen::source::Span;
@@ -9,6 +9,7 @@ use super::dialect::{Dialect, Dialects};
 use super::plan::{Element, FieldPlan, MessagePlan, Plans};
 use super::tree::{Tree, shortened};
 use super::value::Leaf;
+use crate::detail::Detail;
 use crate::finding::Findings;
 use crate::record::Place;
 use crate::rule::rule;
@@ -45,8 +46,9 @@ impl Plans {
         match tree {
             Tree::Object(members) => explaining.members(members, plan),
             other => {
-                let text = format_args!("expected an object with the fields of {}, found {other}", plan.name);
-                explaining.report("PX-JSON-02", plan.span, &text);
+                let expected = format!("an object with the fields of {}", plan.name);
+                let detail = Detail::differs(expected, other).excerpt(other.to_string());
+                explaining.report("PX-JSON-02", plan.span, detail);
             }
         }
         explaining.dialects
@@ -76,13 +78,11 @@ struct Explaining<'p, 'm> {
 }
 
 impl<'p> Explaining<'p, '_> {
-    fn report(&mut self, id: &str, definition: Span, text: &dyn fmt::Display) {
+    fn report(&mut self, id: &str, definition: Span, detail: Detail) {
         let Some(rule) = rule(id) else { return };
-        let (path, is_within) = (&self.path, self.elements > 0);
-        self.findings.report(rule, &self.subject, self.told.place, Some(definition), || {
-            // Without an index the subject says it all.
-            if is_within { format!("{path}: {text}") } else { text.to_string() }
-        });
+        // Without an index the subject says it all.
+        let detail = if self.elements > 0 { detail.at(self.path.as_str()) } else { detail };
+        self.findings.report(rule, &self.subject, self.told.place, Some(definition), || detail);
     }
 
     /// Does something within a member.
@@ -106,10 +106,10 @@ impl<'p> Explaining<'p, '_> {
             let Some(index) = plan.fields.iter().position(|field| field.name == *key) else {
                 unknown += 1;
                 if unknown <= MAX_UNKNOWN {
-                    let text = format_args!("{} has no such field; found {value}", plan.name);
-                    self.within(&shortened(key).escape_debug().to_string(), |within| {
-                        within.report("PX-JSON-01", plan.span, &text);
-                    });
+                    let key = shortened(key).escape_debug().to_string();
+                    let detail = Detail::new(format!("{} has no such field; found {value}", plan.name))
+                        .excerpt(format!("\"{key}\": {value}"));
+                    self.within(&key, |within| within.report("PX-JSON-01", plan.span, detail));
                 }
                 continue;
             };
@@ -118,19 +118,20 @@ impl<'p> Explaining<'p, '_> {
             self.within(&field.name, |within| within.field(value, field));
         }
         if unknown > MAX_UNKNOWN {
-            let text = format_args!("{} more unknown fields", unknown - MAX_UNKNOWN);
-            self.report("PX-JSON-01", plan.span, &text);
+            let text = format!("{} more unknown fields", unknown - MAX_UNKNOWN);
+            self.report("PX-JSON-01", plan.span, Detail::new(text));
         }
         for (field, times) in plan.fields.iter().zip(times) {
             self.within(&field.name, |within| match times {
                 0 => {
-                    let text = format_args!("the field is missing; expected {}", field.expected(false));
-                    within.report("PX-JSON-01", field.span, &text);
+                    let expected = field.expected(false).to_string();
+                    let detail = Detail::new(format!("the field is missing; expected {expected}"));
+                    within.report("PX-JSON-01", field.span, detail.expected(expected));
                 }
                 1 => {}
                 times => {
-                    let text = format_args!("the field is there {times} times");
-                    within.report("PX-JSON-01", field.span, &text);
+                    let detail = Detail::new(format!("the field is there {times} times"));
+                    within.report("PX-JSON-01", field.span, detail.expected("once"));
                 }
             });
         }
@@ -162,7 +163,7 @@ impl<'p> Explaining<'p, '_> {
 
     fn length(&mut self, found: usize, field: &'p FieldPlan) {
         if let Err(breach) = field.judge_length(found) {
-            self.report(breach.rule(), field.span, &breach.text(&field.expected(false), ""));
+            self.report(breach.rule(), field.span, breach.detail(&field.expected(false), ""));
         }
     }
 
@@ -182,7 +183,7 @@ impl<'p> Explaining<'p, '_> {
     fn element(&mut self, tree: &Tree<'_>, field: &'p FieldPlan, is_element: bool) {
         let leaf = match tree {
             Tree::Null => Leaf::Null,
-            Tree::Bool(_) => Leaf::Bool,
+            Tree::Bool(value) => Leaf::Bool(*value),
             Tree::Int(value) => Leaf::Int(*value),
             Tree::Float(value, _) => Leaf::Float(*value),
             Tree::Huge(text) => {
@@ -190,20 +191,18 @@ impl<'p> Explaining<'p, '_> {
                     Element::Scalar(scalar) if scalar.is_float() => scalar.name(),
                     _ => "any number",
                 };
-                let text = format_args!(
-                    "expected {}, found {}, which is too large for {which}",
-                    field.expected(is_element),
-                    shortened(text)
-                );
-                return self.report("PX-JSON-02", field.span, &text);
+                let (expected, found) = (field.expected(is_element).to_string(), shortened(text));
+                let text = format!("expected {expected}, found {found}, which is too large for {which}");
+                let detail = Detail::new(text).expected(expected).actual(found);
+                return self.report("PX-JSON-02", field.span, detail);
             }
             Tree::Token(_) => {
                 self.dialects.insert(Dialect::BareNan);
-                let text = format_args!(
-                    "expected {}, found {tree}, which is no JSON (Python's json writes it)",
-                    field.expected(is_element)
-                );
-                return self.report("PX-JSON-02", field.span, &text);
+                let expected = field.expected(is_element).to_string();
+                let text =
+                    format!("expected {expected}, found {tree}, which is no JSON (Python's json writes it)");
+                let detail = Detail::new(text).expected(expected).actual(tree.to_string());
+                return self.report("PX-JSON-02", field.span, detail);
             }
             Tree::Text(text) => match field.as_base64(text, self.told.is_rosbridge, is_element) {
                 Some(bytes) => {
@@ -222,8 +221,10 @@ impl<'p> Explaining<'p, '_> {
             },
         };
         if let Err(breach) = field.judge(leaf) {
-            let text = breach.text(&field.expected(is_element), &tree.to_string());
-            self.report(breach.rule(), field.span, &text);
+            let found = tree.to_string();
+            let excerpt = format!("\"{}\": {found}", field.name);
+            let detail = breach.detail(&field.expected(is_element), &found);
+            self.report(breach.rule(), field.span, detail.excerpt(excerpt));
         }
     }
 
@@ -242,19 +243,19 @@ impl<'p> Explaining<'p, '_> {
             return self.bytes(&bytes, field);
         }
         let found = values.iter().find(|value| byte(value).is_none()).unwrap_or(tree);
-        let text = format_args!("expected integers from 0 to 255, found {found}");
-        self.report("PX-JSON-02", field.span, &text);
+        self.report("PX-JSON-02", field.span, Detail::differs("integers from 0 to 255", found));
     }
 
     /// Bytes that stand for text.
     fn bytes(&mut self, bytes: &[u8], field: &'p FieldPlan) {
         if let Err(breach) = field.judge_text(bytes) {
-            self.report(breach.rule(), field.span, &breach.text(&field.expected(false), ""));
+            self.report(breach.rule(), field.span, breach.detail(&field.expected(false), ""));
         }
     }
 
     fn mistyped(&mut self, tree: &Tree<'_>, field: &'p FieldPlan, is_element: bool) {
-        let text = format_args!("expected {}, found {tree}", field.expected(is_element));
-        self.report("PX-JSON-02", field.span, &text);
+        let excerpt = format!("\"{}\": {tree}", field.name);
+        let detail = Detail::differs(field.expected(is_element), tree).excerpt(excerpt);
+        self.report("PX-JSON-02", field.span, detail);
     }
 }

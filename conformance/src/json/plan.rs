@@ -34,6 +34,10 @@ pub(super) struct FieldPlan {
     pub(super) shape: Shape,
     pub(super) restriction: Option<Restriction>,
     pub(super) span: Span,
+    /// Where it starts in memory, from the start of its message; 0 where that has no fixed size.
+    pub(super) offset: usize,
+    /// Bytes from one element to the next in memory.
+    pub(super) stride: usize,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -52,7 +56,7 @@ impl Plans {
     pub fn new(schema: &Schema) -> Self {
         let messages = schema.messages.iter().map(|message| MessagePlan {
             name: message.name.clone(),
-            fields: message.fields.iter().map(|field| FieldPlan::new(message, field, schema)).collect(),
+            fields: (0..message.fields.len()).map(|index| FieldPlan::new(message, index, schema)).collect(),
             span: message.span,
             exercises: Vec::new(),
         });
@@ -107,7 +111,8 @@ impl Named for FieldPlan {
 }
 
 impl FieldPlan {
-    fn new(message: &schema::Message, field: &schema::Field, schema: &Schema) -> Self {
+    fn new(message: &schema::Message, index: usize, schema: &Schema) -> Self {
+        let field = &message.fields[index];
         let is_px4 = schema.package_of(message).form == Form::Msg(Language::Px4);
         let (element, shape) = match (field.ty.element, field.ty.shape) {
             (schema::Element::Scalar(Scalar::Char), Shape::Array(length)) if is_px4 => {
@@ -117,8 +122,18 @@ impl FieldPlan {
             (schema::Element::String { bound, .. }, shape) => (Element::String { bound }, shape),
             (schema::Element::Message(id), shape) => (Element::Message(id), shape),
         };
-        let restriction = schema.restriction(message, field);
-        Self { name: field.name.clone(), element, shape, restriction, span: field.span }
+        let slots = message.uorb.iter().flat_map(|layout| &layout.slots);
+        let slot = slots.into_iter().find(|slot| slot.field == Some(index));
+        let (offset, size) = slot.map_or((0, 0), |slot| (slot.offset, slot.size));
+        Self {
+            name: field.name.clone(),
+            element,
+            shape,
+            restriction: schema.restriction(message, field),
+            span: field.span,
+            offset,
+            stride: if let Shape::Array(length) = shape { size / (length as usize).max(1) } else { size },
+        }
     }
 
     /// The rules that its values can break.

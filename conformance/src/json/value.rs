@@ -6,15 +6,38 @@ use uavspec_codegen::schema::{Restriction, Shape};
 use uavspec_runtime::{Number, Rule, Scalar};
 
 use super::plan::{Element, FieldPlan};
+use crate::detail::Detail;
 
 /// A value that holds no others.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Leaf<'t> {
     Null,
-    Bool,
+    Bool(bool),
     Int(i128),
     Float(f64),
     Text(&'t str),
+}
+
+impl Leaf<'_> {
+    /// What it is in memory, little-endian, as a value of a type that it fits into.
+    pub(super) fn bytes(self, scalar: Scalar) -> [u8; 8] {
+        let float = |value: f64| match scalar {
+            #[allow(clippy::cast_possible_truncation)] // rounding is what a float32 does
+            Scalar::Float32 => u64::from((value as f32).to_bits()),
+            _ => value.to_bits(),
+        };
+        let bits = match self {
+            Self::Null => float(f64::NAN),
+            Self::Bool(value) => value.into(),
+            #[allow(clippy::cast_precision_loss)] // what a float makes of an integer
+            Self::Int(value) if scalar.is_float() => float(value as f64),
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // two's complement
+            Self::Int(value) => value as u64,
+            Self::Float(value) => float(value),
+            Self::Text(_) => 0,
+        };
+        bits.to_le_bytes()
+    }
 }
 
 /// What is wrong with a value.
@@ -38,7 +61,7 @@ impl FieldPlan {
     /// Judges a value that the field, or an element of it, holds.
     pub(super) fn judge(&self, leaf: Leaf<'_>) -> Result<(), Breach<'_>> {
         match (self.element, leaf) {
-            (Element::Scalar(Scalar::Bool), Leaf::Bool) => Ok(()),
+            (Element::Scalar(Scalar::Bool), Leaf::Bool(_)) => Ok(()),
             (Element::Scalar(scalar @ (Scalar::Float32 | Scalar::Float64)), leaf) => {
                 self.number(float(scalar, leaf)?)
             }
@@ -106,7 +129,7 @@ fn float<'p>(scalar: Scalar, leaf: Leaf<'_>) -> Result<Number, Breach<'p>> {
         #[allow(clippy::cast_precision_loss)] // what a float makes of an integer
         Leaf::Int(value) => value as f64,
         Leaf::Float(value) => value,
-        Leaf::Bool | Leaf::Text(_) => return Err(Breach::Type),
+        Leaf::Bool(_) | Leaf::Text(_) => return Err(Breach::Type),
     };
     #[allow(clippy::cast_possible_truncation)] // rounding is what a float32 does
     let value = if scalar == Scalar::Float32 { f64::from(value as f32) } else { value };
@@ -130,38 +153,27 @@ impl Breach<'_> {
     }
 
     /// What is said of it: what should be, and `found`, as it is written.
-    pub(super) fn text(&self, expected: &Expected<'_>, found: &str) -> String {
+    pub(super) fn detail(&self, expected: &Expected<'_>, found: &str) -> Detail {
         match self {
-            Self::Type => format!("expected {expected}, found {found}"),
+            Self::Type => Detail::differs(expected, found),
             Self::TooLarge(scalar) => {
-                format!("expected {expected}, found {found}, which is too large for {}", scalar.name())
+                let name = scalar.name();
+                Detail::new(format!("expected {expected}, found {found}, which is too large for {name}"))
+                    .expected(expected.to_string())
+                    .actual(found)
             }
-            Self::Number(rule, number, restriction) => {
-                let text = Explained { rule: *rule, found: *number, restriction }.to_string();
-                // The rule stands beside it in any report.
-                text.rsplit_once(" (PX-").map_or(text.clone(), |(text, _)| text.to_owned())
+            Self::Number(rule, number, restriction) => Detail::of_number(*rule, *number, restriction),
+            Self::Length { found, of, shape } => {
+                let expected = match shape {
+                    Shape::Array(length) => format!("{length} {of}"),
+                    Shape::Bounded(bound) => format!("at most {bound} {of}"),
+                    Shape::Single | Shape::Sequence => of.to_string(),
+                };
+                Detail::differs(expected, found)
             }
-            Self::Length { found, of, shape } => match shape {
-                Shape::Array(length) => format!("expected {length} {of}, found {found}"),
-                Shape::Bounded(bound) => format!("expected at most {bound} {of}, found {found}"),
-                Shape::Single | Shape::Sequence => format!("found {found} {of}"),
-            },
-            Self::Nul(at) => format!("a NUL at its byte {at}, which ends a text"),
-            Self::NotUtf8(at) => format!("no UTF-8 from its byte {at} on"),
+            Self::Nul(at) => Detail::new(format!("a NUL at its byte {at}, which ends a text")),
+            Self::NotUtf8(at) => Detail::new(format!("no UTF-8 from its byte {at} on")).expected("UTF-8"),
         }
-    }
-}
-
-/// What a number should have been.
-struct Explained<'r> {
-    rule: Rule,
-    found: Number,
-    restriction: &'r Restriction,
-}
-
-impl fmt::Display for Explained<'_> {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.rule.explain(self.found, Some(&self.restriction.constraint()), None, formatter)
     }
 }
 

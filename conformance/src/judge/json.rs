@@ -61,6 +61,8 @@ struct JsonJudge<'d> {
     channels: Channels,
     skipped: u64,
     dialects: Dialects,
+    /// What the message says that is read, as it lies in memory.
+    values: Vec<u8>,
 }
 
 impl<'d> JsonJudge<'d> {
@@ -76,6 +78,7 @@ impl<'d> JsonJudge<'d> {
             },
             skipped: 0,
             dialects: Dialects::default(),
+            values: Vec::new(),
         };
         judge.channels.only = of.and_then(|id| {
             let name = definitions.schema.message(id).name.clone();
@@ -93,8 +96,8 @@ impl<'d> JsonJudge<'d> {
                 return self.course.damage(place, text);
             }
         };
-        match read(text, &self.channels, &self.plans) {
-            Fast::Clean(at, clean) => self.message(at, clean, bytes, place),
+        match read(text, &self.channels, &self.plans, &mut self.values) {
+            Fast::Clean(at, clean) => self.message(at, clean, place),
             Fast::Skipped => self.skipped += 1,
             Fast::Undefined => self.course.records += 1,
             Fast::Unclear => self.explain(text, line, is_last),
@@ -112,7 +115,7 @@ impl<'d> JsonJudge<'d> {
             Err(error) => return self.course.damage(place, error.to_string()),
         };
         let (which, name, message) = match self.channels.only {
-            Some(at) => return self.judge(at, &tree, text, place, false),
+            Some(at) => return self.judge(at, &tree, place, false),
             None => match form(&tree) {
                 Form::Message(which, name, message) => (which, name, message),
                 Form::Skipped => return self.skipped += 1,
@@ -133,26 +136,31 @@ impl<'d> JsonJudge<'d> {
         }) else {
             return self.course.damage(place, format!("more than {MAX_CHANNELS} topics and types"));
         };
-        self.judge(at, message, text, place, which == Which::Topic);
+        self.judge(at, message, place, which == Which::Topic);
     }
 
     /// Judges a message of an open channel.
-    fn judge(&mut self, at: usize, tree: &Tree<'_>, text: &str, place: Place, is_rosbridge: bool) {
+    fn judge(&mut self, at: usize, tree: &Tree<'_>, place: Place, is_rosbridge: bool) {
         let open = &self.channels.open[at];
         let Some((id, _)) = open.defined else { return self.course.records += 1 };
         let told = Told { id, name: &open.name, place, is_rosbridge };
         let dialects = self.plans.explain(told, tree, &mut self.course.findings);
         let timestamp = self.plans.timestamp(id, tree);
-        self.message(at, Clean { timestamp, dialects }, text.as_bytes(), place);
+        // What is broken somewhere may be so anywhere: nobody draws conclusions from its values.
+        self.values.clear();
+        self.message(at, Clean { timestamp, dialects }, place);
     }
 
-    fn message(&mut self, at: usize, clean: Clean, payload: &[u8], place: Place) {
+    fn message(&mut self, at: usize, clean: Clean, place: Place) {
         self.course.records += 1;
         self.dialects.absorb(clean.dialects);
         let open = &mut self.channels.open[at];
         open.messages += 1;
         if let Some(channel) = open.channel() {
-            let message = Message { timestamp: clean.timestamp, payload, place };
+            let definitions = self.course.definitions;
+            let view = |id| definitions.types().get(id).view_uorb(&self.values).ok();
+            let values = channel.definition.filter(|_| !self.values.is_empty()).and_then(view);
+            let message = Message { timestamp: clean.timestamp, values, place };
             self.course.message(&channel, &message);
         }
     }
@@ -164,9 +172,14 @@ impl<'d> JsonJudge<'d> {
             return None;
         }
         let defined = definition.map(|id| (id, self.course.number_channel()));
-        let open = Open { name: last_segment(name).escape_debug().to_string(), defined, messages: 0, line };
+        let name_told = last_segment(name).escape_debug().to_string();
+        let mut open = Open { name: name_told, defined, messages: 0, kept: 0, line };
         if let Some(channel) = open.channel() {
             self.course.opened(&channel);
+            if self.course.wants_values(channel.index) {
+                let size = definition.and_then(|id| self.course.definitions.types().get(id).size());
+                open.kept = size.map_or(0, |size| size.padded);
+            }
         }
         self.channels.insert(which, name, open);
         Some(at)

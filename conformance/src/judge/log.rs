@@ -10,6 +10,7 @@ use uavspec_runtime::Scalar;
 use super::{Course, Judgement, Source};
 use crate::comparison::{Comparison, compare};
 use crate::definitions::Definitions;
+use crate::detail::Detail;
 use crate::finding::Findings;
 use crate::plan::Plan;
 use crate::record::{Channel, Message, Place};
@@ -101,8 +102,10 @@ impl<'d> LogJudge<'d> {
     }
 
     fn open(&mut self, id: u16, topic: &str, multi_id: u8, offset: u64) {
+        // Who subscribes again and again asks for no more room.
+        let before = self.open.get(&id).map(|before| before.index);
         let open = Open {
-            index: self.course.number_channel(),
+            index: before.unwrap_or_else(|| self.course.number_channel()),
             topic: topic.to_owned(),
             multi_id,
             offset,
@@ -127,7 +130,7 @@ impl<'d> LogJudge<'d> {
                 if let Some(rule) = rule("PX-FMT-03") {
                     self.course.findings.exercise(rule, 1);
                     if open.timestamp.is_none() {
-                        let text = || "its format has no `uint64_t timestamp`".to_owned();
+                        let text = || Detail::new("its format has no `uint64_t timestamp`");
                         self.course.findings.report(rule, &open.topic, place, None, text);
                     }
                 }
@@ -143,7 +146,9 @@ impl<'d> LogJudge<'d> {
         open.messages += 1;
         let bytes = open.timestamp.and_then(|at| record.payload.get(at..at + 8));
         let timestamp = bytes.and_then(|bytes| Some(u64::from_le_bytes(bytes.try_into().ok()?)));
-        self.course.message(&open.channel(), &Message { timestamp, payload: record.payload, place });
+        let values = self.course.wants_values(open.index).then(|| record.of.view_uorb(record.payload).ok());
+        let message = Message { timestamp, values: values.flatten(), place };
+        self.course.message(&open.channel(), &message);
     }
 
     /// What is wrong with formats, subscriptions and sizes: a rule, where one is about that.
@@ -159,7 +164,8 @@ impl<'d> LogJudge<'d> {
             _ => return self.course.damage(Place::Byte(offset), problem.to_string()),
         };
         if let Some(rule) = rule(id) {
-            self.course.findings.report(rule, &subject, Place::Byte(offset), None, || problem.to_string());
+            let detail = || Detail::new(problem.to_string());
+            self.course.findings.report(rule, &subject, Place::Byte(offset), None, detail);
         }
     }
 
@@ -243,7 +249,7 @@ fn formats(log: &Log, definitions: &Definitions, findings: &mut Findings) -> Vec
             findings.exercise(rule, 1);
             if let Comparison::Differs(differences) = &comparison {
                 let place = Place::Byte(*offset);
-                findings.report(rule, of.name(), place, None, || differences.to_string());
+                findings.report(rule, of.name(), place, None, || Detail::new(differences.to_string()));
             }
         }
         compared.insert(of.name().to_owned(), comparison);

@@ -96,7 +96,7 @@ fn format(name: &str, comparison: &Comparison) -> Value {
 
 fn finding(group: &Group, definitions: &Definitions) -> Value {
     let examples: Vec<Value> =
-        group.examples.iter().map(|(place, message)| located(*place, message)).collect();
+        group.examples.iter().map(|(place, detail)| located(*place, &detail.to_string())).collect();
     json!({
         "rule": group.rule.id,
         "level": group.rule.level.to_string(),

@@ -1,11 +1,25 @@
 //! `PX-DATA-01`.
 
-use super::{Check, Level, Rule};
+use super::{Check, Level, Mutant, Rule, Status};
 
-pub(super) const RULE: Rule = Rule {
+pub(super) static RULE: Rule = Rule {
     id: "PX-DATA-01",
     level: Level::Must,
+    status: Status::Normative,
     statement: "A payload has the full size of its format, or the full size less the padding at its end.",
     source: "the format in the log, and PX4's logger",
+    applies_to: "logs",
     check: Check::Source,
+    mutants: &[
+        Mutant {
+            name: "a payload of four bytes",
+            make: |flight| Some(flight.log().with_payload(0, |payload| payload.truncate(4))?.to_bytes()),
+            also: &[],
+        },
+        Mutant {
+            name: "a payload with a byte more",
+            make: |flight| Some(flight.log().with_payload(0, |payload| payload.push(0))?.to_bytes()),
+            also: &[],
+        },
+    ],
 };

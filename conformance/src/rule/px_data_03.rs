@@ -2,14 +2,26 @@
 
 use std::collections::HashMap;
 
-use super::{Channel, Check, Checker, Judged, Level, Rule};
+use super::{Channel, Check, Checker, Detail, Interest, Judged, Level, Mutant, Rule, Status};
+use crate::sample::Entry;
 
-pub(super) const RULE: Rule = Rule {
+pub(super) static RULE: Rule = Rule {
     id: "PX-DATA-03",
     level: Level::Must,
+    status: Status::Normative,
     statement: "No two subscriptions of a log have the same topic and the same instance.",
     source: "ULog file format, section on subscription messages",
+    applies_to: "logs",
     check: Check::State(|| Box::new(Instances::default())),
+    mutants: &[Mutant {
+        name: "a second subscription of an instance",
+        make: |flight| {
+            let mut log = flight.log();
+            log.entries.push(Entry::Subscription(u16::MAX, 0, flight.topics.first()?.name.clone()));
+            Some(log.to_bytes())
+        },
+        also: &[],
+    }],
 };
 
 /// The channel of each topic and instance.
@@ -19,14 +31,15 @@ struct Instances {
 }
 
 impl Checker for Instances {
-    fn opened(&mut self, channel: &Channel<'_>, judged: &mut Judged<'_>) {
-        let Some(multi_id) = channel.multi_id else { return };
+    fn opened(&mut self, channel: &Channel<'_>, judged: &mut Judged<'_>) -> Interest {
+        let Some(multi_id) = channel.multi_id else { return Interest::Nothing };
         judged.exercise();
         let first = *self.known.entry((channel.topic.to_owned(), multi_id)).or_insert(channel.index);
         if first != channel.index {
             judged.report(channel.topic, channel.place, || {
-                format!("a second subscription of instance {multi_id}")
+                Detail::new(format!("a second subscription of instance {multi_id}"))
             });
         }
+        Interest::Nothing
     }
 }

@@ -1,11 +1,25 @@
 //! `PX-FMT-01`.
 
-use super::{Check, Level, Rule};
+use super::{Check, Level, Mutant, Rule, Status};
 
-pub(super) const RULE: Rule = Rule {
+pub(super) static RULE: Rule = Rule {
     id: "PX-FMT-01",
     level: Level::Info,
+    status: Status::Advisory,
     statement: "A format that a log brings equals the definition: fields, order, types, lengths of arrays, padding. Logs of other firmware differ without being wrong, so this is shown and judged only with `--strict-formats`.",
     source: "the definition",
+    applies_to: "logs",
     check: Check::Source,
+    mutants: &[Mutant {
+        name: "a field has another name",
+        make: |flight| {
+            let topic = flight.regular(|message| message.fields.len() > 2)?;
+            let name = flight.type_of(topic).field_names().nth(1)?.to_owned();
+            let mut log = flight.log();
+            let fields = log.format_mut(&flight.topics[topic].name)?;
+            *fields = fields.replace(&format!(" {name};"), &format!(" {name}_before;"));
+            Some(log.to_bytes())
+        },
+        also: &[],
+    }],
 };

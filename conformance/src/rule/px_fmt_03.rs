@@ -1,11 +1,24 @@
 //! `PX-FMT-03`.
 
-use super::{Check, Level, Rule};
+use super::{Check, Level, Mutant, Rule, Status};
 
-pub(super) const RULE: Rule = Rule {
+pub(super) static RULE: Rule = Rule {
     id: "PX-FMT-03",
     level: Level::Must,
+    status: Status::Normative,
     statement: "Each message has a field `timestamp` of type uint64.",
     source: "ULog file format, section on format messages",
+    applies_to: "logs",
     check: Check::Source,
+    mutants: &[Mutant {
+        name: "`timestamp` has another name",
+        make: |flight| {
+            let topic = flight.regular(|_| true)?;
+            let mut log = flight.log();
+            let fields = log.format_mut(&flight.topics[topic].name)?;
+            *fields = fields.replace("uint64_t timestamp;", "uint64_t time;");
+            Some(log.to_bytes())
+        },
+        also: &["PX-FMT-01"],
+    }],
 };

@@ -1,40 +1,64 @@
 //! `PX-TIME-01`.
 
-use super::{Channel, Check, Checker, Judged, Level, Message, Rule};
+use super::{
+    Channel, Check, Checker, Detail, Interest, Judged, Level, Message, Mutant, PerChannel, Rule, Status,
+};
+use crate::sample::{Flight, PERIOD, ROUNDS, START};
 
-pub(super) const RULE: Rule = Rule {
+pub(super) static RULE: Rule = Rule {
     id: "PX-TIME-01",
     level: Level::Must,
+    status: Status::Normative,
     statement: "The field `timestamp` doesn't go back from one message of a subscription to the next. It may repeat, and \
                 it may be 0.",
     source: "uORB publishes in order; `timestamp` is the time since system start",
+    applies_to: "messages over time",
     check: Check::State(|| Box::new(Times::default())),
+    mutants: &[
+        Mutant {
+            name: "the last message is older than those before, in a log",
+            make: |flight| Some(back(flight)?.log().to_bytes()),
+            also: &[],
+        },
+        Mutant {
+            name: "the last message is older than those before, as JSON",
+            make: |flight| Some(back(flight)?.rosbridge().to_bytes()),
+            also: &[],
+        },
+    ],
 };
 
 /// The latest time of each channel.
 #[derive(Default)]
 struct Times {
-    latest: Vec<u64>,
+    latest: PerChannel<u64>,
 }
 
 impl Checker for Times {
-    fn opened(&mut self, channel: &Channel<'_>, _: &mut Judged<'_>) {
-        let count = self.latest.len().max(channel.index + 1);
-        self.latest.resize(count, 0);
-        self.latest[channel.index] = 0;
+    fn opened(&mut self, channel: &Channel<'_>, _: &mut Judged<'_>) -> Interest {
+        self.latest.open(channel, 0);
+        Interest::Times
     }
 
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, judged: &mut Judged<'_>) {
-        let (Some(timestamp), Some(latest)) = (message.timestamp, self.latest.get_mut(channel.index)) else {
+        let (Some(timestamp), Some(latest)) = (message.timestamp, self.latest.of(channel)) else {
             return;
         };
         if timestamp < *latest && timestamp != 0 {
             let latest = *latest;
             judged.report(&format!("{}.timestamp", channel.topic), message.place, || {
-                format!("timestamp is {timestamp}, and was {latest} before")
+                Detail::new(format!("timestamp is {timestamp}, and was {latest} before"))
+                    .expected(format!("{latest} or later"))
+                    .actual(timestamp.to_string())
             });
         }
         judged.exercise();
         *latest = timestamp.max(*latest);
     }
+}
+
+/// The last message of a topic has the time of the third last.
+fn back<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
+    let time = START + (ROUNDS - 3) * PERIOD;
+    flight.with_last(flight.regular(|_| true)?, |message| message["timestamp"] = time.into())
 }

@@ -1,13 +1,31 @@
 //! `PX-TIME-02`.
 
-use super::{Channel, Check, Checker, Judged, Level, Message, Place, Rule};
+use super::{
+    Channel, Check, Checker, Detail, Interest, Judged, Level, Message, Mutant, PerChannel, Place, Rule,
+    Status,
+};
+use crate::sample::{Flight, PERIOD, ROUNDS, START};
 
-pub(super) const RULE: Rule = Rule {
+pub(super) static RULE: Rule = Rule {
     id: "PX-TIME-02",
     level: Level::Info,
+    status: Status::Advisory,
     statement: "Where a topic that comes regularly pauses for more than ten of its periods, a dropout stands nearby.",
     source: "derived: PX4's logger writes a dropout where it lost data",
+    applies_to: "messages over time",
     check: Check::State(|| Box::new(Gaps::default())),
+    mutants: &[
+        Mutant {
+            name: "a topic pauses, in a log",
+            make: |flight| Some(pause(flight)?.log().to_bytes()),
+            also: &[],
+        },
+        Mutant {
+            name: "a topic pauses, as JSON",
+            make: |flight| Some(pause(flight)?.lines().to_bytes()),
+            also: &[],
+        },
+    ],
 };
 
 /// How many periods a channel is looked at before anything is said of it.
@@ -21,7 +39,7 @@ const NEARBY: u64 = 1_000_000;
 
 #[derive(Default)]
 struct Gaps {
-    channels: Vec<Rhythm>,
+    channels: PerChannel<Rhythm>,
     /// The time of the latest message of any channel.
     now: u64,
     /// Up to when pauses have a reason.
@@ -38,15 +56,13 @@ struct Rhythm {
 }
 
 impl Checker for Gaps {
-    fn opened(&mut self, channel: &Channel<'_>, _: &mut Judged<'_>) {
-        let count = self.channels.len().max(channel.index + 1);
-        self.channels.resize(count, Rhythm::default());
-        self.channels[channel.index] = Rhythm::default();
+    fn opened(&mut self, channel: &Channel<'_>, _: &mut Judged<'_>) -> Interest {
+        self.channels.open(channel, Rhythm::default());
+        Interest::Times
     }
 
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, judged: &mut Judged<'_>) {
-        let (Some(timestamp), Some(rhythm)) = (message.timestamp, self.channels.get_mut(channel.index))
-        else {
+        let (Some(timestamp), Some(rhythm)) = (message.timestamp, self.channels.of(channel)) else {
             return;
         };
         self.now = self.now.max(timestamp);
@@ -62,7 +78,10 @@ impl Checker for Gaps {
         judged.exercise();
         if pause > PAUSE * period && latest > self.excused_until {
             judged.report(channel.topic, message.place, || {
-                format!("{} ms without a message, where one comes each {} ms", pause / 1000, period / 1000)
+                let (pause, period) = (pause / 1000, period / 1000);
+                Detail::new(format!("{pause} ms without a message, where one comes each {period} ms"))
+                    .expected(format!("{} ms at most, or a dropout", PAUSE * period))
+                    .actual(format!("{pause} ms"))
             });
         }
     }
@@ -82,4 +101,10 @@ impl Rhythm {
         };
         self.seen = self.seen.saturating_add(1);
     }
+}
+
+/// The last message of a topic comes late.
+fn pause<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
+    let time = START + (ROUNDS + 2 * PAUSE) * PERIOD;
+    flight.with_last(flight.regular(|_| true)?, |message| message["timestamp"] = time.into())
 }

@@ -61,7 +61,7 @@ fn findings(judgement: &Judgement, topics: &[String]) -> Vec<(&'static str, Stri
     groups
         .map(|group| {
             assert!(of_both.contains(&group.rule.id), "{group:?}");
-            let said = group.examples.iter().map(|(_, text)| text.clone()).collect();
+            let said = group.examples.iter().map(|(_, detail)| detail.to_string()).collect();
             (group.rule.id, group.subject.clone(), group.count, said)
         })
         .collect()

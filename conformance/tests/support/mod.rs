@@ -7,9 +7,6 @@ use std::path::{Path, PathBuf};
 
 use uavspec_conformance::source::ulog::{Event, Item, Log, LogProblem, Problem, Reader};
 
-/// Rules that only JSON can break; their mutants are in `tests/json.rs`.
-pub(crate) const OF_JSON: [&str; 3] = ["PX-ARR-01", "PX-JSON-01", "PX-JSON-02"];
-
 /// A folder beside the corpus, such as `corpus/ulog` or `oracle/ulog`; none where there is no corpus.
 ///
 /// # Panics

@@ -27,6 +27,8 @@ pub(super) struct Open {
     /// The definition, and the number of the channel.
     pub(super) defined: Option<(MessageId, usize)>,
     pub(super) messages: u64,
+    /// How many bytes its messages take in memory, where a rule wants their values; otherwise none.
+    pub(super) kept: usize,
     /// Where it was met first.
     pub(super) line: u64,
 }
@@ -106,14 +108,17 @@ pub(super) enum Fast {
     Unclear,
 }
 
-/// Reads a value without a tree.
-pub(super) fn read(text: &str, channels: &Channels, plans: &Plans) -> Fast {
+/// Reads a value without a tree. `values` gets what the message says, where its channel wants that.
+pub(super) fn read(text: &str, channels: &Channels, plans: &Plans, values: &mut Vec<u8>) -> Fast {
     let mut reader = serde_json::Deserializer::from_str(text);
+    values.clear();
     let fast = match channels.only.and_then(|at| Some((at, channels.open[at].defined?))) {
         Some((at, (id, _))) => {
-            MessageSeed::new(plans, id, false).deserialize(&mut reader).map(|clean| Fast::Clean(at, clean))
+            values.resize(channels.open[at].kept, 0);
+            let seed = MessageSeed::new(plans, id, false, values);
+            seed.deserialize(&mut reader).map(|clean| Fast::Clean(at, clean))
         }
-        None => reader.deserialize_map(Envelope { channels, plans }),
+        None => reader.deserialize_map(Envelope { channels, plans, values }),
     };
     match (fast, reader.end()) {
         (Ok(fast), Ok(())) => fast,
@@ -124,6 +129,7 @@ pub(super) fn read(text: &str, channels: &Channels, plans: &Plans) -> Fast {
 struct Envelope<'c> {
     channels: &'c Channels,
     plans: &'c Plans,
+    values: &'c mut Vec<u8>,
 }
 
 impl<'de> Visitor<'de> for Envelope<'_> {
@@ -157,7 +163,8 @@ impl<'de> Visitor<'de> for Envelope<'_> {
                     if found.is_none() && is_published == (which == Which::Topic) =>
                 {
                     found = Some(if let Some((id, _)) = self.channels.open[at].defined {
-                        let seed = MessageSeed::new(self.plans, id, is_published);
+                        self.values.resize(self.channels.open[at].kept, 0);
+                        let seed = MessageSeed::new(self.plans, id, is_published, self.values);
                         Fast::Clean(at, map.next_value_seed(seed)?)
                     } else {
                         map.next_value::<IgnoredAny>()?;

@@ -1,0 +1,267 @@
+//! Recordings that conform, made from any definitions: what rules must find nothing in, and what the mutants of
+//! rules are made of.
+//!
+//! The same definitions give the same bytes. All values are typical ones of the test vectors, so neighbours differ
+//! and nothing is zero by chance; time, and the talk between flight controller and external component, are as they
+//! would be.
+
+mod lines;
+mod log;
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+use uavspec_codegen::dynamic::{DynamicMessage, MessageType, Placed};
+use uavspec_codegen::emit::vectors;
+use uavspec_codegen::msg::{Dialect, Kind};
+use uavspec_codegen::schema::{Element, Field, Form, Message, MessageId, Restriction, Shape};
+use uavspec_runtime::{Number, Rule};
+
+pub use self::lines::Lines;
+pub use self::log::{Entry, Log};
+use crate::definitions::Definitions;
+
+/// How many messages a topic has, if it comes regularly: enough for rules that learn its period.
+pub const ROUNDS: u64 = 48;
+
+/// From one round to the next, in µs.
+pub const PERIOD: u64 = 20_000;
+
+/// When the first round is, in µs since system start.
+pub const START: u64 = 1_000_000;
+
+/// The id that the external component gets for its arming checks.
+const REGISTRATION: u64 = 3;
+
+/// A short flight: all messages of PX4 that the definitions have.
+#[derive(Clone, Debug)]
+pub struct Flight<'d> {
+    /// What it keeps to.
+    pub definitions: &'d Definitions,
+    /// Its topics.
+    pub topics: Vec<Topic>,
+    /// Its messages, in order of time.
+    pub messages: Vec<Sent>,
+}
+
+/// A topic.
+#[derive(Clone, Debug)]
+pub struct Topic {
+    /// Its name.
+    pub name: String,
+    /// The type of its messages.
+    pub message: MessageId,
+}
+
+/// A message that was published.
+#[derive(Clone, Debug)]
+pub struct Sent {
+    /// Index of its topic.
+    pub topic: usize,
+    /// What it says, as JSON.
+    pub value: Value,
+}
+
+impl<'d> Flight<'d> {
+    /// The flight of some definitions. Messages that don't lie in memory, or have no time, aren't part of it.
+    pub fn new(definitions: &'d Definitions) -> Self {
+        let mut topics = Vec::new();
+        let mut first = Vec::new();
+        let schema = &definitions.schema;
+        for ((index, message), text) in (0..).zip(&schema.messages).zip(vectors::typical(schema)) {
+            let id = MessageId(index);
+            let topic = message.topics.first().filter(|_| is_published(message, definitions));
+            let value = text.and_then(|text| serde_json::from_str::<Value>(&text).ok());
+            let Some((topic, value)) = topic.zip(value) else { continue };
+            let is_sized = definitions.types().get(id).size().is_some();
+            if is_sized && value["timestamp"].is_u64() {
+                topics.push(Topic { name: topic.clone(), message: id });
+                first.push(value);
+            }
+        }
+        let mut flight = Self { definitions, topics, messages: Vec::new() };
+        for round in 0..ROUNDS {
+            for topic in flight.in_order() {
+                let name = &definitions.schema.message(flight.topics[topic].message).name;
+                let mut value = first[topic].clone();
+                if tell(name, round, &mut value) {
+                    flight.messages.push(Sent { topic, value });
+                }
+            }
+        }
+        flight
+    }
+
+    /// The topics in the order in which a round publishes them: questions come before their answers.
+    fn in_order(&self) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.topics.len()).collect();
+        order.sort_by_key(|topic| {
+            let name = &self.definitions.schema.message(self.topics[*topic].message).name;
+            STORY.iter().position(|known| known == name)
+        });
+        order
+    }
+
+    /// The type of a topic.
+    pub fn type_of(&self, topic: usize) -> MessageType<'d> {
+        self.definitions.types().get(self.topics[topic].message)
+    }
+
+    /// A message as it lies in memory; none where its values don't fit its type.
+    pub fn message(&self, sent: &Sent) -> Option<DynamicMessage<'d>> {
+        self.type_of(sent.topic).from_json(&sent.value).ok()
+    }
+
+    /// The topic of a message.
+    pub fn topic(&self, message: &str) -> Option<usize> {
+        let schema = &self.definitions.schema;
+        self.topics.iter().position(|topic| schema.message(topic.message).name == message)
+    }
+
+    /// The index of the last message of a topic.
+    pub fn last_of(&self, topic: usize) -> Option<usize> {
+        self.messages.iter().rposition(|sent| sent.topic == topic)
+    }
+
+    /// Changes a value in the last message of some topic so that it breaks a rule on numbers; of arrays the first
+    /// element.
+    pub fn breaking(&self, rule: Rule) -> Option<Self> {
+        let schema = &self.definitions.schema;
+        for topic in 0..self.topics.len() {
+            let message = schema.message(self.topics[topic].message);
+            for field in &message.fields {
+                let restriction = schema.restriction(message, field);
+                let Some(value) = restriction.and_then(|asked| broken(rule, field, &asked)) else { continue };
+                let mut changed = self.clone();
+                let last = self.last_of(topic)?;
+                let place = &mut changed.messages[last].value[&field.name];
+                match field.ty.shape {
+                    Shape::Single => *place = value,
+                    _ => *place.get_mut(0)? = value,
+                }
+                return Some(changed);
+            }
+        }
+        None
+    }
+
+    /// The first topic that has a field like this, and where in a payload the field starts.
+    pub fn place(&self, is_wanted: impl Fn(&Placed<'_>) -> bool) -> Option<(usize, usize)> {
+        let find = |topic| Some((topic, self.type_of(topic).layout().find(&is_wanted)?.offset));
+        (0..self.topics.len()).find_map(find)
+    }
+
+    /// The first topic that comes regularly and for which something holds.
+    pub fn regular(&self, holds: impl Fn(&Message) -> bool) -> Option<usize> {
+        let counts = self.counts();
+        let is_regular = |topic: &Topic| counts.get(topic.name.as_str()) == Some(&ROUNDS);
+        let schema = &self.definitions.schema;
+        self.topics.iter().position(|topic| is_regular(topic) && holds(schema.message(topic.message)))
+    }
+
+    /// Changes the last message of a topic.
+    pub fn with_last(&self, topic: usize, change: impl FnOnce(&mut Value)) -> Option<Self> {
+        let last = self.last_of(topic)?;
+        let mut changed = self.clone();
+        change(&mut changed.messages[last].value);
+        Some(changed)
+    }
+
+    /// As a log of PX4.
+    pub fn log(&self) -> Log {
+        Log::of(self)
+    }
+
+    /// As JSON Lines that name the type of each message.
+    pub fn lines(&self) -> Lines {
+        Lines::typed(self)
+    }
+
+    /// As JSON Lines of rosbridge.
+    pub fn rosbridge(&self) -> Lines {
+        Lines::published(self)
+    }
+
+    /// How many messages each topic has, by its name.
+    pub fn counts(&self) -> BTreeMap<&str, u64> {
+        let mut counts = BTreeMap::new();
+        for sent in &self.messages {
+            *counts.entry(self.topics[sent.topic].name.as_str()).or_default() += 1;
+        }
+        counts
+    }
+}
+
+/// A value that breaks this rule in this field, and no other; none where the field has nothing to do with it.
+fn broken(rule: Rule, field: &Field, asked: &Restriction) -> Option<Value> {
+    let Element::Scalar(scalar) = field.ty.element else { return None };
+    let beyond = |bound: Option<Number>, by: i32| match bound? {
+        Number::Int(value) => Some(Number::Int(value + i128::from(by))),
+        Number::Float(value) => Some(Number::Float(value + f64::from(by))),
+    };
+    let candidates: Vec<Number> = match rule {
+        Rule::Range => [beyond(asked.high, 1), beyond(asked.low, -1)].into_iter().flatten().collect(),
+        Rule::Count => asked.count.map(|count| Number::Int(i128::from(count) + 1)).into_iter().collect(),
+        Rule::Enum => (0..256).map(Number::Int).collect(),
+        Rule::Nan => vec![Number::Float(f64::NAN)],
+        Rule::Bound | Rule::Text => Vec::new(),
+    };
+    let fits = |number: &Number| match (*number, scalar.integer_bounds()) {
+        (Number::Int(value), Some((low, high))) => (low..=high).contains(&value),
+        (_, bounds) => bounds.is_none(),
+    };
+    let breaks = |number: &Number| asked.constraint().broken_by(*number) == Some(rule);
+    Some(match candidates.into_iter().filter(fits).find(breaks)? {
+        Number::Int(value) => i64::try_from(value).ok()?.into(),
+        // NaN is null.
+        Number::Float(value) => value.into(),
+    })
+}
+
+fn is_published(message: &Message, definitions: &Definitions) -> bool {
+    let package = definitions.schema.package_of(message);
+    package.form == Form::Msg(Dialect::Px4) && message.kind == Kind::Message
+}
+
+/// Messages of a talk, in the order in which a round has them.
+const STORY: [&str; 5] = [
+    "RegisterExtComponentRequest",
+    "RegisterExtComponentReply",
+    "ArmingCheckRequest",
+    "ArmingCheckReply",
+    "UnregisterExtComponent",
+];
+
+/// Makes a typical message that of a round, and says whether the round has one.
+fn tell(message: &str, round: u64, value: &mut Value) -> bool {
+    let mut set = |field: &str, new: Value| {
+        // Not every release has every field.
+        if let Some(place) = value.get_mut(field) {
+            *place = new;
+        }
+    };
+    set("timestamp", (START + round * PERIOD).into());
+    match message {
+        "RegisterExtComponentRequest" => round == 0,
+        "RegisterExtComponentReply" => {
+            set("success", true.into());
+            set("arming_check_id", REGISTRATION.into());
+            round == 0
+        }
+        "ArmingCheckRequest" => {
+            set("request_id", (round % 256).into());
+            set("valid_registrations_mask", (1 << REGISTRATION).into());
+            true
+        }
+        "ArmingCheckReply" => {
+            set("request_id", (round % 256).into());
+            set("registration_id", REGISTRATION.into());
+            true
+        }
+        "UnregisterExtComponent" => {
+            set("arming_check_id", REGISTRATION.into());
+            round == ROUNDS - 1
+        }
+        _ => true,
+    }
+}
