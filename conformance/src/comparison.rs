@@ -62,39 +62,70 @@ impl fmt::Display for Differences {
 
 /// Compares a format with the type of the definition.
 pub fn compare(format: MessageType<'_>, defined: MessageType<'_>) -> Comparison {
+    if is_equal(format, defined) { Comparison::Equal } else { Comparison::Differs(differences(format, defined)) }
+}
+
+/// Whether all is the same. Formats come in the order of memory, definitions in any.
+fn is_equal(format: MessageType<'_>, defined: MessageType<'_>) -> bool {
+    fn in_order(of: MessageType<'_>) -> Vec<Placed<'_>> {
+        let mut fields: Vec<Placed<'_>> = of.layout().collect();
+        fields.sort_unstable_by_key(|field| field.offset);
+        fields
+    }
+    let is_same = |(left, right): (&Placed<'_>, &Placed<'_>)| {
+        (left.name, left.offset) == (right.name, right.offset)
+            && is_same_type(*left, *right)
+            && is_same_content(*left, *right)
+    };
+    let (found, expected) = (in_order(format), in_order(defined));
+    format.size() == defined.size()
+        && found.len() == expected.len()
+        && found.iter().zip(&expected).all(is_same)
+}
+
+/// Whether two fields are of the same type, as far as a message is one.
+fn is_same_type(left: Placed<'_>, right: Placed<'_>) -> bool {
+    left.shape == right.shape
+        && match (left.element, right.element) {
+            (PlacedElement::Scalar(left), PlacedElement::Scalar(right)) => left == right,
+            (PlacedElement::Text(left), PlacedElement::Text(right)) => left == right,
+            (PlacedElement::String, PlacedElement::String)
+            | (PlacedElement::Message(_), PlacedElement::Message(_)) => true,
+            _ => false,
+        }
+}
+
+/// Whether two fields of the same type nest the same messages, if they do so.
+fn is_same_content(left: Placed<'_>, right: Placed<'_>) -> bool {
+    match (left.element, right.element) {
+        (PlacedElement::Message(left), PlacedElement::Message(right)) => is_equal(left, right),
+        _ => true,
+    }
+}
+
+/// What differs between two that aren't equal.
+fn differences(format: MessageType<'_>, defined: MessageType<'_>) -> Differences {
     let by_name = |of| -> BTreeMap<&str, Placed<'_>> {
         MessageType::layout(of).map(|field| (field.name, field)).collect()
     };
     let (found, expected) = (by_name(format), by_name(defined));
     let mut differences = Differences::default();
     for (name, field) in &expected {
-        let ty = type_text(*field);
-        let Some(other) = found.get(name) else {
-            differences.missing.push(format!("{name} ({ty})"));
-            continue;
-        };
-        let other_ty = type_text(*other);
-        if other_ty != ty {
-            differences.retyped.push(format!("{name} ({other_ty}, defined as {ty})"));
-        } else if let (PlacedElement::Message(left), PlacedElement::Message(right)) =
-            (other.element, field.element)
-            && compare(left, right) != Comparison::Equal
-        {
-            differences.nested.push((*name).to_owned());
+        match found.get(name) {
+            None => differences.missing.push(format!("{name} ({})", type_text(*field))),
+            Some(other) if !is_same_type(*other, *field) => {
+                let (found, defined) = (type_text(*other), type_text(*field));
+                differences.retyped.push(format!("{name} ({found}, defined as {defined})"));
+            }
+            Some(other) if !is_same_content(*other, *field) => differences.nested.push((*name).to_owned()),
+            Some(_) => {}
         }
     }
     let extra = found.iter().filter(|(name, _)| !expected.contains_key(*name));
     differences.extra = extra.map(|(name, field)| format!("{name} ({})", type_text(*field))).collect();
-    let places = |of: MessageType<'_>| -> Vec<(usize, String)> {
-        let mut places: Vec<_> = of.layout().map(|field| (field.offset, field.name.to_owned())).collect();
-        places.sort();
-        places
-    };
-    if differences == Differences::default() {
-        let is_same = places(format) == places(defined) && format.size() == defined.size();
-        differences.is_moved = !is_same;
-    }
-    if differences == Differences::default() { Comparison::Equal } else { Comparison::Differs(differences) }
+    // What else may differ than the fields themselves.
+    differences.is_moved = differences == Differences::default();
+    differences
 }
 
 /// A type in the words of definitions; messages by what they are, as logs name them otherwise.

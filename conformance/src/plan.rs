@@ -94,18 +94,20 @@ impl Plan {
             let field =
                 defined.and_then(|message| message.fields.iter().find(|field| field.name == placed.name));
             let field = field.filter(|field| is_same(placed, field));
-            let joint = if path.is_empty() { "" } else { "." };
-            let path = format!("{path}{joint}{}", placed.name);
-            let subject = format!("{subject}.{}", placed.name);
             let offset = base + placed.offset;
+            let names = || {
+                let joint = if path.is_empty() { "" } else { "." };
+                (format!("{path}{joint}{}", placed.name), format!("{subject}.{}", placed.name))
+            };
             let PlacedElement::Message(nested) = placed.element else {
-                self.steps.extend(Step::new(placed, offset, (path, subject), field.zip(defined), schema));
+                self.steps.extend(Step::new(placed, offset, names, field.zip(defined), schema));
                 continue;
             };
             let id = field.and_then(|field| match field.ty.element {
                 Element::Message(id) => Some(id),
                 Element::Scalar(_) | Element::String { .. } => None,
             });
+            let (path, subject) = names();
             for index in 0..count(placed.shape) {
                 let is_single = placed.shape == Shape::Single;
                 let path = if is_single { path.clone() } else { format!("{path}[{index}]") };
@@ -162,7 +164,7 @@ impl Step {
     fn new(
         placed: Placed<'_>,
         offset: usize,
-        (path, subject): (String, String),
+        names: impl FnOnce() -> (String, String),
         field: Option<(&Field, &Message)>,
         schema: &Schema,
     ) -> Option<Self> {
@@ -176,6 +178,7 @@ impl Step {
             }
             PlacedElement::String | PlacedElement::Message(_) => return None,
         };
+        let (path, subject) = names();
         let definition = field.map(|(field, _)| field.span);
         let count = count(placed.shape);
         Some(Self { path, subject, offset, count, stride: placed.stride, kind, definition })

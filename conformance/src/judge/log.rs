@@ -71,7 +71,7 @@ struct Open {
 struct LogJudge<'d> {
     course: Course<'d>,
     /// By the id of the data.
-    open: BTreeMap<u16, Open>,
+    open: Vec<Option<Box<Open>>>,
     firmware: Option<String>,
     dropouts: u64,
     end: u64,
@@ -79,7 +79,7 @@ struct LogJudge<'d> {
 
 impl<'d> LogJudge<'d> {
     fn new(definitions: &'d Definitions) -> Self {
-        Self { course: Course::new(definitions), open: BTreeMap::new(), firmware: None, dropouts: 0, end: 0 }
+        Self { course: Course::new(definitions), open: Vec::new(), firmware: None, dropouts: 0, end: 0 }
     }
 
     fn item(&mut self, item: &Item<'_>) {
@@ -103,9 +103,14 @@ impl<'d> LogJudge<'d> {
 
     fn open(&mut self, id: u16, topic: &str, multi_id: u8, offset: u64) {
         // Who subscribes again and again asks for no more room.
-        let before = self.open.get(&id).map(|before| before.index);
+        let slot = usize::from(id);
+        if slot >= self.open.len() {
+            self.open.resize_with(slot + 1, || None);
+        }
+        let before = self.open[slot].take();
+        let index = before.as_ref().map_or_else(|| self.course.number_channel(), |before| before.index);
         let open = Open {
-            index: before.unwrap_or_else(|| self.course.number_channel()),
+            index,
             topic: topic.to_owned(),
             multi_id,
             offset,
@@ -115,13 +120,14 @@ impl<'d> LogJudge<'d> {
             messages: 0,
         };
         self.course.opened(&open.channel());
-        if let Some(before) = self.open.insert(id, open) {
+        self.open[slot] = Some(Box::new(open));
+        if let Some(before) = before {
             before.close(&mut self.course.findings);
         }
     }
 
     fn record(&mut self, record: &Record<'_>, offset: u64) {
-        let Some(open) = self.open.get_mut(&record.subscription.id) else { return };
+        let Some(Some(open)) = self.open.get_mut(usize::from(record.subscription.id)) else { return };
         let place = Place::Byte(offset);
         let plan = match &mut open.plan {
             Some(plan) => plan,
@@ -154,7 +160,7 @@ impl<'d> LogJudge<'d> {
     /// What is wrong with formats, subscriptions and sizes: a rule, where one is about that.
     fn tell(&mut self, offset: u64, problem: &LogProblem) {
         let topic =
-            |id: &u16| self.open.get(id).map_or_else(|| format!("id {id}"), |open| open.topic.clone());
+            |id: &u16| self.opened(*id).map_or_else(|| format!("id {id}"), |open| open.topic.clone());
         let (id, subject) = match problem {
             LogProblem::DataSize { id, .. } => ("PX-DATA-01", topic(id)),
             LogProblem::UnknownId { id } | LogProblem::Unsubscribed { id } => ("PX-DATA-02", topic(id)),
@@ -170,7 +176,7 @@ impl<'d> LogJudge<'d> {
     }
 
     fn finish(mut self, log: &Log) -> Judgement {
-        for (_, open) in std::mem::take(&mut self.open) {
+        for open in std::mem::take(&mut self.open).into_iter().flatten() {
             open.close(&mut self.course.findings);
         }
         for id in ["PX-DATA-01", "PX-DATA-02"] {
@@ -181,6 +187,10 @@ impl<'d> LogJudge<'d> {
         let formats = formats(log, self.course.definitions, &mut self.course.findings);
         let source = LogSource { firmware: self.firmware, dropouts: self.dropouts, formats };
         self.course.finish(self.end, Source::Log(source))
+    }
+
+    fn opened(&self, id: u16) -> Option<&Open> {
+        self.open.get(usize::from(id))?.as_deref()
     }
 
     fn information(&mut self, ty: &str, value: &[u8]) {
