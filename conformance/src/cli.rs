@@ -3,6 +3,7 @@
 //! Exit status: 0 conforms; 1 doesn't; 2 wrong usage, or definitions that can't be read; 3 a source that can't be
 //! read, or a testee that broke; 5 nothing was checked.
 
+mod self_test;
 mod test;
 
 use std::io::{self, Write as _};
@@ -38,6 +39,9 @@ enum Command {
     Test(test::TestArgs),
     /// List the rules.
     Rules,
+    /// Judge recordings that are made of the definitions, and others that break each rule: whether this program
+    /// finds what it should, and nothing else.
+    SelfTest(self_test::SelfTestArgs),
 }
 
 /// Arguments of `check`.
@@ -108,6 +112,7 @@ pub fn main() -> ExitCode {
             rules();
             Status::Conforms
         }
+        Command::SelfTest(args) => self_test::self_test(&args),
     };
     ExitCode::from(status as u8)
 }

@@ -62,7 +62,11 @@ impl fmt::Display for Differences {
 
 /// Compares a format with the type of the definition.
 pub fn compare(format: MessageType<'_>, defined: MessageType<'_>) -> Comparison {
-    if is_equal(format, defined) { Comparison::Equal } else { Comparison::Differs(differences(format, defined)) }
+    if is_equal(format, defined) {
+        Comparison::Equal
+    } else {
+        Comparison::Differs(differences(format, defined))
+    }
 }
 
 /// Whether all is the same. Formats come in the order of memory, definitions in any.

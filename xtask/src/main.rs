@@ -2,7 +2,9 @@
 
 mod bench;
 
-use std::process::ExitCode;
+use std::env;
+use std::ffi::OsString;
+use std::process::{self, ExitCode};
 
 use clap::{Parser, Subcommand};
 
@@ -18,6 +20,19 @@ struct Cli {
 enum Command {
     #[command(flatten)]
     Specification(uavspec_codegen::cli::Command),
+    /// Judge by the specification: run `uavspec`, which without arguments tests itself.
+    #[command(
+        disable_help_flag = true,
+        after_help = "Examples:
+  cargo xtask conformance                   recordings made of the definitions, conforming and broken, and the reference codec
+  cargo xtask conformance check flight.ulg
+  cargo xtask conformance --help"
+    )]
+    Conformance {
+        /// Arguments of `uavspec`.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "ARGUMENT")]
+        arguments: Vec<OsString>,
+    },
     /// Measure and print; needs the corpus.
     #[command(after_help = "Examples:
   cargo xtask bench codegen      time to read, to emit and to write PX4's 261 messages, at 1, 4 and 16 times
@@ -33,6 +48,21 @@ enum Command {
 fn main() -> ExitCode {
     match Cli::parse().command {
         Command::Specification(command) => command.run(),
+        Command::Conformance { arguments } => conformance(arguments),
         Command::Bench { what } => bench::run(what),
+    }
+}
+
+/// Runs `uavspec`. It is a process of its own: this program has to work where generated code doesn't compile.
+fn conformance(arguments: Vec<OsString>) -> ExitCode {
+    let arguments = if arguments.is_empty() { vec!["self-test".into()] } else { arguments };
+    let mut command = process::Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.args(["run", "--quiet", "--package", "uavspec-conformance", "--"]).args(arguments);
+    match command.status().map(|status| status.code().and_then(|code| u8::try_from(code).ok())) {
+        Ok(code) => code.map_or(ExitCode::FAILURE, ExitCode::from),
+        Err(error) => {
+            eprintln!("error: cargo: {error}");
+            ExitCode::FAILURE
+        }
     }
 }

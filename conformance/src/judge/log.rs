@@ -159,8 +159,7 @@ impl<'d> LogJudge<'d> {
 
     /// What is wrong with formats, subscriptions and sizes: a rule, where one is about that.
     fn tell(&mut self, offset: u64, problem: &LogProblem) {
-        let topic =
-            |id: &u16| self.opened(*id).map_or_else(|| format!("id {id}"), |open| open.topic.clone());
+        let topic = |id: &u16| self.opened(*id).map_or_else(|| format!("id {id}"), |open| open.topic.clone());
         let (id, subject) = match problem {
             LogProblem::DataSize { id, .. } => ("PX-DATA-01", topic(id)),
             LogProblem::UnknownId { id } | LogProblem::Unsubscribed { id } => ("PX-DATA-02", topic(id)),

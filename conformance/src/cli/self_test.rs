@@ -1,0 +1,88 @@
+//! `uavspec self-test`.
+
+use std::path::PathBuf;
+
+use anstyle::{AnsiColor, Style};
+use clap::Args;
+
+use super::Status;
+use crate::definitions::Definitions;
+use crate::matrix::{Row, conforming, matrix};
+use crate::record::Grouped;
+use crate::rule::RULES;
+
+const FAIL: Style = AnsiColor::Red.on_default().bold();
+const PASS: Style = AnsiColor::Green.on_default().bold();
+const PLAIN: Style = Style::new();
+
+/// Arguments of `self-test`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  uavspec self-test
+  uavspec self-test --definitions ../px4_msgs/msg
+
+Exit status: 0 the program judges as it should, 1 it does not, 2 definitions that can't be read.")]
+pub(super) struct SelfTestArgs {
+    /// What to make recordings of: a uavspec.toml, a folder with one, or a folder of .msg files; the definitions
+    /// of this program, where nothing is said.
+    #[arg(long, value_name = "PATH")]
+    definitions: Option<PathBuf>,
+}
+
+pub(super) fn self_test(args: &SelfTestArgs) -> Status {
+    let definitions = match super::definitions(args.definitions.as_deref()) {
+        Ok(definitions) => definitions,
+        Err(status) => return status,
+    };
+    let is_right = recordings(&definitions) & rules(&matrix(&definitions));
+    let (style, text) =
+        if is_right { (PASS, "judges as it should") } else { (FAIL, "does not judge as it should") };
+    anstream::println!("\n{style}{text}{style:#}");
+    if is_right { Status::Conforms } else { Status::Breaks }
+}
+
+/// Nothing may be found in what conforms.
+fn recordings(definitions: &Definitions) -> bool {
+    let mut is_right = true;
+    anstream::println!("Recordings that conform, made of the definitions:");
+    for (name, judgement) in conforming(definitions) {
+        let exercised = RULES.iter().filter(|rule| judgement.findings.exercised(rule) > 0).count();
+        let broken: Vec<&str> = judgement.findings.groups().map(|group| group.rule.id).collect();
+        let is_clean = broken.is_empty() && judgement.damage.is_empty();
+        is_right &= is_clean;
+        let records = Grouped(judgement.records);
+        let found =
+            if is_clean { "nothing found".to_owned() } else { format!("found {}", broken.join(", ")) };
+        line(is_clean, name, &format!("{records} messages, {exercised} rules exercised, {found}"));
+    }
+    is_right
+}
+
+/// Each rule has to find its mutants, and no other rule anything in them.
+fn rules(rows: &[Row]) -> bool {
+    anstream::println!("\nRules, and recordings that are changed to break them:");
+    for rule in RULES {
+        let own = || rows.iter().filter(|row| row.rule.id == rule.id);
+        let made = own().filter(|row| row.broken.is_some()).count();
+        let wrong: Vec<String> = own().filter(|row| !row.is_right()).map(told).collect();
+        let text = match (made, wrong.is_empty()) {
+            (0, _) => "the definitions have nothing that could break it".to_owned(),
+            (_, true) => format!("{made} found"),
+            (_, false) => wrong.join("; "),
+        };
+        line(wrong.is_empty(), rule.id, &text);
+    }
+    rows.iter().all(Row::is_right)
+}
+
+fn told(row: &Row) -> String {
+    let list = |ids: &mut dyn Iterator<Item = &str>| ids.collect::<Vec<_>>().join(", ");
+    let found = list(&mut row.broken.iter().flatten().copied());
+    let found = if found.is_empty() { "nothing".to_owned() } else { found };
+    format!("{}: expected {}, found {found}", row.mutant.name, list(&mut row.expected().into_iter()))
+}
+
+fn line(is_right: bool, name: &str, text: &str) {
+    let (style, word) = if is_right { (PLAIN, "  ok  ") } else { (FAIL, "  FAIL") };
+    anstream::println!("{style}{word}{style:#}  {name:<12} {text}");
+}
