@@ -3,6 +3,8 @@
 mod json;
 mod log;
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::io::{self, Read};
 
 use uavspec_codegen::schema::MessageId;
@@ -11,11 +13,11 @@ pub use self::json::{JsonSource, judge_json};
 pub use self::log::{LogSource, judge_ulog};
 use crate::definitions::Definitions;
 use crate::finding::Findings;
-use crate::record::{Channel, Message, Place};
+use crate::record::{Channel, Grouped, Message, Place};
 use crate::rule::{Check, Checker, Interest, Judged, RULES, Rule};
 use crate::source::ULOG_MAGIC;
 
-/// How many places of damage are kept.
+/// How many kinds of damage are kept.
 const MAX_DAMAGE: usize = 100;
 
 /// What a source is, and what came of it.
@@ -31,7 +33,7 @@ pub struct Judgement {
     pub records: u64,
     /// How many of them have a type, can be read as it, and were judged.
     pub judged: u64,
-    /// What can't be read, and where; the first of it.
+    /// What can't be read, and where first, in that order.
     pub damage: Vec<(Place, String)>,
     /// How much more of that there is.
     pub more_damage: u64,
@@ -75,7 +77,8 @@ struct Course<'d> {
     judged: u64,
     first: Option<u64>,
     last: u64,
-    damage: Vec<(Place, String)>,
+    /// By what is told, which is told once: where first, and how often.
+    damage: HashMap<String, (Place, u64)>,
     more_damage: u64,
 }
 
@@ -122,7 +125,7 @@ impl<'d> Course<'d> {
             judged: 0,
             first: None,
             last: 0,
-            damage: Vec::new(),
+            damage: HashMap::new(),
             more_damage: 0,
         }
     }
@@ -171,10 +174,11 @@ impl<'d> Course<'d> {
     }
 
     fn damage(&mut self, place: Place, text: String) {
-        if self.damage.len() < MAX_DAMAGE {
-            self.damage.push((place, text));
-        } else {
-            self.more_damage += 1;
+        let has_room = self.damage.len() < MAX_DAMAGE;
+        match self.damage.entry(text) {
+            Entry::Occupied(mut known) => known.get_mut().1 += 1,
+            Entry::Vacant(new) if has_room => _ = new.insert((place, 1)),
+            Entry::Vacant(_) => self.more_damage += 1,
         }
     }
 
@@ -183,13 +187,19 @@ impl<'d> Course<'d> {
             follower.judge(self.definitions, &mut self.findings, |checker, judged| checker.end(judged));
             self.findings.exercise(follower.rule, follower.exercised);
         }
+        let told = |(text, (place, times)): (String, (Place, u64))| match times {
+            1 => (place, text),
+            _ => (place, format!("{text} ({} times)", Grouped(times))),
+        };
+        let mut damage: Vec<(Place, String)> = self.damage.into_iter().map(told).collect();
+        damage.sort();
         Judgement {
             source,
             bytes,
             duration: self.first.map_or(0, |first| self.last - first),
             records: self.records,
             judged: self.judged,
-            damage: self.damage,
+            damage,
             more_damage: self.more_damage,
             findings: self.findings,
         }

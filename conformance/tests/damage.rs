@@ -1,0 +1,114 @@
+//! Sources that are damaged in every way are judged as far as they can be read, and say where they can't.
+
+mod support;
+
+use uavspec_conformance::definitions::Definitions;
+use uavspec_conformance::judge::{Judgement, judge};
+use uavspec_conformance::record::Place;
+use uavspec_conformance::sample::{Flight, ROUNDS};
+
+use support::Random;
+
+fn judged(bytes: &[u8], definitions: &Definitions) -> Judgement {
+    judge(bytes, None, definitions).expect("bytes can be read")
+}
+
+/// What each kind of source is, and how much of it is judged.
+fn sources(definitions: &Definitions) -> Vec<(&'static str, Vec<u8>, u64)> {
+    let flight = Flight::new(definitions);
+    let sources = [
+        ("log", flight.log().to_bytes()),
+        ("JSON Lines", flight.lines().to_bytes()),
+        ("rosbridge", flight.rosbridge().to_bytes()),
+    ];
+    sources
+        .map(|(name, bytes)| {
+            let whole = judged(&bytes, definitions);
+            assert_eq!((whole.judged, whole.damage.len()), (flight.messages.len() as u64, 0), "{name}");
+            (name, bytes, whole.judged)
+        })
+        .into()
+}
+
+/// All damage lies in what was read.
+fn check_places(name: &str, judgement: &Judgement, size: usize) {
+    for (place, what) in &judgement.damage {
+        let (Place::Byte(at) | Place::Line(at)) = *place;
+        assert!(at <= size as u64, "{name}: {what} at {place} of {size}");
+    }
+}
+
+#[test]
+fn what_stands_before_a_cut_is_judged() {
+    let definitions = Definitions::built_in();
+    for (name, bytes, whole) in sources(&definitions) {
+        let mut before = 0;
+        for cut in (0..bytes.len()).step_by(97) {
+            let judgement = judged(&bytes[..cut], &definitions);
+            check_places(name, &judgement, cut);
+            // A subscription or a message more can only add to what is judged.
+            assert!(judgement.judged >= before, "{name} cut at {cut}");
+            before = judgement.judged;
+            assert!(judgement.judged <= whole);
+        }
+        assert!(before + 2 >= whole, "{name}: {before} of {whole} before the last cut");
+    }
+}
+
+#[test]
+fn a_flipped_bit_costs_few_messages() {
+    let definitions = Definitions::built_in();
+    for (name, bytes, whole) in sources(&definitions) {
+        let mut random = Random(97);
+        let mut damaged = 0;
+        for _ in 0..1_000 {
+            // Magic and flag bits say that nobody should go on who doesn't know them.
+            let head = if name == "log" { 59 } else { 0 };
+            let (at, bit) = (head + random.index(bytes.len() - head), random.below(8));
+            let mut flipped = bytes.clone();
+            flipped[at] ^= 1 << bit;
+            let judgement = judged(&flipped, &definitions);
+            check_places(name, &judgement, bytes.len());
+            damaged += u64::from(!judgement.damage.is_empty());
+            // What says what messages are may be hit: then those of a topic, and of one that nests it, are lost, and
+            // that is told.
+            let lost = whole - judgement.judged.min(whole);
+            let is_told = !judgement.damage.is_empty()
+                || judgement.records > judgement.judged
+                || judgement.findings.groups().next().is_some();
+            // Data whose kind became that of a text is one.
+            assert!(lost <= 1 || is_told, "{name}: {lost} lost after bit {bit} of byte {at}");
+            assert!(lost <= 2 * ROUNDS, "{name}: {lost} lost after bit {bit} of byte {at}: {:?}", judgement.damage);
+        }
+        assert!(damaged > 10, "{name}: only {damaged} of 1000 flipped bits were noticed as damage");
+    }
+}
+
+#[test]
+fn sections_in_the_wrong_order_are_judged() {
+    let definitions = Definitions::built_in();
+    for (name, bytes, _) in sources(&definitions) {
+        let mut random = Random(5);
+        for _ in 0..50 {
+            let mut cuts = [random.index(bytes.len()), random.index(bytes.len()), random.index(bytes.len())];
+            cuts.sort_unstable();
+            let [first, second, third] = cuts;
+            let swapped =
+                [&bytes[..first], &bytes[second..third], &bytes[first..second], &bytes[third..]].concat();
+            let judgement = judged(&swapped, &definitions);
+            check_places(name, &judgement, bytes.len());
+        }
+    }
+}
+
+#[test]
+fn noise_is_told_from_the_start() {
+    let definitions = Definitions::built_in();
+    let noise = Random(3).bytes(1 << 20);
+    for start in [&b""[..], b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0", b"[", b"{\"type\":\"px4/Event\",\"message\":"] {
+        let judgement = judged(&[start, &noise].concat(), &definitions);
+        assert_eq!(judgement.judged, 0, "{start:?}");
+        assert!(!judgement.damage.is_empty(), "{start:?}");
+        check_places("noise", &judgement, start.len() + noise.len());
+    }
+}
