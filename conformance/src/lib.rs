@@ -16,6 +16,7 @@ pub mod finding;
 pub mod input;
 pub mod json;
 pub mod judge;
+pub mod known;
 pub mod parallel;
 pub mod plan;
 pub mod record;
