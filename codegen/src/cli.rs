@@ -19,7 +19,7 @@ mod load;
 mod output;
 mod report;
 mod revision;
-mod rewrite;
+pub mod rewrite;
 
 use std::fmt;
 use std::io::Write as _;

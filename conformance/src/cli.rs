@@ -1,8 +1,10 @@
 //! The command line of `uavspec`.
 //!
-//! Exit status: 0 conforms; 1 doesn't; 2 wrong usage, or definitions that can't be read; 3 a source that can't be
-//! read, or a testee that broke; 5 nothing was checked.
+//! Exit status: 0 conforms; 1 doesn't; 2 wrong usage, or definitions or lists that can't be read; 3 a source that
+//! can't be read, or a testee that broke; 4 a list of known failures no longer holds true; 5 nothing was checked.
+//! Where several apply, 2 goes before 3, 1, 4 and 5.
 
+mod known;
 mod self_test;
 mod test;
 
@@ -19,6 +21,7 @@ use crate::definitions::Definitions;
 use crate::finding::Verdict;
 use crate::input;
 use crate::judge;
+use crate::known::{Checked, Scope, excuse_findings, of_findings, of_unread};
 use crate::parallel;
 use crate::report::{Judged, to_json, to_text};
 use crate::rule::{RULES, Rule, rule};
@@ -53,12 +56,24 @@ enum Command {
   uavspec check rosbridge.jsonl
   zcat flight.ulg.gz | uavspec check - archive/
   uavspec check --type px4/FailsafeFlags flags.jsonl
+  uavspec check --known known.toml archive/
 
 JSON is an object a line, or an array of objects. Without --type each says what it is:
   {\"type\": \"px4/FailsafeFlags\", \"message\": {…}}
   {\"op\": \"publish\", \"topic\": \"/fmu/out/failsafe_flags\", \"msg\": {…}}   (rosbridge)
 
-Exit status: 0 conforms, 1 does not, 2 wrong usage or definitions, 3 a file can't be read, 5 nothing was checked.")]
+A list of known failures is TOML:
+  [[known]]                       # or [[flaky]]: it may also pass
+  rule = \"PX-RANGE-01\"
+  subject = \"battery_status.*\"    # which may be absent, as all but the reason
+  file = \"archive/2019-*.ulg\"
+  message = \"0 is out of range\"   # how the message begins
+  reason = \"firmware 1.11 leaves it 0\"
+  link = \"https://example.org/issues/7\"
+  expires = 2027-06-30
+
+Exit status: 0 conforms, 1 does not, 2 wrong usage, definitions or list, 3 a file can't be read, 4 a list of known
+failures no longer holds true, 5 nothing was checked.")]
 struct CheckArgs {
     /// Logs of PX4 in the format `ULog`, or messages as JSON or JSON Lines, also packed with gzip or zstd; which,
     /// is seen by the content. Folders are searched; `-` is standard input.
@@ -80,6 +95,8 @@ struct CheckArgs {
     /// How many files are read at the same time; as many as there are processors, where nothing is said.
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
+    #[command(flatten)]
+    known: known::KnownArgs,
     /// How to report.
     #[arg(long, default_value = "text")]
     format: Format,
@@ -93,14 +110,28 @@ enum Format {
     Json,
 }
 
-/// What a run ends with.
+/// What a run ends with, from the best to that which goes before all others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Status {
-    Conforms = 0,
-    Breaks = 1,
-    Usage = 2,
-    Unreadable = 3,
-    Nothing = 5,
+    Conforms,
+    Nothing,
+    Stale,
+    Breaks,
+    Unreadable,
+    Usage,
+}
+
+impl Status {
+    fn code(self) -> u8 {
+        match self {
+            Self::Conforms => 0,
+            Self::Breaks => 1,
+            Self::Usage => 2,
+            Self::Unreadable => 3,
+            Self::Stale => 4,
+            Self::Nothing => 5,
+        }
+    }
 }
 
 /// The whole program.
@@ -114,7 +145,7 @@ pub fn main() -> ExitCode {
         }
         Command::SelfTest(args) => self_test::self_test(&args),
     };
-    ExitCode::from(status as u8)
+    ExitCode::from(status.code())
 }
 
 fn rules() {
@@ -150,31 +181,44 @@ fn check(args: &CheckArgs) -> Status {
             return Status::Unreadable;
         }
     };
+    let mut known = match args.known.read() {
+        Ok(known) => known,
+        Err(status) => return status,
+    };
+    let show = |judged: &Judged| {
+        // The stream drops the colours where they would not be shown.
+        let _ = write!(anstream::stdout(), "{}", to_text(judged, &definitions));
+    };
+    // With lists it takes all files to tell which findings count.
+    let is_shown_at_once = args.format == Format::Text && known.lists.is_empty();
     let mut judged = Vec::new();
-    let mut is_unreadable = false;
+    let mut unread = Vec::new();
     parallel::each(
         &files,
         args.jobs,
         |path| judge(path, of, &definitions),
         |path, result| match result {
             Ok(found) => {
-                if args.format == Format::Text {
-                    // The stream drops the colours where they would not be shown.
-                    let _ = write!(anstream::stdout(), "{}", to_text(&found, &definitions));
+                if is_shown_at_once {
+                    show(&found);
                 }
                 judged.push(found);
             }
             Err(error) => {
                 anstream::eprintln!("error: {}: {error}", path.display());
-                is_unreadable = true;
+                unread.push(path.display().to_string());
             }
         },
     );
+    let settled = settle(&mut known, &mut judged, &unread);
+    if args.format == Format::Text && !is_shown_at_once {
+        judged.iter().for_each(show);
+    }
     if args.format == Format::Json {
         // A reader that has seen enough closes the pipe: that is no failure.
         let _ = io::stdout().write_all(to_json(&judged, &definitions).as_bytes());
     }
-    let status = status(&judged, is_unreadable, args.strict_formats);
+    let status = status(&judged, !unread.is_empty(), args.strict_formats).max(settled);
     let idle = |rule: &&&Rule| judged.iter().all(|judged| judged.judgement.findings.exercised(rule) == 0);
     for rule in required.iter().filter(idle) {
         anstream::eprintln!(
@@ -199,12 +243,25 @@ fn judge(path: &Path, of: Option<MessageId>, definitions: &Definitions) -> io::R
     Ok(Judged { path: path.display().to_string(), judgement, elapsed: started.elapsed().as_millis() })
 }
 
+/// Holds the lists of known failures against what was found, and notes at each finding what excuses it.
+fn settle(known: &mut known::Known, judged: &mut [Judged], unread: &[String]) -> Status {
+    let mut checked: Vec<Checked<'_>> = unread.iter().flat_map(|path| of_unread(path)).collect();
+    for judged in judged.iter() {
+        checked.extend(of_findings(&judged.path, &judged.judgement.findings));
+    }
+    let status = known.settle(Scope::Rules, &checked);
+    for judged in judged {
+        excuse_findings(&known.lists, &judged.path, &mut judged.judgement.findings);
+    }
+    status
+}
+
 fn status(judged: &[Judged], is_unreadable: bool, are_formats_strict: bool) -> Status {
     let fails = |judged: &Judged| {
         RULES.iter().any(|rule| match judged.judgement.findings.verdict(rule) {
             Verdict::Fail => true,
             Verdict::Shown => are_formats_strict && rule.id == "PX-FMT-01",
-            Verdict::Pass | Verdict::Warn | Verdict::NotExercised => false,
+            Verdict::Pass | Verdict::Known | Verdict::Warn | Verdict::NotExercised => false,
         })
     };
     if is_unreadable {

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use uavspec_codegen::source::Span;
 
 use crate::detail::Detail;
+use crate::known::Excuse;
 use crate::record::Place;
 use crate::rule::{Level, RULES, Rule};
 
@@ -27,6 +28,8 @@ pub struct Group {
     pub examples: Vec<(Place, Detail)>,
     /// Where the definition says what should be.
     pub definition: Option<Span>,
+    /// Why it is let stand, where a list of known failures says so.
+    pub known: Option<Excuse>,
 }
 
 /// What came of a rule.
@@ -38,6 +41,8 @@ pub enum Verdict {
     Warn,
     /// Something breaks it that must not.
     Fail,
+    /// All that breaks it is listed as known.
+    Known,
     /// It is broken, or rather shown: it judges nothing.
     Shown,
     /// Nothing was there that it could have judged.
@@ -90,6 +95,7 @@ impl Findings {
             count: 0,
             examples: Vec::new(),
             definition,
+            known: None,
         });
         group.count += 1;
         if group.examples.len() < MAX_EXAMPLES {
@@ -118,9 +124,16 @@ impl Findings {
         index(rule).map_or(0, |at| self.exercised[at])
     }
 
-    /// What came of a rule.
+    /// Notes at each group why it is let stand, where `excuse` says so.
+    pub fn excuse(&mut self, mut excuse: impl FnMut(&Group) -> Option<Excuse>) {
+        self.groups.values_mut().for_each(|group| group.known = excuse(group));
+    }
+
+    /// What came of a rule. What was too much to be kept can't be told to be known.
     pub fn verdict(&self, rule: &'static Rule) -> Verdict {
+        let is_known = self.dropped(rule) == 0 && self.of(rule).all(|group| group.known.is_some());
         match (self.of(rule).next().is_some(), rule.level) {
+            (true, _) if is_known => Verdict::Known,
             (true, Level::Must) => Verdict::Fail,
             (true, Level::Should) => Verdict::Warn,
             (true, Level::Info) => Verdict::Shown,

@@ -17,6 +17,7 @@ pub mod finding;
 pub mod input;
 pub mod json;
 pub mod judge;
+pub mod known;
 pub mod matrix;
 pub mod parallel;
 pub mod plan;

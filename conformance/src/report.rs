@@ -3,6 +3,7 @@
 mod json;
 mod text;
 
+pub(crate) use json::excuse as excuse_to_json;
 pub use json::write as to_json;
 pub use text::write as to_text;
 

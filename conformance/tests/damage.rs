@@ -43,7 +43,9 @@ fn what_stands_before_a_cut_is_judged() {
     let definitions = Definitions::built_in();
     for (name, bytes, whole) in sources(&definitions) {
         let mut before = 0;
-        for cut in (0..bytes.len()).step_by(97) {
+        // JSON has ten times as many bytes, and each cut reads them all.
+        let step = if name == "log" { 97 } else { 970 };
+        for cut in (0..bytes.len()).step_by(step) {
             let judgement = judged(&bytes[..cut], &definitions);
             check_places(name, &judgement, cut);
             // A subscription or a message more can only add to what is judged.
@@ -51,7 +53,7 @@ fn what_stands_before_a_cut_is_judged() {
             before = judgement.judged;
             assert!(judgement.judged <= whole);
         }
-        assert!(before + 2 >= whole, "{name}: {before} of {whole} before the last cut");
+        assert!(before + 4 >= whole, "{name}: {before} of {whole} before the last cut");
     }
 }
 
@@ -61,7 +63,8 @@ fn a_flipped_bit_costs_few_messages() {
     for (name, bytes, whole) in sources(&definitions) {
         let mut random = Random(97);
         let mut damaged = 0;
-        for _ in 0..1_000 {
+        let flips = if name == "log" { 1_000 } else { 250 };
+        for _ in 0..flips {
             // Magic and flag bits say that nobody should go on who doesn't know them.
             let head = if name == "log" { 59 } else { 0 };
             let (at, bit) = (head + random.index(bytes.len() - head), random.below(8));
@@ -78,9 +81,13 @@ fn a_flipped_bit_costs_few_messages() {
                 || judgement.findings.groups().next().is_some();
             // Data whose kind became that of a text is one.
             assert!(lost <= 1 || is_told, "{name}: {lost} lost after bit {bit} of byte {at}");
-            assert!(lost <= 2 * ROUNDS, "{name}: {lost} lost after bit {bit} of byte {at}: {:?}", judgement.damage);
+            assert!(
+                lost <= 2 * ROUNDS,
+                "{name}: {lost} lost after bit {bit} of byte {at}: {:?}",
+                judgement.damage
+            );
         }
-        assert!(damaged > 10, "{name}: only {damaged} of 1000 flipped bits were noticed as damage");
+        assert!(damaged > 10, "{name}: only {damaged} of {flips} flipped bits were noticed as damage");
     }
 }
 
@@ -105,7 +112,9 @@ fn sections_in_the_wrong_order_are_judged() {
 fn noise_is_told_from_the_start() {
     let definitions = Definitions::built_in();
     let noise = Random(3).bytes(1 << 20);
-    for start in [&b""[..], b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0", b"[", b"{\"type\":\"px4/Event\",\"message\":"] {
+    for start in
+        [&b""[..], b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0", b"[", b"{\"type\":\"px4/Event\",\"message\":"]
+    {
         let judgement = judged(&[start, &noise].concat(), &definitions);
         assert_eq!(judgement.judged, 0, "{start:?}");
         assert!(!judgement.damage.is_empty(), "{start:?}");

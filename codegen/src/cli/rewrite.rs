@@ -9,19 +9,20 @@ use tempfile::NamedTempFile;
 use super::Failure;
 
 /// A file and what it should hold.
-pub(super) struct Change {
+#[derive(Debug)]
+pub struct Change {
     /// The file itself: no link leads on from here.
-    pub(super) path: PathBuf,
+    pub path: PathBuf,
     /// Its path as it is shown.
-    pub(super) shown: String,
+    pub shown: String,
     /// What it holds.
-    pub(super) old: String,
+    pub old: String,
     /// What it should hold.
-    pub(super) new: String,
+    pub new: String,
 }
 
 /// Replaces the files. All is staged before any is put in place, so that a full disk leaves all as it was.
-pub(super) fn write(changes: &[Change]) -> Result<(), Failure> {
+pub fn write(changes: &[Change]) -> Result<(), Failure> {
     let mut staged = Vec::with_capacity(changes.len());
     for change in changes {
         staged.push(stage(change).map_err(|error| unwritable(change, &error))?);

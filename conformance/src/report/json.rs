@@ -7,6 +7,7 @@ use crate::comparison::Comparison;
 use crate::definitions::Definitions;
 use crate::finding::{Group, Verdict};
 use crate::judge::Source;
+use crate::known::Excuse;
 use crate::record::Place;
 use crate::rule::RULES;
 
@@ -79,6 +80,7 @@ fn verdict(verdict: Verdict) -> &'static str {
         Verdict::Pass => "pass",
         Verdict::Warn => "warn",
         Verdict::Fail => "fail",
+        Verdict::Known => "known",
         Verdict::Shown => "shown",
         Verdict::NotExercised => "not exercised",
     }
@@ -105,5 +107,16 @@ fn finding(group: &Group, definitions: &Definitions) -> Value {
         "count": group.count,
         "examples": examples,
         "definition": group.definition.map(|span| definitions.place(span)),
+        "known": group.known.as_ref().map(excuse),
+    })
+}
+
+/// Why something is let stand.
+pub(crate) fn excuse(excuse: &Excuse) -> Value {
+    json!({
+        "kind": excuse.kind.name(),
+        "reason": excuse.reason,
+        "link": excuse.link,
+        "expires": excuse.expires.map(|date| date.to_string()),
     })
 }

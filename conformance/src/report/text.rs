@@ -130,20 +130,23 @@ fn damage(judged: &Judged, text: &mut String) -> std::fmt::Result {
 }
 
 fn finding(group: &Group, definitions: &Definitions, text: &mut String) -> std::fmt::Result {
-    let (style, word) = match group.rule.level {
-        Level::Must => (FAIL, "FAIL"),
-        Level::Should => (WARN, "warn"),
-        Level::Info => (PLAIN, "info"),
+    let (style, word) = match (&group.known, group.rule.level) {
+        (Some(known), _) => (PLAIN, known.kind.name()),
+        (None, Level::Must) => (FAIL, "FAIL "),
+        (None, Level::Should) => (WARN, "warn "),
+        (None, Level::Info) => (PLAIN, "info "),
     };
     let Some((place, first)) = group.examples.first() else { return Ok(()) };
     let times = if group.count == 1 { "once".to_owned() } else { format!("{} times", Grouped(group.count)) };
     writeln!(
         text,
-        "{style}{word}{style:#}  {:<12} {:<6} {}: {first}",
+        "{style}{word}{style:#} {:<12} {:<6} {}: {first}",
         group.rule.id, group.rule.level, group.subject
     )?;
     let defined = group.definition.map(|span| format!("   {}", definitions.place(span))).unwrap_or_default();
-    writeln!(text, "                           {times}, first at {place}{defined}")
+    writeln!(text, "                           {times}, first at {place}{defined}")?;
+    let known = group.known.as_ref();
+    known.map_or(Ok(()), |known| writeln!(text, "                           {known}"))
 }
 
 fn verdicts(judged: &Judged, text: &mut String) -> std::fmt::Result {
@@ -157,6 +160,8 @@ fn verdicts(judged: &Judged, text: &mut String) -> std::fmt::Result {
     };
     writeln!(text, "{PASS}pass{PASS:#}  {} rules{idle}\n", of(Verdict::Pass).count())?;
     let (failed, warned) = (of(Verdict::Fail).count(), of(Verdict::Warn).count());
+    let known = findings.groups().filter(|group| group.known.is_some()).count();
+    let known = if known > 0 { format!(", {known} known") } else { String::new() };
     let damaged = match &judged.judgement.source {
         _ if judged.judgement.damage.is_empty() => "",
         Source::Log(_) => ", and the log is damaged",
@@ -164,8 +169,8 @@ fn verdicts(judged: &Judged, text: &mut String) -> std::fmt::Result {
     };
     match (failed, warned) {
         (0, _) if judged.judgement.judged == 0 => writeln!(text, "nothing was judged{damaged}"),
-        (0, 0) => writeln!(text, "conforms{damaged}"),
-        (0, _) => writeln!(text, "conforms, {warned} SHOULD to be looked at{damaged}"),
-        _ => writeln!(text, "does not conform: {failed} MUST, {warned} SHOULD{damaged}"),
+        (0, 0) => writeln!(text, "conforms{known}{damaged}"),
+        (0, _) => writeln!(text, "conforms, {warned} SHOULD to be looked at{known}{damaged}"),
+        _ => writeln!(text, "does not conform: {failed} MUST, {warned} SHOULD{known}{damaged}"),
     }
 }

@@ -1,11 +1,13 @@
 //! What came of asking.
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::time::Duration;
 
 use super::case::Case;
 use super::compare::Difference;
 use super::protocol::Hello;
+use crate::known::Excuse;
 
 /// How many different remarks on manners are kept; of more only the number.
 const MAX_REMARKS: usize = 20;
@@ -33,6 +35,13 @@ pub enum Verdict {
         /// What it said last on standard error.
         stderr: String,
     },
+    /// It failed, and a list of known failures lets that stand.
+    Known {
+        /// How it failed.
+        failure: Box<Verdict>,
+        /// Why that is let stand.
+        excuse: Excuse,
+    },
     /// It was not asked: the run ended before, or the answer is absent from a file.
     NotRun,
 }
@@ -46,6 +55,7 @@ impl Verdict {
             Self::Unsupported => "unsupported",
             Self::Crashed { .. } => "crashed",
             Self::TimedOut { .. } => "timed out",
+            Self::Known { .. } => "known",
             Self::NotRun => "not run",
         }
     }
@@ -53,6 +63,20 @@ impl Verdict {
     /// Whether it counts against the testee.
     pub const fn is_failure(&self) -> bool {
         matches!(self, Self::Fail(_) | Self::Crashed { .. } | Self::TimedOut { .. })
+    }
+}
+
+/// What is said of it in a line; nothing that changes from run to run.
+impl fmt::Display for Verdict {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fail(difference) => difference.fmt(formatter),
+            Self::Crashed { how, .. } => write!(formatter, "{}: {how}", self.name()),
+            Self::Known { failure, excuse } => write!(formatter, "{failure} ({}: {excuse})", excuse.kind),
+            Self::Pass | Self::Unsupported | Self::TimedOut { .. } | Self::NotRun => {
+                formatter.write_str(self.name())
+            }
+        }
     }
 }
 
@@ -104,6 +128,8 @@ pub struct Counts {
     pub passed: usize,
     /// Wrong answers, crashes and hangs.
     pub failed: usize,
+    /// Failures that are let stand.
+    pub known: usize,
     /// What the testee doesn't do.
     pub unsupported: usize,
     /// What it wasn't asked.
@@ -116,6 +142,7 @@ impl Counts {
             Verdict::Pass => self.passed += 1,
             Verdict::Unsupported => self.unsupported += 1,
             Verdict::NotRun => self.not_run += 1,
+            Verdict::Known { .. } => self.known += 1,
             Verdict::Fail(_) | Verdict::Crashed { .. } | Verdict::TimedOut { .. } => self.failed += 1,
         }
     }
@@ -138,9 +165,17 @@ impl Outcome<'_> {
         table
     }
 
-    /// The cases that failed.
+    /// The cases that failed and count.
     pub fn failures(&self) -> impl Iterator<Item = (&Case, &Verdict)> {
         let failed = self.verdicts.iter().filter(|(_, verdict)| verdict.is_failure());
         failed.map(|(case, verdict)| (*case, verdict))
+    }
+
+    /// The cases that failed, and why that is let stand.
+    pub fn known(&self) -> impl Iterator<Item = (&Case, &Excuse)> {
+        self.verdicts.iter().filter_map(|(case, verdict)| match verdict {
+            Verdict::Known { excuse, .. } => Some((*case, excuse)),
+            _ => None,
+        })
     }
 }

@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use super::case::Case;
 use super::outcome::{Counts, Outcome, Verdict};
+use crate::report::excuse_to_json;
 
 /// How many failures are shown to people, and how many lines of standard error.
 const MAX_SHOWN: usize = 20;
@@ -37,6 +38,12 @@ fn write_text(outcome: &Outcome<'_>, text: &mut String) -> fmt::Result {
     if counts.failed > MAX_SHOWN {
         writeln!(text, "… and {} more; --format json lists them all\n", counts.failed - MAX_SHOWN)?;
     }
+    for (case, excuse) in outcome.known().take(MAX_SHOWN) {
+        writeln!(text, "{} {}: {excuse}", excuse.kind, case.name())?;
+    }
+    if counts.known > MAX_SHOWN {
+        writeln!(text, "… and {} more that are known", counts.known - MAX_SHOWN)?;
+    }
     for (remark, count) in &outcome.manners.remarks {
         let times = if *count > 1 { format!(" ({count} times)") } else { String::new() };
         writeln!(text, "{WARN}manners{WARN:#} {remark}{times}")?;
@@ -46,21 +53,25 @@ fn write_text(outcome: &Outcome<'_>, text: &mut String) -> fmt::Result {
     }
     writeln!(text, "\n{:<18} {:<32} {:>6} {:>6} {:>11}", "op", "type", "pass", "fail", "unsupported")?;
     for ((action, type_name), counts) in outcome.table() {
-        let Counts { passed, failed, unsupported, not_run } = counts;
-        let rest = if not_run > 0 { format!("  {not_run} not run") } else { String::new() };
+        let Counts { passed, failed, known, unsupported, not_run } = counts;
+        let mut rest = if known > 0 { format!("  {known} known") } else { String::new() };
+        if not_run > 0 {
+            write!(rest, "  {not_run} not run")?;
+        }
         writeln!(text, "{action:<18} {type_name:<32} {passed:>6} {failed:>6} {unsupported:>11}{rest}")?;
     }
-    let Counts { passed, failed, unsupported, not_run } = counts;
+    let Counts { passed, failed, known, unsupported, not_run } = counts;
+    let known = if known > 0 { format!(" {known} known,") } else { String::new() };
     writeln!(
         text,
-        "\n{passed} passed, {failed} failed, {unsupported} unsupported, {not_run} not run, {} restarts",
+        "\n{passed} passed, {failed} failed,{known} {unsupported} unsupported, {not_run} not run, {} restarts",
         outcome.restarts
     )?;
     match &outcome.gave_up {
         Some(why) => writeln!(text, "{FAIL}broken{FAIL:#}: {why}"),
         None if failed > 0 => writeln!(text, "{FAIL}does not conform{FAIL:#}"),
         None if !outcome.manners.are_good() => writeln!(text, "{FAIL}breaks the protocol{FAIL:#}"),
-        None if passed == 0 => writeln!(text, "{WARN}nothing was checked{WARN:#}"),
+        None if passed == 0 && counts.known == 0 => writeln!(text, "{WARN}nothing was checked{WARN:#}"),
         None => writeln!(text, "{PASS}conforms{PASS:#}"),
     }
 }
@@ -81,7 +92,8 @@ fn failure(case: &Case, verdict: &Verdict, text: &mut String) -> fmt::Result {
             writeln!(text, "  no answer within {} s", after.as_secs_f32())?;
             evidence(stderr, text)?;
         }
-        Verdict::Pass | Verdict::Unsupported | Verdict::NotRun => {}
+        // Only what counts as a failure is shown so.
+        Verdict::Pass | Verdict::Known { .. } | Verdict::Unsupported | Verdict::NotRun => {}
     }
     writeln!(text)
 }
@@ -98,7 +110,7 @@ fn evidence(stderr: &str, text: &mut String) -> fmt::Result {
 pub fn to_json(outcome: &Outcome<'_>) -> String {
     let counts = |counts: Counts| {
         json!({
-            "pass": counts.passed, "fail": counts.failed,
+            "pass": counts.passed, "fail": counts.failed, "known": counts.known,
             "unsupported": counts.unsupported, "not_run": counts.not_run,
         })
     };
@@ -141,6 +153,10 @@ fn of_case(case: &Case, verdict: &Verdict) -> Value {
         Verdict::TimedOut { after, stderr } => {
             value["after"] = after.as_secs_f64().into();
             value["stderr"] = stderr.clone().into();
+        }
+        Verdict::Known { failure, excuse } => {
+            value = of_case(case, failure);
+            value["known"] = excuse_to_json(excuse);
         }
         Verdict::Pass | Verdict::Unsupported | Verdict::NotRun => {}
     }

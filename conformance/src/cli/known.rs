@@ -1,0 +1,78 @@
+//! Lists of known failures on the command line.
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use clap::Args;
+use uavspec_codegen::diagnostic::Level;
+
+use super::Status;
+use crate::known::{Checked, Date, Lists, Scope, Stale};
+
+/// Arguments of commands that know such lists.
+#[derive(Args, Debug)]
+pub(super) struct KnownArgs {
+    /// A list of known failures and flaky results, which then don't count; may be given several times. An entry
+    /// that no longer holds true fails the run.
+    #[arg(long, value_name = "FILE")]
+    known: Vec<PathBuf>,
+    /// Take out of these lists what no longer holds true, and keep all else as it is.
+    #[arg(long, requires = "known")]
+    fix_known: bool,
+}
+
+/// Lists as they are used in a run.
+pub(super) struct Known {
+    /// The lists, as they are after the run.
+    pub(super) lists: Lists,
+    today: Date,
+    is_fixing: bool,
+}
+
+impl KnownArgs {
+    /// Reads the lists; what is wrong with them has been told.
+    pub(super) fn read(&self) -> Result<Known, Status> {
+        let told = |error: String| {
+            anstream::eprintln!("{error}");
+            Status::Usage
+        };
+        let lists = Lists::read(&self.known).map_err(|error| told(error.to_string()))?;
+        let today = Date::today().map_err(|error| told(format!("error: {error}")))?;
+        Ok(Known { lists, today, is_fixing: self.fix_known })
+    }
+}
+
+impl Known {
+    /// Tells which entries don't hold true, or takes them out of their files.
+    pub(super) fn settle(&mut self, scope: Scope, checked: &[Checked<'_>]) -> Status {
+        let stale = self.lists.judge(scope, checked, self.today);
+        if stale.is_empty() {
+            return Status::Conforms;
+        }
+        if !self.is_fixing {
+            anstream::eprint!("{}", self.lists.render(&stale, Level::Error, true));
+            anstream::eprintln!(
+                "error: a list of known failures no longer holds true\n  help: --fix-known mends it"
+            );
+            return Status::Stale;
+        }
+        match self.fix(&stale) {
+            Ok(()) => Status::Conforms,
+            Err(error) => {
+                anstream::eprintln!("{error}");
+                Status::Usage
+            }
+        }
+    }
+
+    fn fix(&mut self, stale: &[Stale]) -> Result<(), Box<dyn Error>> {
+        let fixed = self.lists.fixed(stale)?;
+        fixed.write(&self.lists)?;
+        anstream::eprint!("{}", self.lists.render(stale, Level::Note, true));
+        anstream::eprintln!(
+            "mended: the entries above are gone, or have the new message; do their reasons still hold?"
+        );
+        self.lists = fixed;
+        Ok(())
+    }
+}

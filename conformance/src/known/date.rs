@@ -1,0 +1,110 @@
+//! Days, as entries expire on them.
+
+use std::env;
+use std::fmt;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// The environment variable that says, in seconds since 1970, what time it is: see reproducible-builds.org.
+const EPOCH_VARIABLE: &str = "SOURCE_DATE_EPOCH";
+
+/// How long a day is, in seconds.
+const DAY: u64 = 86_400;
+
+/// In so many days the calendar repeats itself: 400 years, 97 of them leap years.
+const CYCLE: u64 = 146_097;
+
+/// The first second after the year 9999, where dates of TOML end.
+const END: u64 = 253_402_300_800;
+
+/// A day of the Gregorian calendar, in UTC.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Date {
+    /// The year, to 9999.
+    pub year: u16,
+    /// The month, from 1.
+    pub month: u8,
+    /// The day of the month, from 1.
+    pub day: u8,
+}
+
+impl Date {
+    /// Today; an error says what is wrong with the environment variable `SOURCE_DATE_EPOCH`.
+    pub fn today() -> Result<Self, String> {
+        if let Some(value) = env::var_os(EPOCH_VARIABLE) {
+            let seconds = value.to_str().and_then(|value| value.parse().ok()).and_then(Self::at);
+            return seconds.ok_or_else(|| {
+                format!("{EPOCH_VARIABLE}={}: no seconds from 1970 to 9999", value.to_string_lossy())
+            });
+        }
+        // A clock before 1970 was never set; then nothing has expired.
+        let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        Self::at(since.as_secs()).ok_or_else(|| "the clock of this machine is past the year 9999".to_owned())
+    }
+
+    /// The day of a time in seconds since 1970; none after the year 9999.
+    pub fn at(seconds: u64) -> Option<Self> {
+        if seconds >= END {
+            return None;
+        }
+        // Years that begin in March have their leap day at the end. 719468 days lie from March of the year 0 to 1970.
+        let days = seconds / DAY + 719_468;
+        let in_cycle = days % CYCLE;
+        // Of the days in a cycle all that are leap days but one in a century, and none at its very end, are taken out.
+        let year = (in_cycle - in_cycle / 1_460 + in_cycle / 36_524 - in_cycle / 146_096) / 365;
+        let in_year = in_cycle - (365 * year + year / 4 - year / 100);
+        // From March on, five months have 153 days, over and over.
+        let month = (5 * in_year + 2) / 153;
+        let day = in_year - (153 * month + 2) / 5 + 1;
+        let (month, later) = if month < 10 { (month + 3, 0) } else { (month - 9, 1) };
+        let year = days / CYCLE * 400 + year + later;
+        Some(Self {
+            year: u16::try_from(year).ok()?,
+            month: u8::try_from(month).ok()?,
+            day: u8::try_from(day).ok()?,
+        })
+    }
+}
+
+impl fmt::Display for Date {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{:04}-{:02}-{:02}", self.year, self.month, self.day)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_day_from_1970_to_9999_is_the_one_after_the_last() {
+        let mut expected = Date { year: 1970, month: 1, day: 1 };
+        for day in 0..END / DAY {
+            assert_eq!(Date::at(day * DAY), Some(expected));
+            assert_eq!(Date::at(day * DAY + DAY - 1), Some(expected));
+            expected = after(expected);
+        }
+        assert_eq!(expected, Date { year: 10_000, month: 1, day: 1 });
+        assert_eq!(Date::at(END), None);
+        assert_eq!(Date::at(u64::MAX), None);
+    }
+
+    fn after(date: Date) -> Date {
+        let Date { year, month, day } = date;
+        let is_leap = year.is_multiple_of(4) && !year.is_multiple_of(100) || year.is_multiple_of(400);
+        let length = match month {
+            2 => 28 + u8::from(is_leap),
+            4 | 6 | 9 | 11 => 30,
+            _ => 31,
+        };
+        match (day == length, month == 12) {
+            (false, _) => Date { day: day + 1, ..date },
+            (true, false) => Date { month: month + 1, day: 1, ..date },
+            (true, true) => Date { year: year + 1, month: 1, day: 1 },
+        }
+    }
+
+    #[test]
+    fn a_date_is_written_as_toml_writes_it() {
+        assert_eq!(Date::at(1_814_313_600).map(|date| date.to_string()), Some("2027-06-30".to_owned()));
+    }
+}

@@ -1,0 +1,298 @@
+//! Lists of known failures as a user meets them.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+const GLIDER: &str = "\
+# State of a glider
+
+uint64 timestamp  # [us] Time since system start
+float32 speed     # [m/s] [@range 0, 60] [@invalid -1] Speed
+uint8 mark        # [-] Which mark it flies to
+";
+
+/// The ninth of May 2026, in seconds since 1970.
+const TODAY: &str = "1778284800";
+
+/// A folder with definitions and two files of messages: in one all is well, in the other are two breaches.
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::create_dir(folder.path().join("msg")).expect("a folder");
+    fs::create_dir(folder.path().join("logs")).expect("a folder");
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("a file");
+    write("msg/Glider.msg", GLIDER);
+    let good = "{\"timestamp\":1,\"speed\":7,\"mark\":3}\n";
+    write("logs/good.jsonl", good);
+    write(
+        "logs/odd.jsonl",
+        "{\"timestamp\":1,\"speed\":70,\"mark\":3}\n{\"timestamp\":2,\"speed\":2,\"mark\":300}\n",
+    );
+    folder
+}
+
+/// Status, what was printed, and what was said.
+fn uavspec(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_uavspec"));
+    command.args(arguments).current_dir(folder).env("SOURCE_DATE_EPOCH", TODAY);
+    let output = command.output().expect("uavspec runs");
+    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+/// `check` with a list.
+fn check(folder: &TempDir, list: &str, arguments: &[&str]) -> (Option<i32>, String, String) {
+    fs::write(folder.path().join("known.toml"), list).expect("a file");
+    let always = ["check", "--definitions", "msg", "--type", "px4/Glider", "--known", "known.toml"];
+    uavspec(folder.path(), &[&always, arguments].concat())
+}
+
+fn list_of(folder: &TempDir) -> String {
+    fs::read_to_string(folder.path().join("known.toml")).expect("a list")
+}
+
+const MARKS: &str = "\
+# What is known of our gliders.
+
+[[known]]
+rule = \"PX-JSON-02\" # MUST
+subject = \"Glider.mark\"
+reason = \"marks are counted beyond 255\"
+link = \"https://example.org/issues/7\"
+expires = 2026-05-09
+";
+
+#[test]
+fn a_known_finding_is_shown_and_does_not_count() {
+    let folder = folder();
+    let (status, printed, said) = check(&folder, MARKS, &["logs"]);
+    assert_eq!(status, Some(0), "{printed}{said}");
+    for wanted in [
+        "known PX-JSON-02   MUST   Glider.mark: expected an integer from 0 to 255, found 300\n",
+        "  marks are counted beyond 255 (until 2026-05-09) https://example.org/issues/7\n",
+        "warn  PX-RANGE-01  SHOULD Glider.speed: 70 is out of range, 0 to 60\n",
+    ] {
+        assert!(printed.contains(wanted), "{wanted}: {printed}");
+    }
+    assert!(printed.ends_with("\nconforms, 1 SHOULD to be looked at, 1 known\n"), "{printed}");
+    assert_eq!(said, "");
+
+    let (status, printed, _) = check(&folder, MARKS, &["--format", "json", "logs/odd.jsonl"]);
+    let report: Value = serde_json::from_str(&printed).expect("JSON");
+    let source = &report["sources"][0];
+    let excuse = json!({
+        "kind": "known",
+        "reason": "marks are counted beyond 255",
+        "link": "https://example.org/issues/7",
+        "expires": "2026-05-09",
+    });
+    assert_eq!((status, &source["findings"][0]["known"]), (Some(0), &excuse));
+    assert_eq!(source["findings"][1]["known"], Value::Null);
+    let verdict = |id: &str| {
+        let rules = source["rules"].as_array().expect("a list");
+        rules.iter().find(|rule| rule["id"] == id).map(|rule| rule["verdict"].clone())
+    };
+    assert_eq!((verdict("PX-JSON-02"), verdict("PX-RANGE-01")), (Some("known".into()), Some("warn".into())));
+
+    // What isn't listed counts, in another file too.
+    let elsewhere = MARKS.replace("reason", "file = \"old/*\"\nreason");
+    let (status, printed, said) = check(&folder, &elsewhere, &["logs"]);
+    assert_eq!(status, Some(1), "{printed}");
+    assert!(said.contains("error[known-matches-nothing]") && said.contains("known.toml:4:8"), "{said}");
+}
+
+#[test]
+fn a_list_that_no_longer_holds_true_fails_the_run() {
+    let folder = folder();
+    let (status, printed, said) = check(&folder, MARKS, &["logs/good.jsonl"]);
+    assert_eq!(status, Some(4), "{printed}{said}");
+    assert_eq!(
+        said,
+        "\
+error[known-passes]: nothing that this rule names fails any more
+ --> known.toml:4:8
+  |
+4 | rule = \"PX-JSON-02\" # MUST
+  |        ^^^^^^^^^^^^ remove the entry
+error: a list of known failures no longer holds true
+  help: --fix-known mends it
+"
+    );
+    assert_eq!(list_of(&folder), MARKS, "nothing is written unasked");
+    // What is flaky may pass.
+    assert_eq!(check(&folder, &MARKS.replace("[[known]]", "[[flaky]]"), &["logs/good.jsonl"]).0, Some(0));
+    let (status, _, said) = check(&folder, &MARKS.replace("05-09", "05-08"), &["logs"]);
+    assert_eq!(status, Some(4));
+    assert!(said.contains("error[known-expired]: the entry expired on 2026-05-08"), "{said}");
+    // A file that can't be read is the graver matter, and might have had what is listed.
+    let (status, _, said) = check(&folder, MARKS, &["logs/good.jsonl", "logs/absent.jsonl"]);
+    assert_eq!(status, Some(3));
+    assert!(!said.contains("known"), "{said}");
+    // Another failure is no known one.
+    let (status, printed, said) = check(&folder, &(MARKS.to_owned() + "message = \"null\"\n"), &["logs"]);
+    assert_eq!(status, Some(1));
+    assert!(printed.contains("FAIL  PX-JSON-02"), "{printed}");
+    assert!(said.contains("error[known-fails-otherwise]"), "{said}");
+}
+
+#[test]
+fn a_list_is_mended_and_the_run_judged_by_what_is_left() {
+    let folder = folder();
+    let speed = "\n# apart\n\n[[known]]\nrule = \"PX-RANGE-01\"\nreason = \"a gauge\"   # of brass\nmessage = \"7\" # so\n";
+    let gone = "\n# old\n[[known]]\nrule = \"PX-NAN-01\"\nsubject = \"Glider.mark\"\nreason = \"none\"\n";
+    let list = MARKS.to_owned() + "message = \"null\"\n" + gone + speed;
+    let (status, printed, said) = check(&folder, &list, &["--fix-known", "logs"]);
+    assert_eq!(status, Some(0), "{printed}{said}");
+    assert!(said.contains("note[known-fails-otherwise]") && said.contains("mended"), "{said}");
+    assert!(printed.ends_with("\nconforms, 2 known\n"), "{printed}");
+    let mended = "message = \"expected an integer from 0 to 255, found 300\"\n";
+    assert_eq!(list_of(&folder), MARKS.to_owned() + mended + speed);
+    let again = list_of(&folder);
+    let (status, _, said) = check(&folder, &again, &["--fix-known", "logs"]);
+    assert_eq!((status, said.as_str(), list_of(&folder)), (Some(0), "", again));
+    // What has expired counts again.
+    let (status, printed, _) = check(&folder, &MARKS.replace("05-09", "05-08"), &["--fix-known", "logs"]);
+    assert!(status == Some(1) && printed.contains("FAIL  PX-JSON-02"), "{printed}");
+    assert_eq!(list_of(&folder), "# What is known of our gliders.\n");
+}
+
+#[test]
+fn what_is_no_list_is_wrong_usage() {
+    let folder = folder();
+    let (status, printed, said) = check(&folder, "[[known]]\nrule = \"PX-NONE-01\"\n", &["logs"]);
+    assert_eq!((status, printed.as_str()), (Some(2), ""));
+    assert!(said.contains("no rule `PX-NONE-01`") && said.contains("no `reason`"), "{said}");
+    let check = |arguments: &[&str]| uavspec(folder.path(), &[&["check", "logs"], arguments].concat());
+    let (status, _, said) = check(&["--known", "absent.toml"]);
+    assert_eq!(status, Some(2));
+    assert!(said.contains("error: absent.toml: "), "{said}");
+    fs::write(folder.path().join("long.toml"), "#".repeat((1 << 20) + 1)).expect("a file");
+    let (status, _, said) = check(&["--known", "long.toml"]);
+    assert!(status == Some(2) && said.contains("is this a list?"), "{said}");
+    assert_eq!(check(&["--fix-known"]).0, Some(2), "there is nothing to mend");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_uavspec"));
+    command.args(["check", "logs"]).current_dir(folder.path()).env("SOURCE_DATE_EPOCH", "soon");
+    assert_eq!(command.output().expect("uavspec runs").status.code(), Some(2));
+    for command in ["check", "test"] {
+        let (status, printed, _) = uavspec(folder.path(), &[command, "--help"]);
+        assert!(
+            status == Some(0) && printed.contains("[[known]]") && printed.contains("--fix-known"),
+            "{printed}"
+        );
+    }
+}
+
+/// Answers that are right but for decoding CDR, where all are the same wrong one.
+fn answer(folder: &TempDir, wrong: &Value) {
+    let (status, questions, said) =
+        uavspec(folder.path(), &["test", "--definitions", "msg", "--dump-cases", "-"]);
+    assert_eq!(status, Some(0), "{said}");
+    let mut answers = String::new();
+    for question in questions.lines().map(|line| serde_json::from_str::<Value>(line).expect("JSON")) {
+        let expected = &question["expected"];
+        let (key, value) = match (&expected["ok"], &expected["rejected"]) {
+            _ if (&question["op"], &question["format"]) == (&"decode".into(), &"cdr".into()) => ("ok", wrong),
+            (_, Value::Bool(true)) => ("rejected", &Value::Null),
+            (Value::Array(right), _) => ("ok", &right[0]),
+            _ => ("ok", &Value::Null),
+        };
+        answers += &json!({ "id": question["id"], key: value }).to_string();
+        answers.push('\n');
+    }
+    fs::write(folder.path().join("answers"), answers).expect("a file");
+}
+
+/// `test` with answers and a list.
+fn test(folder: &TempDir, list: &str, arguments: &[&str]) -> (Option<i32>, String, String) {
+    fs::write(folder.path().join("known.toml"), list).expect("a file");
+    let always = ["test", "--definitions", "msg", "--replay", "answers", "--known", "known.toml"];
+    uavspec(folder.path(), &[&always, arguments].concat())
+}
+
+#[test]
+fn known_cases_are_counted_apart() {
+    let folder = folder();
+    answer(&folder, &json!("CDR"));
+    let list = "[[known]]\ncase = \"decode-cdr/*\"\nreason = \"CDR is to come\"\n";
+    let (status, printed, said) = test(&folder, "", &[]);
+    assert!(status == Some(1) && printed.contains("fail decode-cdr/px4/Glider/zero:"), "{printed}{said}");
+    let (status, printed, said) = test(&folder, list, &[]);
+    assert_eq!((status, said.as_str()), (Some(0), ""), "{printed}");
+    assert!(printed.contains("known decode-cdr/px4/Glider/zero: CDR is to come\n"), "{printed}");
+    assert!(printed.contains(" passed, 0 failed, ") && printed.contains(" known, "), "{printed}");
+    assert!(printed.ends_with("conforms\n"), "{printed}");
+
+    let (_, printed, _) = test(&folder, list, &["--format", "json"]);
+    let report: Value = serde_json::from_str(&printed).expect("JSON");
+    assert_eq!(report["counts"]["fail"], 0);
+    let cases = report["cases"].as_array().expect("a list");
+    let known: Vec<&Value> = cases.iter().filter(|case| case["known"].is_object()).collect();
+    assert_eq!(report["counts"]["known"], known.len());
+    assert_eq!(
+        (&known[0]["verdict"], &known[0]["known"]["reason"]),
+        (&"fail".into(), &"CDR is to come".into())
+    );
+
+    // Of a pattern that names more than fails, mending leaves that which fails.
+    let all = list.replace("decode-cdr/*", "decode-*/zero");
+    let zeros = ["--filter", "decode-*/zero"];
+    let (status, _, said) = test(&folder, &all, &zeros);
+    assert_eq!(status, Some(4));
+    assert!(
+        said.contains("1 of the 2 cases that this names pass: the first is decode-uorb/px4/Glider/zero"),
+        "{said}"
+    );
+    assert_eq!(test(&folder, &all, &[&zeros[..], &["--fix-known"]].concat()).0, Some(0));
+    assert_eq!(list_of(&folder), list.replace("decode-cdr/*", "decode-cdr/px4/Glider/zero"));
+
+    // Only known failures are something that was checked; entries on what wasn't asked are left alone.
+    let (status, printed, said) = test(&folder, list, &["--filter", "decode-cdr/px4/Glider/zero"]);
+    assert_eq!((status, said.as_str()), (Some(0), ""), "{printed}");
+    let (status, _, said) = test(&folder, list, &["--filter", "decode-uorb/*"]);
+    assert_eq!((status, said.as_str()), (Some(0), ""));
+}
+
+#[test]
+fn known_cases_that_pass_or_fail_otherwise_or_are_none_are_told() {
+    let folder = folder();
+    answer(&folder, &json!("CDR"));
+    let list = "\
+[[known]]
+case = \"decode-cdr/px4/Glider/*\"
+reason = \"CDR is to come\"
+message = \"expected\"
+
+[[known]]
+case = \"decode-uorb/px4/Glider/*\"
+reason = \"it was to come\"
+
+[[flaky]]
+case = \"decode-cdr/px4/Plane/*\"
+reason = \"no plane is as calm as a glider\"
+
+[[known]]
+rule = \"PX-JSON-02\"
+reason = \"of no matter here\"
+";
+    let (status, printed, said) = test(&folder, list, &[]);
+    assert_eq!(status, Some(4), "{printed}{said}");
+    let codes: Vec<&str> =
+        said.lines().filter(|line| line.starts_with("error[") || line.contains("-->")).collect();
+    let expected = [
+        "error[known-passes]: nothing that this case names fails any more",
+        " --> known.toml:7:8",
+        "error[known-matches-nothing]: this case names nothing in this run",
+        "  --> known.toml:11:8",
+    ];
+    assert_eq!(codes, expected, "{said}");
+    let (status, _, said) = test(&folder, &list.replace("\"expected\"", "\"crashed\""), &[]);
+    assert!(status == Some(1) && said.contains("known-fails-otherwise"), "{said}");
+
+    let (status, _, said) = test(&folder, list, &["--fix-known"]);
+    assert_eq!(status, Some(0), "{said}");
+    let (start, end) = (list.split("\n\n").next(), list.split("\n\n").last());
+    assert_eq!(Some(list_of(&folder)), start.zip(end).map(|(start, end)| format!("{start}\n\n{end}")));
+}
