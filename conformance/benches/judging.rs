@@ -1,0 +1,187 @@
+//! How fast sources are judged with all rules on, beside what others do with the same bytes:
+//! `cargo bench -p uavspec-conformance --bench judging`.
+//!
+//! All that is compared takes turns, and what is shown is the median of the throughputs and of the ratios, so that
+//! a machine that is busy now and then changes little. Each runs on one core.
+//!
+//! - JSON Lines of `FailsafeFlags` against `serde_json` passing over the values (`IgnoredAny`), the practical limit
+//!   of whoever reads with it, and against `serde_json` to a tree plus the crate `jsonschema` with the published
+//!   schema.
+//! - Logs of PX4, where the corpus is, against pyulog, where Python has it; and two at a time on two cores.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::hint::black_box;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use serde::de::IgnoredAny;
+use serde_json::Value;
+use uavspec_conformance::definitions::Definitions;
+use uavspec_conformance::judge::judge;
+use uavspec_conformance::parallel;
+
+/// How many lines of JSON there are.
+const LINES: usize = 10_000;
+
+/// How often each is measured.
+const ROUNDS: usize = 31;
+
+/// The schema that is published.
+const SCHEMA: &str = include_str!("../../generated/schemas/px4/FailsafeFlags.schema.json");
+
+const LOGS: [&str; 3] = ["sample", "sample_log_small", "sample_logging_tagged_and_default_params"];
+
+/// Reads a log with pyulog as often as it is asked, and prints the seconds of the fastest time.
+const PYULOG: &str = "
+import sys, time
+from pyulog import ULog
+times = []
+for _ in range(int(sys.argv[2])):
+    start = time.perf_counter()
+    ULog(sys.argv[1])
+    times.append(time.perf_counter() - start)
+print(sorted(times)[len(times) // 2])
+";
+
+fn main() {
+    json();
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/corpus");
+    let corpus = std::env::var_os("UAVSPEC_CORPUS").map_or(corpus, PathBuf::from);
+    if corpus.join("ulog").is_dir() {
+        logs(&corpus);
+    } else {
+        println!("left out: corpus/ulog is absent; set UAVSPEC_CORPUS to the corpus");
+    }
+}
+
+/// Something that is measured.
+struct Contestant<'c> {
+    name: &'c str,
+    work: Box<dyn FnMut() + 'c>,
+    times: Vec<Duration>,
+}
+
+impl<'c> Contestant<'c> {
+    fn new(name: &'c str, work: impl FnMut() + 'c) -> Self {
+        Self { name, work: Box::new(work), times: Vec::new() }
+    }
+}
+
+/// Lets all take turns, and prints the throughput of each beside that of the first.
+fn compare(what: &str, bytes: usize, mut contestants: Vec<Contestant<'_>>) {
+    for round in 0..=ROUNDS {
+        for contestant in &mut contestants {
+            let start = Instant::now();
+            (contestant.work)();
+            // The first round warms up.
+            if round > 0 {
+                contestant.times.push(start.elapsed());
+            }
+        }
+    }
+    println!("{what}, {} bytes", bytes);
+    let first = contestants[0].times.clone();
+    for contestant in &contestants {
+        let throughput = bytes as f64 / median(&contestant.times).as_secs_f64() / 1e6;
+        let ratios: Vec<f64> = first
+            .iter()
+            .zip(&contestant.times)
+            .map(|(first, other)| other.as_secs_f64() / first.as_secs_f64())
+            .collect();
+        let beside = format!("{} of its throughput", ratio(&ratios));
+        let beside = if std::ptr::eq(contestant, &contestants[0]) { String::new() } else { beside };
+        println!("  {:<34} {throughput:>8.0} MB/s   {beside}", contestant.name);
+    }
+}
+
+fn median(times: &[Duration]) -> Duration {
+    let mut times = times.to_vec();
+    times.sort();
+    times[times.len() / 2]
+}
+
+fn ratio(ratios: &[f64]) -> String {
+    let mut ratios = ratios.to_vec();
+    ratios.sort_by(f64::total_cmp);
+    format!("uavspec has {:.2} times", ratios[ratios.len() / 2])
+}
+
+/// Messages that conform, each a line.
+fn lines(definitions: &Definitions) -> String {
+    let of = definitions.types().find("px4", "FailsafeFlags").expect("a built-in message");
+    let zero = of.default().to_json().expect("finite values");
+    let mut text = String::new();
+    for number in 0..LINES {
+        let mut message = zero.clone();
+        message["timestamp"] = (1_000_000 + 20_000 * number).into();
+        message["geofence_breached"] = (number % 3 == 0).into();
+        writeln!(text, "{message}").expect("a string");
+    }
+    text
+}
+
+fn json() {
+    let definitions = Definitions::built_in();
+    let text = lines(&definitions);
+    let of = definitions.message_of_type("px4/FailsafeFlags");
+    let schema: Value = serde_json::from_str(SCHEMA).expect("JSON");
+    let validator = jsonschema::validator_for(&schema).expect("a schema");
+    let uavspec = || {
+        let judgement = judge(text.as_bytes(), of, &definitions).expect("memory");
+        assert_eq!((judgement.judged, judgement.damage.len()), (LINES as u64, 0));
+    };
+    let skip = || {
+        for line in text.lines() {
+            serde_json::from_str::<IgnoredAny>(line).expect("JSON");
+        }
+    };
+    let tree = || {
+        for line in text.lines() {
+            let message: Value = serde_json::from_str(line).expect("JSON");
+            assert!(validator.is_valid(&message));
+        }
+    };
+    let contestants = vec![
+        Contestant::new("uavspec", uavspec),
+        Contestant::new("serde_json, skipping", skip),
+        Contestant::new("serde_json to a tree, jsonschema", tree),
+    ];
+    compare("JSON Lines of FailsafeFlags", text.len(), contestants);
+}
+
+fn logs(corpus: &Path) {
+    let definitions = Definitions::load(&corpus.join("px4/main")).expect("definitions");
+    let judged = |bytes: &[u8]| judge(bytes, None, &definitions).expect("memory").judged;
+    for name in LOGS {
+        let path = corpus.join(format!("ulog/{name}.ulg"));
+        let bytes = fs::read(&path).expect("a log");
+        let uavspec = Contestant::new("uavspec", || _ = black_box(judged(&bytes)));
+        compare(&format!("{name}.ulg by the definitions of PX4 main"), bytes.len(), vec![uavspec]);
+        match pyulog(&path) {
+            Some(seconds) => {
+                println!("  {:<34} {:>8.0} MB/s", "pyulog", bytes.len() as f64 / seconds / 1e6);
+            }
+            None => println!("  left out: python3 has no pyulog"),
+        }
+    }
+    // As two files of the same length: one after the other, and at the same time.
+    let bytes = fs::read(corpus.join("ulog/sample.ulg")).expect("a log");
+    let both = |jobs| {
+        let jobs = NonZeroUsize::new(jobs);
+        parallel::each(&[0; 8], jobs, |_| judged(&bytes), |_, count| _ = black_box(count));
+    };
+    let contestants = vec![
+        Contestant::new("uavspec, two cores", || both(2)),
+        Contestant::new("uavspec, one core", || both(1)),
+    ];
+    compare("sample.ulg, eight times", 8 * bytes.len(), contestants);
+}
+
+/// The seconds that pyulog takes for a log.
+fn pyulog(path: &Path) -> Option<f64> {
+    let output = Command::new("python3").arg("-c").arg(PYULOG).arg(path).arg("5").output().ok()?;
+    String::from_utf8_lossy(&output.stdout).trim().parse().ok()
+}
