@@ -3,7 +3,9 @@
 //! Exit status: 0 conforms; 1 doesn't; 2 wrong usage, or definitions that can't be read; 3 a source that can't be
 //! read, or a testee that broke; 5 nothing was checked.
 
+mod progress;
 mod test;
+mod testee;
 
 use std::io::{self, Write as _};
 use std::num::NonZeroUsize;
@@ -36,6 +38,9 @@ enum Command {
     Check(CheckArgs),
     /// Ask a codec or validator in any language, as a child process.
     Test(test::TestArgs),
+    /// Work on a testee, before it is asked in earnest.
+    #[command(subcommand)]
+    Testee(testee::TesteeCommand),
     /// List the rules.
     Rules,
 }
@@ -104,6 +109,7 @@ pub fn main() -> ExitCode {
     let status = match Cli::parse().command {
         Command::Check(args) => check(&args),
         Command::Test(args) => test::test(&args),
+        Command::Testee(command) => testee::testee(&command),
         Command::Rules => {
             rules();
             Status::Conforms
