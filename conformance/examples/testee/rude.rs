@@ -33,11 +33,7 @@ impl Rude {
                 return Ok(None);
             }
             if self.is("first-line-of-read") {
-                let end = line.iter().position(|byte| *byte == b'\n').unwrap_or(line.len());
-                line.truncate(end);
-            } else if line.iter().filter(|byte| **byte == b'\n').count() > 1 {
-                // Who takes a read for a line has met more than one of them, and looks for their ends.
-                line.truncate(line.iter().position(|byte| *byte == b'\n').unwrap_or_default());
+                line.truncate(line.iter().position(|byte| *byte == b'\n').unwrap_or(line.len()));
             }
             return Ok(Some(line));
         }
@@ -75,7 +71,7 @@ impl Rude {
     pub(crate) fn before(&self, question: &mut Value, output: &mut impl Write) -> io::Result<()> {
         let is_known = |value: &Value| value == "uorb" || value == "cdr";
         match self.mode.as_str() {
-            "chatty" => writeln!(output, "asked for {}", question["op"])?,
+            "chatty" if question["op"] != "hello" => writeln!(output, "asked for {}", question["op"])?,
             "guess-format" if question.get("format").is_some_and(|format| !is_known(format)) => {
                 question["format"] = "uorb".into();
             }

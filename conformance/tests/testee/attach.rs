@@ -105,8 +105,9 @@ fn pump(mut from: impl Read, mut to: impl Write) {
     }
 }
 
-fn attached(address: &str, options: Options) -> Options {
-    Options { target: Target::Address(address.parse().expect("an address")), ..options }
+fn attached(address: &str, mut options: Options) -> Options {
+    options.target = Target::Address(address.parse().expect("an address"));
+    options
 }
 
 #[test]

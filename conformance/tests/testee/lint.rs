@@ -198,3 +198,34 @@ fn the_testee_in_python_has_manners() {
 fn the_testee_in_javascript_has_manners() {
     of_language(&["node"], "node/testee.js");
 }
+
+/// What the testee says to lines, a reply for each.
+fn replies(questions: &[Value]) -> Vec<Value> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("questions");
+    std::fs::write(&path, questions.iter().map(|it| format!("{it}\n")).collect::<String>()).expect("a file");
+    let input = std::fs::File::open(&path).expect("a file");
+    let run = Command::new(testee()).stdin(input).output().expect("it runs");
+    let replies = String::from_utf8(run.stdout).expect("UTF-8");
+    replies.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
+}
+
+#[test]
+fn the_conversation_in_the_documentation_takes_place() {
+    let page = include_str!("../../testees/README.md");
+    let lines = |mark: &str| -> Vec<Value> {
+        let lines = page.lines().filter_map(|line| line.strip_prefix(mark));
+        lines.map(|line| serde_json::from_str(line).expect(line)).collect()
+    };
+    let (questions, documented) = (lines("→ "), lines("← "));
+    let actual = replies(&questions);
+    assert_eq!((documented.len(), actual.len()), (6, 6));
+    for (documented, actual) in documented.iter().zip(&actual) {
+        let names = |reply: &Value| -> BTreeSet<String> {
+            reply.as_object().expect("an object").keys().cloned().collect()
+        };
+        assert_eq!((names(documented), &documented["id"]), (names(actual), &actual["id"]));
+        // The words of a reason are anybody's own.
+        assert_eq!(documented.get("ok"), actual.get("ok"));
+    }
+}

@@ -35,7 +35,7 @@ fn write_text(found: &Found, text: &mut String) -> fmt::Result {
         writeln!(text, "{style}{word:<4}{style:#}  {:<24} {}", check.id, check.statement)?;
         for (index, line) in manner.message().unwrap_or_default().lines().enumerate() {
             let mark = if index == 0 { "" } else { "| " };
-            writeln!(text, "      {mark}{}", line.escape_debug())?;
+            writeln!(text, "      {mark}{}", shown(line))?;
         }
         if matches!(manner, Manner::Bad(_)) {
             writeln!(text, "      help: {}", check.help)?;
@@ -49,6 +49,12 @@ fn write_text(found: &Found, text: &mut String) -> fmt::Result {
     } else {
         writeln!(text, "{FAIL}breaks the protocol{FAIL:#}")
     }
+}
+
+/// A line that may hold what a testee said, so without anything that a terminal would act upon.
+fn shown(line: &str) -> String {
+    let escape = |it: char| if it.is_control() { it.escape_debug().to_string() } else { it.to_string() };
+    line.chars().map(escape).collect()
 }
 
 /// For programs.
