@@ -34,6 +34,7 @@ A testee reads a line of JSON for each question and writes one for each answer, 
   → {\"id\":17,\"op\":\"decode\",\"type\":\"px4/Event\",\"format\":\"uorb\",\"bytes\":\"<base64>\"}
   ← {\"id\":17,\"ok\":{…}}   or \"rejected\":\"reason\"   or \"unsupported\":true   or \"error\":\"…\"
 Integers beyond ±2^53 are {\"$u64\":\"…\"} or {\"$i64\":\"…\"}, and NaN is {\"$f\":\"NaN\"}, both ways.
+`uavspec testee lint -- COMMAND` tells whether a testee keeps to all of that.
 
 Exit status: 0 conforms, 1 does not, 2 wrong usage or definitions, 3 the testee broke, 5 nothing was checked.")]
 pub(super) struct TestArgs {

@@ -4,7 +4,7 @@
 //! A thread reads what it says, and one writes what it is asked: it may stop reading. The threads end with the pipes
 //! or the connection, and nobody waits for them.
 
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::{Shutdown, TcpStream};
 use std::process::ChildStdin;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
@@ -17,8 +17,8 @@ use super::protocol::Hello;
 use super::run::{Options, excerpt};
 use super::target::Target;
 
-/// How many lines may wait to be judged; then the testee waits.
-const BACKLOG: usize = 64;
+/// How many lines may wait to be judged; then the testee waits. Few, since each may be as long as the limit allows.
+const BACKLOG: usize = 8;
 
 /// What comes from a testee.
 #[derive(Debug)]
@@ -70,9 +70,10 @@ impl Link {
                     thread::spawn(move || read(output, &lines, limit));
                     Ok(connection)
                 });
-                Peer::Connection(connected.map_err(|error| {
-                    format!("can't connect to {address}: {error}; is a testee listening there?")
-                })?)
+                Peer::Connection(
+                    connected
+                        .map_err(|error| format!("can't connect to {address}: {error}{}", advice(&error)))?,
+                )
             }
         };
         Ok(Self { peer, to: Some(to), from })
@@ -165,6 +166,17 @@ impl Link {
                 String::new()
             }
         }
+    }
+}
+
+/// What to do about a connection that can't be opened.
+fn advice(error: &io::Error) -> &'static str {
+    match error.kind() {
+        io::ErrorKind::ConnectionRefused => {
+            "\n  help: nobody listens there; start the testee, and compare the port"
+        }
+        io::ErrorKind::TimedOut => "\n  help: look for a mistake in the address, or a firewall on the way",
+        _ => "\n  help: look for a mistake in the name or the address",
     }
 }
 

@@ -1,5 +1,7 @@
 //! Asks a testee all cases, and names what it fails, hangs or crashes over.
 //!
+//! A connection to a testee that listens is a process here: it starts when it is opened, and ends when it is lost.
+//!
 //! Several questions are on their way at once. When the process ends or falls silent, one of those without an answer
 //! is to blame: each is asked again alone, the oldest first, until one of them brings down a process that was asked
 //! nothing else. So a culprit is always seen to be one; a crash that none of them leads to alone is told as such.
@@ -142,7 +144,7 @@ enum End {
 /// One process after the other.
 struct Worker<'s, 'r> {
     shared: &'s Shared<'r>,
-    process: Option<Link>,
+    link: Option<Link>,
     /// Questions without an answer, the oldest first.
     open: VecDeque<usize>,
     /// How many questions this process was asked.
@@ -157,10 +159,10 @@ struct Worker<'s, 'r> {
 }
 
 impl<'s, 'r> Worker<'s, 'r> {
-    fn new(shared: &'s Shared<'r>, process: Option<Link>) -> Self {
+    fn new(shared: &'s Shared<'r>, link: Option<Link>) -> Self {
         Self {
             shared,
-            process,
+            link,
             open: VecDeque::new(),
             asked: 0,
             answered: BTreeSet::new(),
@@ -172,9 +174,9 @@ impl<'s, 'r> Worker<'s, 'r> {
 
     fn run(mut self) {
         // The first process of another worker is no restart.
-        let mut is_restart = self.process.is_some();
+        let mut is_restart = self.link.is_some();
         while self.has_work() {
-            if self.process.is_none() && !self.start(is_restart) {
+            if self.link.is_none() && !self.start(is_restart) {
                 break;
             }
             is_restart = true;
@@ -205,8 +207,8 @@ impl<'s, 'r> Worker<'s, 'r> {
             state.restarts += 1;
         }
         match start(self.shared.options, true) {
-            Ok((process, _)) => {
-                self.process = Some(process);
+            Ok((link, _)) => {
+                self.link = Some(link);
                 self.asked = 0;
                 self.answered.clear();
                 true
@@ -240,8 +242,8 @@ impl<'s, 'r> Worker<'s, 'r> {
         if self.open.is_empty() {
             self.last = Instant::now();
         }
-        if let (Some(process), Some(case)) = (&self.process, self.shared.cases.get(id)) {
-            process.send(case.request(id as u64).to_string());
+        if let (Some(link), Some(case)) = (&self.link, self.shared.cases.get(id)) {
+            link.send(case.request(id as u64).to_string());
             self.open.push_back(id);
             self.asked += 1;
         }
@@ -249,8 +251,8 @@ impl<'s, 'r> Worker<'s, 'r> {
 
     fn hear(&mut self) {
         let until = self.last + self.shared.options.timeout;
-        let Some(process) = &mut self.process else { return };
-        match process.hear(until) {
+        let Some(testee) = &mut self.link else { return };
+        match testee.hear(until) {
             Said::Line(line) => self.line(&line),
             Said::Nothing => return self.broken(End::Silent),
             Said::TooLong => {
@@ -258,7 +260,7 @@ impl<'s, 'r> Worker<'s, 'r> {
                 return self.broken(End::Ended(format!("a line of more than {limit} bytes")));
             }
             Said::Closed => {
-                let how = process.ending(until);
+                let how = testee.ending(until);
                 return self.broken(End::Ended(how));
             }
             Said::Lost(how) => return self.broken(End::Ended(how)),
@@ -296,8 +298,8 @@ impl<'s, 'r> Worker<'s, 'r> {
 
     /// Ends the process, and finds out over which question that happened.
     fn broken(&mut self, end: End) {
-        let Some(mut process) = self.process.take() else { return };
-        let stderr = process.kill();
+        let Some(mut link) = self.link.take() else { return };
+        let stderr = link.kill();
         if let (1, 1, Some(id)) = (self.open.len(), self.asked, self.open.front().copied()) {
             self.open.clear();
             let after = self.shared.options.timeout;
@@ -323,8 +325,8 @@ impl<'s, 'r> Worker<'s, 'r> {
 
     /// Closes its standard input, and looks whether it ends as it should.
     fn end(&mut self) {
-        let Some(mut process) = self.process.take() else { return };
-        let parted = process.part(self.shared.options.timeout, |line| {
+        let Some(mut link) = self.link.take() else { return };
+        let parted = link.part(self.shared.options.timeout, |line| {
             self.shared.remark(format!("a line after the last answer: {}", excerpt(line)));
         });
         if let Err(what) = parted {

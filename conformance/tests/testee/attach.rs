@@ -215,7 +215,12 @@ fn nobody_there_is_told_at_once() {
     let said =
         run(&suite.cases, &some(), &suite.types, &options, &|_, _| {}).map(|_| ()).expect_err("nobody");
     assert!(said.starts_with(&format!("can't connect to {address}: ")), "{said}");
-    assert!(said.ends_with("is a testee listening there?"), "{said}");
+    assert!(said.contains("\n  help: nobody listens there"), "{said}");
+    // A name that there never is (RFC 2606).
+    let unknown = attached("gliders.invalid:7700", options.clone());
+    let said =
+        run(&suite.cases, &some(), &suite.types, &unknown, &|_, _| {}).map(|_| ()).expect_err("nobody");
+    assert!(said.contains("\n  help: look for a mistake in the name"), "{said}");
     for (arguments, status) in [
         (vec!["test", "--attach", &address], 3),
         (vec!["testee", "lint", "--attach", &address], 3),

@@ -6,6 +6,7 @@ use std::process::Command;
 use std::time::Duration;
 
 use serde_json::Value;
+use uavspec_conformance::parallel;
 use uavspec_conformance::testee::lint::{CHECKS, Check, Found, check, lint};
 use uavspec_conformance::testee::run::Options;
 
@@ -93,18 +94,21 @@ fn split_writes_floods_and_any_order_are_no_bad_manners() {
 
 #[test]
 fn bad_manners_are_caught_by_the_checks_for_them_and_no_others() {
-    for (mode, expected) in RUDE {
-        let found = manners(&impatient(mode), &[]);
+    let try_one = |(mode, _): &(&[&str], _)| manners(&impatient(mode), &[]);
+    parallel::each(RUDE, None, try_one, |(mode, expected), found| {
         assert_eq!(caught(&found), expected.iter().copied().collect(), "{mode:?}");
-    }
+    });
 }
 
 #[test]
 fn wild_testees_are_caught() {
-    for (mode, expected) in WILD {
+    let try_one = |(mode, expected): &(&[&str], &[&str])| {
         let only: Vec<&Check> = expected.iter().map(|id| check(id).expect("a check")).collect();
-        assert_eq!(caught(&manners(&impatient(mode), &only)), expected.iter().copied().collect(), "{mode:?}");
-    }
+        manners(&impatient(mode), &only)
+    };
+    parallel::each(WILD, None, try_one, |(mode, expected), found| {
+        assert_eq!(caught(&found), expected.iter().copied().collect(), "{mode:?}");
+    });
 }
 
 #[test]
