@@ -137,7 +137,8 @@ fn uavspec(arguments: &[&str]) -> (Option<i32>, String, String) {
 #[test]
 fn the_status_says_how_manners_are() {
     let testee = testee().to_str().expect("UTF-8");
-    let (status, printed, _) = uavspec(&["--only", "unknown-op,unknown-type", "--", testee]);
+    let (status, printed, said) = uavspec(&["--only", "unknown-op,unknown-type", "--", testee]);
+    assert_eq!(said, "", "progress is shown on terminals only");
     assert!(status == Some(0) && printed.ends_with("keeps to the protocol\n"), "{printed}");
     assert!(printed.contains("3 passed, 0 failed, 0 not applicable"), "{printed}");
     let (status, printed, _) = uavspec(&["--only", "unknown-op", "--", testee, "accept-unknown-op"]);

@@ -4,7 +4,6 @@ use serde_json::Value;
 
 use super::{Bench, Check, Manner};
 use crate::testee::case::{Case, Input};
-use crate::testee::protocol::Op;
 use crate::testee::wire::to_base64;
 
 /// How many questions are asked where there should be several.
@@ -92,7 +91,7 @@ fn answers_have_ids(bench: &mut Bench<'_>) -> Manner {
         let _ = session.part();
         match session.heard().foreign {
             Some(id) => Err(format!("an answer to id {id}, which no question has")),
-            // Whether all of them come is for the next check, as long as it doesn't break.
+            // One that lacks its id is seen as no answer, so none may be missing.
             None => heard,
         }
     })
@@ -183,8 +182,7 @@ fn only_answers(bench: &mut Bench<'_>) -> Manner {
 /// Cases to ask at once: such as the testee knows, where there are any, and again from the first where they are few.
 fn several<'b>(bench: &'b Bench<'_>) -> Result<impl Iterator<Item = &'b Case>, String> {
     let plain = bench.plain_case()?;
-    let mut known: Vec<&Case> =
-        bench.known_cases().filter(|case| case.op != Op::Validate).take(SEVERAL).collect();
+    let mut known: Vec<&Case> = bench.known_cases().take(SEVERAL).collect();
     if known.is_empty() {
         known.push(plain);
     }
