@@ -5,8 +5,10 @@
 //! Where several apply, 2 goes before 3, 1, 4 and 5.
 
 mod known;
+mod progress;
 mod self_test;
 mod test;
+mod testee;
 
 use std::io::{self, Write as _};
 use std::num::NonZeroUsize;
@@ -40,6 +42,9 @@ enum Command {
     Check(CheckArgs),
     /// Ask a codec or validator in any language, as a child process.
     Test(test::TestArgs),
+    /// Work on a testee, before it is asked in earnest.
+    #[command(subcommand)]
+    Testee(testee::TesteeCommand),
     /// List the rules.
     Rules,
     /// Judge recordings that are made of the definitions, and others that break each rule: whether this program
@@ -139,6 +144,7 @@ pub fn main() -> ExitCode {
     let status = match Cli::parse().command {
         Command::Check(args) => check(&args),
         Command::Test(args) => test::test(&args),
+        Command::Testee(command) => testee::testee(&command),
         Command::Rules => {
             rules();
             Status::Conforms

@@ -1,7 +1,7 @@
-//! Codecs and validators in any language, asked over pipes.
+//! Codecs and validators in any language, asked over pipes or a connection.
 //!
 //! ```text
-//!  definitions ──vectors──▶ cases ──run──▶ process ──answers──▶ compare ──▶ verdicts ──report──▶ terminal, JSON
+//!  definitions ──vectors──▶ cases ──run──▶ link ──answers──▶ compare ──▶ verdicts ──report──▶ terminal, JSON
 //!                              └────────dump──▶ file ──▶ … ──▶ file ──replay──┘
 //! ```
 //!
@@ -9,10 +9,14 @@
 
 pub mod case;
 pub mod compare;
+mod connection;
 pub mod file;
+mod link;
+pub mod lint;
 pub mod outcome;
 mod process;
 pub mod protocol;
 pub mod report;
 pub mod run;
+pub mod target;
 pub mod wire;

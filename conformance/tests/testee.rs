@@ -3,6 +3,11 @@
 //! They are modes of the example `testee`. Nothing here depends on something being fast: what must time out hangs
 //! for ever, and what must not has plenty of time.
 
+#[path = "testee/attach.rs"]
+mod attach;
+#[path = "testee/lint.rs"]
+mod lint;
+
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -16,6 +21,7 @@ use uavspec_conformance::testee::case::{Case, Want, cases};
 use uavspec_conformance::testee::outcome::{Outcome, Verdict};
 use uavspec_conformance::testee::protocol::{Format, Op};
 use uavspec_conformance::testee::run::{Options, run};
+use uavspec_conformance::testee::target::Target;
 use uavspec_runtime::Scalar;
 
 struct Suite {
@@ -55,7 +61,7 @@ fn options(arguments: &[&str]) -> Options {
     Options {
         timeout: Duration::from_secs(60),
         start_timeout: Duration::from_secs(120),
-        ..Options::new(command)
+        ..Options::new(Target::Command(command))
     }
 }
 
@@ -252,7 +258,7 @@ fn who_does_not_say_hello_is_told_so() {
     assert!(said.contains("no JSON") && said.contains("`hello, world`"), "{said}");
     let said = broken(&Options { start_timeout: Duration::from_millis(200), ..options(&["no-hello"]) });
     assert!(said.contains("nothing within 0.2 s"), "{said}");
-    let said = broken(&Options::new(vec!["/nowhere/at/all".into()]));
+    let said = broken(&Options::new(Target::Command(vec!["/nowhere/at/all".into()])));
     assert!(said.contains("can't start /nowhere/at/all"), "{said}");
 }
 
@@ -339,11 +345,32 @@ fn other_definitions_can_be_asked_about() {
 }
 
 #[test]
-#[ignore = "needs python3"]
-fn a_codec_written_by_hand_in_another_language_passes() {
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("testees/python/testee.py");
-    let command = vec!["python3".into(), "-B".into(), script.into()];
-    let outcome = ask(&everything(), &Options { command, ..options(&[]) });
+fn a_crash_in_one_process_leaves_the_others_alone() {
+    let selected = &everything()[..300];
+    let guilty = &suite().cases[selected[150]];
+    let options = Options { jobs: 3, ..options(&["crash", &selected[150].to_string()]) };
+    let outcome = ask(selected, &options);
+    assert_eq!(failures(&outcome), BTreeSet::from([guilty.name()]));
+    assert_eq!((outcome.counts().passed, outcome.counts().not_run), (299, 0));
+}
+
+/// Asks a codec that was written by hand in another language.
+fn by_hand(command: &[&str], script: &str) {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("testees").join(script);
+    let command = command.iter().map(Into::into).chain([script.into()]).collect();
+    let outcome = ask(&everything(), &Options { target: Target::Command(command), ..options(&[]) });
     assert_eq!(failures(&outcome), BTreeSet::new());
     assert!(outcome.manners.are_good() && outcome.counts().passed > 1_000, "{:?}", outcome.counts());
+}
+
+#[test]
+#[ignore = "needs python3"]
+fn a_codec_in_python_passes() {
+    by_hand(&["python3", "-B"], "python/testee.py");
+}
+
+#[test]
+#[ignore = "needs node"]
+fn a_codec_in_javascript_passes() {
+    by_hand(&["node"], "node/testee.js");
 }

@@ -1,28 +1,29 @@
-//! The reference testee: the codecs and checks of `uavspec-codegen`, behind the protocol of `uavspec test`.
+//! The reference testee with every mistake that a testee may make, for the tests of what asks testees.
 //!
-//! ```text
-//! cargo build --example testee
-//! uavspec test -- target/debug/examples/testee
-//! ```
-//!
-//! `--definitions PATH` makes it know other types than those of this repository. With another argument it misbehaves, for the tests of the runner: see `evil.rs`.
+//! Without an argument it makes none. `--definitions PATH` makes it know other types than those of this repository;
+//! other arguments are in `evil.rs`, for what goes wrong over a question, and in `rude.rs`, for bad manners.
 
+#[path = "../../testees/rust/src/codec.rs"]
 mod codec;
 mod evil;
+mod rude;
 
 use std::env;
-use std::io::{self, BufRead, Write};
+use std::io::{self, BufReader, Write};
 use std::path::Path;
+use std::process::ExitCode;
 
 use codec::Codec;
 use evil::Evil;
+use rude::Rude;
 use serde_json::{Value, json};
 use uavspec_codegen::dynamic::Types;
 use uavspec_conformance::definitions::Definitions;
 
-fn main() -> io::Result<()> {
+fn main() -> io::Result<ExitCode> {
     let arguments: Vec<String> = env::args().skip(1).collect();
     let mut evil = Evil::read(&arguments);
+    let rude = Rude::read(&arguments);
     evil.at_start();
     let definitions = match arguments.as_slice() {
         [option, path] if option == "--definitions" => {
@@ -32,24 +33,35 @@ fn main() -> io::Result<()> {
     };
     let types = Types::new(&definitions.schema);
     let codec = Codec { schema: &definitions.schema, types: &types };
+    let mut input = BufReader::with_capacity(1 << 16, io::stdin().lock());
     let mut output = io::stdout().lock();
-    for (count, line) in io::stdin().lock().lines().enumerate() {
-        // What is no JSON has no id that could be answered.
-        let Ok(request) = serde_json::from_str::<Value>(&line?) else { continue };
-        if request["op"] == "hello" {
-            writeln!(output, "{}", codec.hello())?;
-        } else if evil.instead(count, &request, &mut output)? {
+    let mut count = 0;
+    while let Some(line) = rude.read_line(&mut input)? {
+        let Ok(mut question) = serde_json::from_slice::<Value>(&line) else {
+            rude.cannot_read(&line);
             continue;
+        };
+        let is_hello = question["op"] == "hello";
+        if rude.is_passed_over(&question, count)
+            || !is_hello && evil.instead(count, &question, &mut output)?
+        {
+            count += 1;
+            continue;
+        }
+        count += 1;
+        rude.before(&mut question, &mut output)?;
+        let Some(mut reply) = codec.reply(&question) else { continue };
+        rude.spoil(&question, &mut reply);
+        if is_hello {
+            writeln!(output, "{reply}")?;
         } else {
-            let mut answer = codec.answer(&request);
-            evil.spoil(&types, &request, &mut answer);
-            answer["id"] = request["id"].clone();
-            evil.write(&answer, &mut output)?;
+            evil.spoil(&types, &question, &mut reply);
+            evil.write(&reply, &mut output)?;
         }
         output.flush()?;
     }
     if evil.is("late") {
         writeln!(output, "{}", json!({ "id": 0, "ok": null }))?;
     }
-    Ok(())
+    Ok(rude.at_end())
 }

@@ -2,7 +2,7 @@
 
 use std::ffi::OsString;
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter, IsTerminal as _, Write as _};
+use std::io::{self, BufReader, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -10,6 +10,7 @@ use clap::Args;
 use globset::{Glob, GlobMatcher};
 use uavspec_codegen::dynamic::Types;
 
+use super::progress::Progress;
 use super::{Format, Status};
 use crate::known::{Scope, excuse_cases, of_cases};
 use crate::testee::case::{Case, cases};
@@ -17,6 +18,7 @@ use crate::testee::file::{dump, replay};
 use crate::testee::outcome::Outcome;
 use crate::testee::report::{to_json, to_text};
 use crate::testee::run::{Options, run};
+use crate::testee::target::{Address, Target};
 
 /// Arguments of `test`.
 #[derive(Args, Debug)]
@@ -24,6 +26,7 @@ use crate::testee::run::{Options, run};
   uavspec test -- ./my-codec --stdio
   uavspec test --filter 'decode-*/px4/Event/*' -- python3 testee.py
   uavspec test --known known.toml -- ./my-codec --stdio
+  uavspec test --attach localhost:7700
   uavspec test --dump-cases questions.jsonl
   uavspec test --replay answers.jsonl
 
@@ -33,6 +36,7 @@ A testee reads a line of JSON for each question and writes one for each answer, 
   → {\"id\":17,\"op\":\"decode\",\"type\":\"px4/Event\",\"format\":\"uorb\",\"bytes\":\"<base64>\"}
   ← {\"id\":17,\"ok\":{…}}   or \"rejected\":\"reason\"   or \"unsupported\":true   or \"error\":\"…\"
 Integers beyond ±2^53 are {\"$u64\":\"…\"} or {\"$i64\":\"…\"}, and NaN is {\"$f\":\"NaN\"}, both ways.
+`uavspec testee lint -- COMMAND` tells whether a testee keeps to all of that.
 
 A list of known failures is TOML:
   [[known]]                       # or [[flaky]]: it may also pass
@@ -46,8 +50,12 @@ Exit status: 0 conforms, 1 does not, 2 wrong usage, definitions or list, 3 the t
 failures no longer holds true, 5 nothing was checked.")]
 pub(super) struct TestArgs {
     /// The testee: a program and its arguments. A script that starts another program should `exec` it.
-    #[arg(last = true, value_name = "COMMAND", required_unless_present_any = ["dump_cases", "replay"])]
+    #[arg(last = true, value_name = "COMMAND", required_unless_present_any = ["attach", "dump_cases", "replay"])]
     command: Vec<OsString>,
+    /// Connect to a testee that listens, over TCP, instead of starting one. Every process is a connection then: one
+    /// that is lost is a crash, and to connect again is to start again.
+    #[arg(long, value_name = "HOST:PORT", conflicts_with_all = ["command", "dump_cases", "replay"])]
+    attach: Option<Address>,
     /// What to ask about: a uavspec.toml, a folder with one, or a folder of .msg files; the definitions of this
     /// program, where nothing is said.
     #[arg(long, value_name = "PATH")]
@@ -58,7 +66,7 @@ pub(super) struct TestArgs {
     /// How long a testee may be silent while there are questions, in seconds.
     #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = seconds)]
     timeout: Duration,
-    /// How long it may take to introduce itself, in seconds.
+    /// How long it may take to introduce itself, and to take a connection, in seconds.
     #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = seconds)]
     start_timeout: Duration,
     /// How many questions are on their way to a process at once.
@@ -80,12 +88,18 @@ pub(super) struct TestArgs {
     known: super::known::KnownArgs,
 }
 
-fn seconds(text: &str) -> Result<Duration, String> {
+/// Reads a time limit.
+pub(super) fn seconds(text: &str) -> Result<Duration, String> {
     let seconds: f64 = text.parse().map_err(|_| "no number".to_owned())?;
     let duration = Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())?;
     // What is added to the time of day must not go beyond its end.
     let is_sensible = !duration.is_zero() && duration <= Duration::from_secs(86_400);
     is_sensible.then_some(duration).ok_or_else(|| "more than 0, and at most a day".to_owned())
+}
+
+/// Whom to ask: clap sees to it that one of the two is there.
+pub(super) fn target(command: &[OsString], attach: Option<&Address>) -> Target {
+    attach.map_or_else(|| Target::Command(command.to_vec()), |address| Target::Address(address.clone()))
 }
 
 pub(super) fn test(args: &TestArgs) -> Status {
@@ -154,18 +168,10 @@ fn ask<'c>(
         timeout: args.timeout,
         start_timeout: args.start_timeout,
         jobs: args.jobs.into(),
-        ..Options::new(args.command.clone())
+        ..Options::new(target(&args.command, args.attach.as_ref()))
     };
-    let is_shown = io::stderr().is_terminal();
-    let progress = |done: usize, total: usize| {
-        // A line now and then; the last one makes room for the report.
-        if is_shown && done == total {
-            eprint!("\r\x1b[K");
-        } else if is_shown && done.is_multiple_of(64) {
-            eprint!("\r{done} of {total}");
-        }
-    };
-    run(cases, selected, types, &options, &progress)
+    let progress = Progress::steps("cases");
+    run(cases, selected, types, &options, &|done, total| progress.set(done, total))
 }
 
 fn write_cases(path: &Path, cases: &[Case], selected: &[usize], types: &Types) -> io::Result<()> {

@@ -16,10 +16,16 @@
 //! | `severity` | `value`: an error code | `{"class": "warning", "severity": "warning"}` |
 //! | `hash` | `format` | PX4's hash of the fields as a number for `uorb`, ROS's `RIHS01_…` for `cdr` |
 //! | `layout` | `format` (`uorb`) | `{"size": …, "size_no_padding": …, "offsets": {"timestamp": 0, …}}` |
+//!
+//! An id is an integer within ±2^53. A question that a testee doesn't understand, since it lacks a member or names an
+//! op, a type or a format that the testee doesn't know, is answered with `unsupported` or `error`; what has no id gets
+//! no answer, or one with `error` alone.
 
 use std::fmt;
 
 use serde_json::{Value, json};
+
+use super::wire::integer;
 
 /// The version of the protocol.
 pub const PROTOCOL: u32 = 1;
@@ -163,12 +169,13 @@ pub enum Answer {
 
 impl Answer {
     /// Reads a line: the id, and the answer or what is wrong with it.
-    pub fn read(line: &[u8]) -> Result<(u64, Self), String> {
+    pub fn read(line: &[u8]) -> Result<(i64, Self), String> {
         if let Err(error) = std::str::from_utf8(line) {
             return Err(format!("no UTF-8 from byte {}", error.valid_up_to()));
         }
         let value: Value = serde_json::from_slice(line).map_err(|error| format!("no JSON: {error}"))?;
-        let id = value["id"].as_u64().ok_or("no member \"id\" with a number")?;
+        let id = Some(&value["id"]).filter(|id| id.is_number()).and_then(integer);
+        let id = id.and_then(|id| i64::try_from(id).ok()).ok_or("no member \"id\" with an integer")?;
         let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
         let mut found = ["ok", "rejected", "unsupported", "error"]
             .into_iter()
@@ -225,7 +232,16 @@ mod tests {
         for wrong in [r#"{"id":1}"#, r#"{"id":1,"ok":1,"error":""}"#] {
             assert!(matches!(read(wrong), Ok((1, Answer::Error(_)))), "{wrong}");
         }
-        for wrong in [r#"{"ok":1}"#, r#"{"id":-1,"ok":1}"#, "[]", ""] {
+        // Not every writer of JSON tells whole floats and integers apart.
+        assert_eq!(read(r#"{"id":-5.0,"ok":null}"#), Ok((-5, Answer::Ok(Value::Null))));
+        for wrong in [
+            r#"{"ok":1}"#,
+            r#"{"id":0.5,"ok":1}"#,
+            r#"{"id":{"$u64":"1"},"ok":1}"#,
+            r#"{"id":"1","ok":1}"#,
+            "[]",
+            "",
+        ] {
             assert!(read(wrong).is_err(), "{wrong}");
         }
         assert!(Answer::read(b"\xff").expect_err("no UTF-8").contains("no UTF-8"));

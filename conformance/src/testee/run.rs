@@ -1,11 +1,12 @@
 //! Asks a testee all cases, and names what it fails, hangs or crashes over.
 //!
+//! A connection to a testee that listens is a process here: it starts when it is opened, and ends when it is lost.
+//!
 //! Several questions are on their way at once. When the process ends or falls silent, one of those without an answer
 //! is to blame: each is asked again alone, the oldest first, until one of them brings down a process that was asked
 //! nothing else. So a culprit is always seen to be one; a crash that none of them leads to alone is told as such.
 
 use std::collections::{BTreeSet, VecDeque};
-use std::ffi::OsString;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -14,20 +15,21 @@ use uavspec_codegen::dynamic::Types;
 
 use super::case::Case;
 use super::compare::compare;
+use super::link::{Link, Said};
 use super::outcome::{Manners, Outcome, Verdict};
-use super::process::{Process, Said};
 use super::protocol::{Answer, Hello};
+use super::target::Target;
 
 /// How a testee is run.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// The program and its arguments.
-    pub command: Vec<OsString>,
+    /// Where it is found.
+    pub target: Target,
     /// How many questions are on their way to a process at once.
     pub window: usize,
     /// How long a process may be silent while there are questions.
     pub timeout: Duration,
-    /// How long it may take to introduce itself.
+    /// How long it may take to introduce itself, and to take a connection.
     pub start_timeout: Duration,
     /// How many processes run at once.
     pub jobs: usize,
@@ -39,9 +41,9 @@ pub struct Options {
 
 impl Options {
     /// The usual ones.
-    pub fn new(command: Vec<OsString>) -> Self {
+    pub const fn new(target: Target) -> Self {
         Self {
-            command,
+            target,
             window: 32,
             timeout: Duration::from_secs(5),
             // Some virtual machines take their time.
@@ -62,7 +64,7 @@ pub fn run<'c>(
     options: &Options,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Outcome<'c>, String> {
-    let (first, hello) = start(options)?;
+    let (first, hello) = start(options, false)?;
     let (asked, others): (Vec<usize>, Vec<usize>) =
         selected.iter().partition(|id| cases.get(**id).is_some_and(|case| case.is_for(&hello)));
     let total = asked.len();
@@ -89,30 +91,13 @@ pub fn run<'c>(
     })
 }
 
-/// Starts a process and lets it introduce itself.
-fn start(options: &Options) -> Result<(Process, Hello), String> {
-    let program = options.command.first().map(|program| program.to_string_lossy()).unwrap_or_default();
-    let mut process = Process::start(&options.command, options.line_limit)
-        .map_err(|error| format!("can't start {program}: {error}"))?;
-    process.send(Hello::request());
-    let until = Instant::now() + options.start_timeout;
-    let wrong = match process.hear(until) {
-        Said::Line(line) => match Hello::read(&line) {
-            Ok(hello) => return Ok((process, hello)),
-            Err(wrong) => format!("{wrong}: {}", excerpt(&line)),
-        },
-        Said::TooLong => "a line that is too long".to_owned(),
-        Said::Closed => match process.ended(until) {
-            Some(how) if !how.is_empty() => format!("it ended: {how}"),
-            Some(_) => "it ended".to_owned(),
-            None => "it closed its standard output".to_owned(),
-        },
-        Said::Nothing => format!("nothing within {} s", options.start_timeout.as_secs_f32()),
-    };
-    let stderr = process.kill();
-    let said =
-        if stderr.is_empty() { String::new() } else { format!("\nIts standard error ends:\n{stderr}") };
-    Err(format!("{program} doesn't introduce itself: {wrong}{said}"))
+/// Starts a process, or connects to one, and lets it introduce itself.
+fn start(options: &Options, is_again: bool) -> Result<(Link, Hello), String> {
+    let mut link = Link::open(options, is_again)?;
+    match link.introduction(options) {
+        Ok((hello, _)) => Ok((link, hello)),
+        Err(wrong) => Err(format!("{} doesn't introduce itself: {wrong}", options.target)),
+    }
 }
 
 struct Shared<'r> {
@@ -159,7 +144,7 @@ enum End {
 /// One process after the other.
 struct Worker<'s, 'r> {
     shared: &'s Shared<'r>,
-    process: Option<Process>,
+    link: Option<Link>,
     /// Questions without an answer, the oldest first.
     open: VecDeque<usize>,
     /// How many questions this process was asked.
@@ -174,10 +159,10 @@ struct Worker<'s, 'r> {
 }
 
 impl<'s, 'r> Worker<'s, 'r> {
-    fn new(shared: &'s Shared<'r>, process: Option<Process>) -> Self {
+    fn new(shared: &'s Shared<'r>, link: Option<Link>) -> Self {
         Self {
             shared,
-            process,
+            link,
             open: VecDeque::new(),
             asked: 0,
             answered: BTreeSet::new(),
@@ -189,9 +174,9 @@ impl<'s, 'r> Worker<'s, 'r> {
 
     fn run(mut self) {
         // The first process of another worker is no restart.
-        let mut is_restart = self.process.is_some();
+        let mut is_restart = self.link.is_some();
         while self.has_work() {
-            if self.process.is_none() && !self.start(is_restart) {
+            if self.link.is_none() && !self.start(is_restart) {
                 break;
             }
             is_restart = true;
@@ -221,15 +206,17 @@ impl<'s, 'r> Worker<'s, 'r> {
             }
             state.restarts += 1;
         }
-        match start(self.shared.options) {
-            Ok((process, _)) => {
-                self.process = Some(process);
+        match start(self.shared.options, true) {
+            Ok((link, _)) => {
+                self.link = Some(link);
                 self.asked = 0;
                 self.answered.clear();
                 true
             }
             Err(error) => {
-                self.shared.state().gave_up = Some(error);
+                let before =
+                    self.suspicion.as_ref().map(|why| format!("; before, {why}")).unwrap_or_default();
+                self.shared.state().gave_up = Some(error + &before);
                 false
             }
         }
@@ -255,8 +242,8 @@ impl<'s, 'r> Worker<'s, 'r> {
         if self.open.is_empty() {
             self.last = Instant::now();
         }
-        if let (Some(process), Some(case)) = (&self.process, self.shared.cases.get(id)) {
-            process.send(case.request(id as u64).to_string());
+        if let (Some(link), Some(case)) = (&self.link, self.shared.cases.get(id)) {
+            link.send(case.request(id as u64).to_string());
             self.open.push_back(id);
             self.asked += 1;
         }
@@ -264,8 +251,8 @@ impl<'s, 'r> Worker<'s, 'r> {
 
     fn hear(&mut self) {
         let until = self.last + self.shared.options.timeout;
-        let Some(process) = &mut self.process else { return };
-        match process.hear(until) {
+        let Some(testee) = &mut self.link else { return };
+        match testee.hear(until) {
             Said::Line(line) => self.line(&line),
             Said::Nothing => return self.broken(End::Silent),
             Said::TooLong => {
@@ -273,13 +260,10 @@ impl<'s, 'r> Worker<'s, 'r> {
                 return self.broken(End::Ended(format!("a line of more than {limit} bytes")));
             }
             Said::Closed => {
-                let how = match process.ended(until) {
-                    Some(how) if how.is_empty() => "it ended by itself".to_owned(),
-                    Some(how) => how,
-                    None => "it closed its standard output".to_owned(),
-                };
+                let how = testee.ending(until);
                 return self.broken(End::Ended(how));
             }
+            Said::Lost(how) => return self.broken(End::Ended(how)),
         }
         // Lines that are no answers don't win time.
         if !self.open.is_empty() && Instant::now() >= self.last + self.shared.options.timeout {
@@ -292,7 +276,7 @@ impl<'s, 'r> Worker<'s, 'r> {
             Ok(answer) => answer,
             Err(wrong) => return self.shared.remark(format!("{wrong}: {}", excerpt(line))),
         };
-        let place = self.open.iter().position(|open| *open as u64 == id);
+        let place = self.open.iter().position(|open| i64::try_from(*open) == Ok(id));
         let Some((id, case)) = place.and_then(|place| {
             let id = self.open.remove(place)?;
             Some((id, self.shared.cases.get(id)?))
@@ -314,8 +298,8 @@ impl<'s, 'r> Worker<'s, 'r> {
 
     /// Ends the process, and finds out over which question that happened.
     fn broken(&mut self, end: End) {
-        let Some(mut process) = self.process.take() else { return };
-        let stderr = process.kill();
+        let Some(mut link) = self.link.take() else { return };
+        let stderr = link.kill();
         if let (1, 1, Some(id)) = (self.open.len(), self.asked, self.open.front().copied()) {
             self.open.clear();
             let after = self.shared.options.timeout;
@@ -341,19 +325,12 @@ impl<'s, 'r> Worker<'s, 'r> {
 
     /// Closes its standard input, and looks whether it ends as it should.
     fn end(&mut self) {
-        let Some(mut process) = self.process.take() else { return };
-        process.close();
-        let until = Instant::now() + self.shared.options.timeout;
-        while let Said::Line(line) = process.hear(until) {
-            self.shared.remark(format!("a line after the last answer: {}", excerpt(&line)));
-            if Instant::now() >= until {
-                break;
-            }
-        }
-        match process.ended(until) {
-            None => self.shared.remark("it doesn't end when its standard input does".to_owned()),
-            Some(how) if !how.is_empty() => self.shared.remark(format!("it ends with {how}")),
-            Some(_) => {}
+        let Some(mut link) = self.link.take() else { return };
+        let parted = link.part(self.shared.options.timeout, |line| {
+            self.shared.remark(format!("a line after the last answer: {}", excerpt(line)));
+        });
+        if let Err(what) = parted {
+            self.shared.remark(what);
         }
     }
 }

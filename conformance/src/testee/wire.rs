@@ -112,6 +112,12 @@ pub(super) fn float(value: &Value) -> Option<f64> {
     }
 }
 
+/// Whether a value is a number under one of these tags.
+pub(super) fn has_tag(value: &Value, tags: &[&str]) -> bool {
+    tag(value).is_some_and(|(name, _)| tags.contains(&name))
+        && (float(value).is_some() || integer(value).is_some())
+}
+
 fn tag(value: &Value) -> Option<(&str, &str)> {
     let members = value.as_object()?;
     let (name, text) = members.iter().next().filter(|_| members.len() == 1)?;

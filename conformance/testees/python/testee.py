@@ -40,22 +40,20 @@ def text(data):
 
 
 def answer(request):
-    message, form, op = TYPES.get(request["type"]), request.get("format"), request["op"]
-    if message is None or op not in ("decode", "encode", "roundtrip", "validate", "layout"):
-        return {"unsupported": True}
     try:
-        if op == "decode":
-            return {"ok": to_wire(decode(message, form, base64.b64decode(request["bytes"])))}
-        if op == "encode":
-            return {"ok": text(encode(message, form, from_wire(request["value"])))}
-        if op == "roundtrip":
-            return {"ok": text(encode(message, form, decode(message, form, base64.b64decode(request["bytes"]))))}
+        message, form, op = TYPES.get(request["type"]), request.get("format"), request["op"]
+        if message is None or op not in OPS or form not in FORMATS[op]:
+            return {"unsupported": True}
         if op == "validate":
             check(message, from_wire(request["value"]), is_strict=True)
             return {"ok": None}
-        places, end = layout(message, form)
-        size = end + -end % alignment(message)
-        return {"ok": {"size": size, "size_no_padding": end, "offsets": places}}
+        if op == "layout":
+            places, end = layout(message, form)
+            return {"ok": {"size": end + -end % alignment(message), "size_no_padding": end, "offsets": places}}
+        if op == "encode":
+            return {"ok": text(encode(message, form, from_wire(request["value"])))}
+        value = decode(message, form, base64.b64decode(request["bytes"]))
+        return {"ok": to_wire(value) if op == "decode" else text(encode(message, form, value))}
     except Rejected as reason:
         return {"rejected": str(reason)}
     except Exception as error:  # noqa: BLE001 - whatever it is, the next question can be answered
@@ -63,12 +61,16 @@ def answer(request):
 
 
 OPS = ["decode", "encode", "roundtrip", "validate", "layout"]
+BINARY = ("uorb", "cdr")
+FORMATS = {"decode": BINARY, "encode": BINARY, "roundtrip": BINARY, "validate": (None,), "layout": ("uorb",)}
+HELLO = {"op": "hello", "protocol": 1, "name": "python", "version": "1", "ops": OPS, "types": list(TYPES)}
 
-for line in sys.stdin:
-    request = json.loads(line)
-    if request["op"] == "hello":
-        reply = {"op": "hello", "name": "python", "version": "1", "ops": OPS, "types": list(TYPES)}
-    else:
-        reply = {"id": request["id"], **answer(request)}
+# As bytes: a line that can't be decoded must not be the end.
+for line in sys.stdin.buffer:
+    try:
+        request = json.loads(line)
+        reply = HELLO if request.get("op") == "hello" else {"id": request["id"], **answer(request)}
+    except (ValueError, AttributeError, KeyError, RecursionError):
+        continue  # What is no question has no id that could be answered.
     # Without this the answers stay in a buffer, and the other side waits for them.
     print(json.dumps(reply), flush=True)

@@ -1,0 +1,97 @@
+//! How it introduces itself.
+
+use std::collections::BTreeSet;
+
+use serde_json::Value;
+
+use super::{Bench, Check, Manner};
+use crate::testee::link::Link;
+use crate::testee::protocol::{Format, Hello, Op};
+use crate::testee::run::excerpt;
+
+pub(super) const INTRODUCTION: Check = Check {
+    id: "introduction",
+    statement: "it introduces itself in time, by a hello that can be read",
+    help: "answer {\"op\":\"hello\",\"protocol\":1} with one line of JSON, and flush the output after every line",
+    attempt: introduction,
+};
+
+pub(super) const HELLO_MEMBERS: Check = Check {
+    id: "hello-members",
+    statement: "the hello has a name, a version, known ops and formats, and types as PACKAGE/NAME",
+    help: "say e.g. {\"op\":\"hello\",\"protocol\":1,\"name\":\"my-codec\",\"version\":\"1.2\",\"ops\":[\"decode\"],\
+           \"formats\":[\"uorb\"],\"types\":[\"px4/Event\"]}",
+    attempt: hello_members,
+};
+
+pub(super) const SECOND_HELLO: Check = Check {
+    id: "second-hello",
+    statement: "a second hello is answered as the first was, or refused, and questions go on",
+    help: "answer every hello in the same way, wherever it comes",
+    attempt: second_hello,
+};
+
+fn introduction(bench: &mut Bench<'_>) -> Manner {
+    let opened = bench.first.take().map_or_else(|| Link::open(bench.options, true), Ok);
+    match opened.and_then(|mut link| link.introduction(bench.options)) {
+        Ok(introduced) => {
+            bench.introduced = Some(introduced);
+            Manner::Good
+        }
+        Err(wrong) => Manner::Bad(wrong),
+    }
+}
+
+fn hello_members(bench: &mut Bench<'_>) -> Manner {
+    let Some((hello, line)) = &bench.introduced else { return Manner::Good };
+    // It was read before, so this is JSON.
+    let value: Value = serde_json::from_slice(line).unwrap_or_default();
+    let wrong = [
+        hello.name.is_empty().then(|| "\"name\" is empty".to_owned()),
+        hello.version.is_empty().then(|| "no \"version\", or it is no string".to_owned()),
+        wrong_list(&value, "ops", |name| Op::ALL.iter().any(|op| op.name() == name)),
+        wrong_list(&value, "formats", |name| Format::ALL.iter().any(|format| format.name() == name)),
+        wrong_list(&value, "types", is_type_name),
+    ];
+    let wrong: Vec<String> = wrong.into_iter().flatten().collect();
+    if wrong.is_empty() { Manner::Good } else { Manner::Bad(wrong.join("; ")) }
+}
+
+/// What is wrong with a list of names. One that is absent was let through, so it may be.
+fn wrong_list(hello: &Value, member: &str, is_known: impl Fn(&str) -> bool) -> Option<String> {
+    let names: Vec<&str> = hello.get(member)?.as_array()?.iter().filter_map(Value::as_str).collect();
+    if names.is_empty() {
+        return Some(format!("\"{member}\" is empty"));
+    }
+    let mut seen = BTreeSet::new();
+    let wrong = names.iter().find_map(|name| {
+        if !is_known(name) {
+            Some(format!("{name:?}, which is none"))
+        } else if !seen.insert(name) {
+            Some(format!("{name:?} twice"))
+        } else {
+            None
+        }
+    });
+    wrong.map(|wrong| format!("\"{member}\" lists {wrong}"))
+}
+
+fn is_type_name(name: &str) -> bool {
+    let is_word =
+        |word: &str| !word.is_empty() && word.chars().all(|it| it.is_ascii_alphanumeric() || it == '_');
+    name.split_once('/').is_some_and(|(package, name)| is_word(package) && is_word(name))
+}
+
+fn second_hello(bench: &mut Bench<'_>) -> Manner {
+    bench.attempt(|bench, session| {
+        let case = bench.plain_case()?;
+        session.survive(case)?;
+        session.send_hello();
+        session.survive(case)?;
+        let first = bench.introduced.as_ref().map(|(hello, _)| hello);
+        match session.heard().hellos.iter().find(|line| Hello::read(line).ok().as_ref() != first) {
+            Some(line) => Err(format!("the second hello says something else: {}", excerpt(line))),
+            None => Ok(()),
+        }
+    })
+}

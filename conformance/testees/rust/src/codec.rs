@@ -1,0 +1,147 @@
+//! Answers by the codecs of `uavspec-codegen`.
+
+use serde_json::{Value, json};
+use uavspec_codegen::dynamic::{DynamicMessage, Error, MessageType, Types};
+use uavspec_codegen::schema::{Message, Schema};
+use uavspec_conformance::testee::protocol::PROTOCOL;
+use uavspec_conformance::testee::wire::{from_base64, from_wire, to_base64, to_wire};
+use uavspec_runtime::cdr::ByteOrder;
+use uavspec_runtime::{ErrorClass, Severity};
+
+/// The types of error codes.
+const CODE: &str = "flockwave/ErrorCode";
+const LIST: &str = "flockwave/ErrorList";
+
+/// Why there is nothing in `ok`.
+enum Wrong {
+    /// What was asked about isn't right.
+    Input(String),
+    /// The question itself isn't.
+    Question(&'static str),
+    /// It is about something that isn't known here.
+    Unknown,
+}
+
+/// Answers about all types of the definitions.
+pub(crate) struct Codec<'s> {
+    /// The definitions.
+    pub(crate) schema: &'s Schema,
+    /// Their types.
+    pub(crate) types: &'s Types,
+}
+
+impl Codec<'_> {
+    fn hello(&self) -> Value {
+        let messages = self.types.iter().map(|message| format!("{}/{}", message.package(), message.name()));
+        let types: Vec<String> = messages.chain([CODE.to_owned(), LIST.to_owned()]).collect();
+        let ops = ["decode", "encode", "roundtrip", "validate", "severity", "hash", "layout"];
+        json!({
+            "op": "hello", "protocol": PROTOCOL, "name": "reference", "version": env!("CARGO_PKG_VERSION"),
+            "ops": ops, "types": types, "formats": ["uorb", "cdr"],
+        })
+    }
+
+    /// What is said to a line; nothing to what has no id.
+    pub(crate) fn reply(&self, question: &Value) -> Option<Value> {
+        if question["op"] == "hello" {
+            return Some(self.hello());
+        }
+        let id = question.get("id")?.clone();
+        let mut answer = self.answer(question).unwrap_or_else(|wrong| match wrong {
+            Wrong::Input(reason) => json!({ "rejected": reason }),
+            Wrong::Question(what) => json!({ "error": what }),
+            Wrong::Unknown => json!({ "unsupported": true }),
+        });
+        answer["id"] = id;
+        Some(answer)
+    }
+
+    fn answer(&self, question: &Value) -> Result<Value, Wrong> {
+        let name = question["type"].as_str().ok_or(Wrong::Question("no type"))?;
+        let op = question["op"].as_str().ok_or(Wrong::Question("no op"))?;
+        let ok = match (name, op) {
+            (CODE, "validate") => Self::code(value_of(question)?).map(|_| Value::Null)?,
+            (CODE, "severity") => {
+                let code = Self::code(value_of(question)?)?;
+                json!({ "class": ErrorClass::of(code).name(), "severity": Severity::of(code).name() })
+            }
+            (LIST, "validate") => self.list(value_of(question)?).map(|()| Value::Null)?,
+            _ => {
+                let (message, of) = self.find(name).ok_or(Wrong::Unknown)?;
+                answer(op, question, message, of)?
+            }
+        };
+        Ok(json!({ "ok": ok }))
+    }
+
+    fn find(&self, name: &str) -> Option<(&Message, MessageType<'_>)> {
+        let (package, name) = name.split_once('/')?;
+        let mut ids = self.schema.packages.iter().filter(|it| it.name == package).flat_map(|it| &it.messages);
+        let id = ids.find(|id| self.schema.message(**id).name == name)?;
+        Some((self.schema.message(*id), self.types.get(*id)))
+    }
+
+    fn code(value: &Value) -> Result<u32, Wrong> {
+        let code = value.as_u64().and_then(|code| u32::try_from(code).ok());
+        code.ok_or_else(|| Wrong::Input("no code".to_owned()))
+    }
+
+    fn list(&self, value: &Value) -> Result<(), Wrong> {
+        let items = value.as_array().ok_or_else(|| Wrong::Input("no list".to_owned()))?;
+        let known = || self.schema.packages.iter().flat_map(|it| &it.error_tables).flat_map(|it| &it.codes);
+        for item in items {
+            if Self::code(item)? == 0 {
+                return Err(Wrong::Input("0 is no error".to_owned()));
+            }
+            let alternatives = known().filter(|code| *item == code.code).flat_map(|code| &code.alternatives);
+            if let Some(other) =
+                alternatives.into_iter().find(|other| items.iter().any(|item| item == *other))
+            {
+                return Err(Wrong::Input(format!("{item} and {other} are alternatives")));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn answer(op: &str, question: &Value, message: &Message, of: MessageType<'_>) -> Result<Value, Wrong> {
+    let said = |error: Error| Wrong::Input(error.to_string());
+    let is_cdr = || match question["format"].as_str() {
+        Some("cdr") => Ok(true),
+        Some("uorb") => Ok(false),
+        Some(_) => Err(Wrong::Unknown),
+        None => Err(Wrong::Question("no format")),
+    };
+    let decode = || -> Result<DynamicMessage<'_>, Wrong> {
+        let bytes = question["bytes"].as_str().and_then(from_base64).ok_or(Wrong::Question("no base64"))?;
+        if is_cdr()? { of.decode_cdr_strict(&bytes) } else { of.decode_uorb_strict(&bytes) }.map_err(said)
+    };
+    let encode = |message: &DynamicMessage<'_>| -> Result<Value, Wrong> {
+        let bytes = if is_cdr()? { message.to_cdr(ByteOrder::LittleEndian) } else { message.to_uorb() };
+        bytes.map(|bytes| to_base64(&bytes).into()).map_err(said)
+    };
+    let read = || of.from_json(&from_wire(value_of(question)?)).map_err(said);
+    match op {
+        "decode" => Ok(to_wire(&decode()?.to_json().map_err(said)?, Some(of))),
+        "encode" => encode(&read()?),
+        "roundtrip" => encode(&decode()?),
+        "validate" => match read()?.validate().first() {
+            None => Ok(Value::Null),
+            Some(violation) => Err(Wrong::Input(violation.to_string())),
+        },
+        "hash" if is_cdr()? => Ok(message.type_hash.clone().into()),
+        "hash" => Ok(message.hash.into()),
+        "layout" if is_cdr()? => Err(Wrong::Unknown),
+        "layout" => {
+            let size = of.size().ok_or_else(|| Wrong::Input("its size varies".to_owned()))?;
+            let offsets = of.layout().map(|field| (field.name.to_owned(), field.offset.into()));
+            let offsets: serde_json::Map<String, Value> = offsets.collect();
+            Ok(json!({ "size": size.padded, "size_no_padding": size.no_padding, "offsets": offsets }))
+        }
+        _ => Err(Wrong::Unknown),
+    }
+}
+
+fn value_of(question: &Value) -> Result<&Value, Wrong> {
+    question.get("value").ok_or(Wrong::Question("no value"))
+}
