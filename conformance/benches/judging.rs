@@ -34,7 +34,7 @@ const SCHEMA: &str = include_str!("../../generated/schemas/px4/FailsafeFlags.sch
 
 const LOGS: [&str; 3] = ["sample", "sample_log_small", "sample_logging_tagged_and_default_params"];
 
-/// Reads a log with pyulog as often as it is asked, and prints the seconds of the fastest time.
+/// Reads a log with pyulog as often as it is asked, and prints the median of the seconds.
 const PYULOG: &str = "
 import sys, time
 from pyulog import ULog
@@ -82,19 +82,24 @@ fn compare(what: &str, bytes: usize, mut contestants: Vec<Contestant<'_>>) {
             }
         }
     }
-    println!("{what}, {} bytes", bytes);
+    println!("{what}, {bytes} bytes");
     let first = contestants[0].times.clone();
-    for contestant in &contestants {
-        let throughput = bytes as f64 / median(&contestant.times).as_secs_f64() / 1e6;
+    for (place, contestant) in contestants.iter().enumerate() {
+        let throughput = throughput(bytes, median(&contestant.times));
         let ratios: Vec<f64> = first
             .iter()
             .zip(&contestant.times)
             .map(|(first, other)| other.as_secs_f64() / first.as_secs_f64())
             .collect();
-        let beside = format!("{} of its throughput", ratio(&ratios));
-        let beside = if std::ptr::eq(contestant, &contestants[0]) { String::new() } else { beside };
+        let beside = if place == 0 { String::new() } else { ratio(&ratios) };
         println!("  {:<34} {throughput:>8.0} MB/s   {beside}", contestant.name);
     }
+}
+
+/// In MB/s.
+#[allow(clippy::cast_precision_loss)] // nobody measures so many bytes
+fn throughput(bytes: usize, time: Duration) -> f64 {
+    bytes as f64 / time.as_secs_f64() / 1e6
 }
 
 fn median(times: &[Duration]) -> Duration {
@@ -106,7 +111,7 @@ fn median(times: &[Duration]) -> Duration {
 fn ratio(ratios: &[f64]) -> String {
     let mut ratios = ratios.to_vec();
     ratios.sort_by(f64::total_cmp);
-    format!("uavspec has {:.2} times", ratios[ratios.len() / 2])
+    format!("uavspec has {:.2} times its throughput", ratios[ratios.len() / 2])
 }
 
 /// Messages that conform, each a line.
@@ -161,9 +166,7 @@ fn logs(corpus: &Path) {
         let uavspec = Contestant::new("uavspec", || _ = black_box(judged(&bytes)));
         compare(&format!("{name}.ulg by the definitions of PX4 main"), bytes.len(), vec![uavspec]);
         match pyulog(&path) {
-            Some(seconds) => {
-                println!("  {:<34} {:>8.0} MB/s", "pyulog", bytes.len() as f64 / seconds / 1e6);
-            }
+            Some(time) => println!("  {:<34} {:>8.0} MB/s", "pyulog", throughput(bytes.len(), time)),
             None => println!("  left out: python3 has no pyulog"),
         }
     }
@@ -180,8 +183,9 @@ fn logs(corpus: &Path) {
     compare("sample.ulg, eight times", 8 * bytes.len(), contestants);
 }
 
-/// The seconds that pyulog takes for a log.
-fn pyulog(path: &Path) -> Option<f64> {
+/// The time that pyulog takes for a log.
+fn pyulog(path: &Path) -> Option<Duration> {
     let output = Command::new("python3").arg("-c").arg(PYULOG).arg(path).arg("5").output().ok()?;
-    String::from_utf8_lossy(&output.stdout).trim().parse().ok()
+    let seconds = String::from_utf8_lossy(&output.stdout).trim().parse().ok()?;
+    Duration::try_from_secs_f64(seconds).ok()
 }

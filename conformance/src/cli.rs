@@ -10,6 +10,7 @@ mod self_test;
 mod test;
 mod testee;
 
+use std::fs;
 use std::io::{self, Write as _};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -19,6 +20,7 @@ use std::time::Instant;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use uavspec_codegen::schema::MessageId;
 
+use self::progress::Progress;
 use crate::definitions::Definitions;
 use crate::finding::Verdict;
 use crate::input;
@@ -199,23 +201,26 @@ fn check(args: &CheckArgs) -> Status {
     let is_shown_at_once = args.format == Format::Text && known.lists.is_empty();
     let mut judged = Vec::new();
     let mut unread = Vec::new();
+    let sizes = files.iter().filter_map(|path| Some(fs::metadata(path).ok()?.len()));
+    let progress = Progress::bytes(sizes.sum());
     parallel::each(
         &files,
         args.jobs,
-        |path| judge(path, of, &definitions),
+        |path| judge(path, of, &definitions, &progress),
         |path, result| match result {
             Ok(found) => {
                 if is_shown_at_once {
-                    show(&found);
+                    progress.pausing(|| show(&found));
                 }
                 judged.push(found);
             }
             Err(error) => {
-                anstream::eprintln!("error: {}: {error}", path.display());
+                progress.pausing(|| anstream::eprintln!("error: {}: {error}", path.display()));
                 unread.push(path.display().to_string());
             }
         },
     );
+    drop(progress);
     let settled = settle(&mut known, &mut judged, &unread);
     if args.format == Format::Text && !is_shown_at_once {
         judged.iter().for_each(show);
@@ -243,9 +248,15 @@ fn definitions(path: Option<&Path>) -> Result<Definitions, Status> {
     })
 }
 
-fn judge(path: &Path, of: Option<MessageId>, definitions: &Definitions) -> io::Result<Judged> {
+fn judge(
+    path: &Path,
+    of: Option<MessageId>,
+    definitions: &Definitions,
+    progress: &Progress,
+) -> io::Result<Judged> {
     let started = Instant::now();
-    let judgement = judge::judge(input::open(path)?, of, definitions)?;
+    let source = input::unpacked(progress.reading(input::open(path)?))?;
+    let judgement = judge::judge(source, of, definitions)?;
     Ok(Judged { path: path.display().to_string(), judgement, elapsed: started.elapsed().as_millis() })
 }
 

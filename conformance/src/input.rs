@@ -5,6 +5,7 @@ use std::io::{self, Cursor, Read};
 use std::path::{Path, PathBuf};
 
 use flate2::read::MultiGzDecoder;
+use globset::{Glob, GlobBuilder};
 use ruzstd::decoding::StreamingDecoder;
 use walkdir::WalkDir;
 
@@ -23,30 +24,64 @@ const EXTENSIONS: [&str; 4] = ["ulg", "json", "jsonl", "ndjson"];
 /// Extensions of packed files.
 const PACKED: [&str; 2] = ["gz", "zst"];
 
-/// The files that `paths` name, in their order; of a folder those below it that can be judged, sorted.
+/// What makes a path a pattern.
+const WILDCARDS: [char; 3] = ['*', '?', '['];
+
+/// The files that `paths` name, in their order; of a folder those below it that can be judged, and of a pattern
+/// such as `logs/**/*.ulg` those that it matches, sorted.
 ///
-/// An error names the folder that can't be read or has nothing to judge.
+/// An error names the folder or pattern that can't be read or has nothing to judge.
 pub fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, (PathBuf, io::Error)> {
     let mut files = Vec::new();
     for path in paths {
-        // What isn't there is told when it is opened, so that all others are judged.
-        if path.as_os_str() == STANDARD_INPUT || !path.is_dir() {
-            files.push(path.clone());
-            continue;
-        }
-        let before = files.len();
-        for entry in WalkDir::new(path).sort_by_file_name() {
-            let entry = entry.map_err(|error| (path.clone(), error.into()))?;
-            if entry.file_type().is_file() && is_judged(entry.path()) {
-                files.push(entry.into_path());
-            }
-        }
-        if files.len() == before {
-            let message = format!("nothing to judge in it: no .{}", EXTENSIONS.join(", ."));
-            return Err((path.clone(), io::Error::new(io::ErrorKind::NotFound, message)));
-        }
+        let found = if path.as_os_str() == STANDARD_INPUT {
+            vec![path.clone()]
+        } else if path.is_dir() {
+            let nothing = || format!("nothing to judge in it: no .{}", EXTENSIONS.join(", ."));
+            search(path, is_judged, nothing).map_err(|error| (path.clone(), error))?
+        } else if let (false, Some(pattern)) = (path.exists(), pattern(path)) {
+            let pattern = pattern.map_err(|error| (path.clone(), io::Error::other(error)))?.compile_matcher();
+            let nothing = || "no file matches this pattern".to_owned();
+            search(&folder_of(path), |file| pattern.is_match(file), nothing)
+                .map_err(|error| (path.clone(), error))?
+        } else {
+            // What isn't there is told when it is opened, so that all others are judged.
+            vec![path.clone()]
+        };
+        files.extend(found);
     }
     Ok(files)
+}
+
+/// The files below a folder that are wanted, sorted; an error where there is none.
+fn search(
+    folder: &Path,
+    is_wanted: impl Fn(&Path) -> bool,
+    nothing: impl FnOnce() -> String,
+) -> io::Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for entry in WalkDir::new(folder).sort_by_file_name() {
+        let entry = entry?;
+        // Below `.` names begin with that, and nobody writes so.
+        let path = entry.path().strip_prefix(".").unwrap_or(entry.path());
+        if entry.file_type().is_file() && is_wanted(path) {
+            files.push(path.to_owned());
+        }
+    }
+    if files.is_empty() { Err(io::Error::new(io::ErrorKind::NotFound, nothing())) } else { Ok(files) }
+}
+
+/// The pattern that a path is, where it has a wildcard; an error where it can't be one.
+fn pattern(path: &Path) -> Option<Result<Glob, globset::Error>> {
+    let text = path.to_str().filter(|text| text.contains(WILDCARDS))?;
+    Some(GlobBuilder::new(text).literal_separator(true).build())
+}
+
+/// The folder that holds all that a pattern can match.
+fn folder_of(pattern: &Path) -> PathBuf {
+    let has_none = |part: &std::path::Component<'_>| !part.as_os_str().to_string_lossy().contains(WILDCARDS);
+    let folder: PathBuf = pattern.components().take_while(has_none).collect();
+    if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder }
 }
 
 /// Whether a file's name says that it can be judged.
@@ -59,12 +94,12 @@ fn is_judged(path: &Path) -> bool {
     is(&unpacked, &EXTENSIONS)
 }
 
-/// The bytes of a file, or of standard input; unpacked where they begin like gzip or zstd.
+/// The bytes of a file as they are, or of standard input.
 pub fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
     if path.as_os_str() == STANDARD_INPUT {
-        return unpacked(io::stdin());
+        return Ok(Box::new(io::stdin()));
     }
-    unpacked(File::open(path)?)
+    Ok(Box::new(File::open(path)?))
 }
 
 /// What `input` holds, unpacked where it begins like gzip or zstd. Nothing is read ahead but its first bytes.
@@ -135,6 +170,11 @@ mod tests {
         assert_eq!(names(found), ["a.ULG.gz", "b.ulg", "c.jsonl.zst"]);
         let given = files(&[below.join("notes.txt"), PathBuf::from("-")]).expect("files");
         assert_eq!(names(given), ["notes.txt", "-"], "what is named is taken as it is");
+        let matched = files(&[folder.path().join("**/*.ulg*"), below.join("[bc].*")]).expect("files");
+        assert_eq!(names(matched), ["b.ulg", "b.ulg", "c.jsonl.zst"]);
+        let (path, error) = files(&[below.join("*.bag")]).expect_err("nothing");
+        assert_eq!((path, error.kind()), (below.join("*.bag"), io::ErrorKind::NotFound));
+        assert!(files(&[below.join("[a.ulg")]).is_err(), "a pattern without an end");
         let empty = tempfile::tempdir().expect("a folder");
         let (path, error) = files(&[empty.path().to_path_buf()]).expect_err("nothing");
         assert_eq!((path.as_path(), error.kind()), (empty.path(), io::ErrorKind::NotFound));

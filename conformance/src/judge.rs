@@ -25,7 +25,7 @@ const MAX_DAMAGE: usize = 100;
 pub struct Judgement {
     /// What it says of itself.
     pub source: Source,
-    /// How many bytes it has, or were read.
+    /// How many bytes were read.
     pub bytes: u64,
     /// From its first to its last timestamp, in µs.
     pub duration: u64,
@@ -53,7 +53,8 @@ pub enum Source {
 /// Judges a source of any kind, which is seen by how it begins: a log of PX4, or else JSON. Where `of` names a
 /// message, the JSON is messages of that type and nothing around them.
 ///
-/// An error is one of reading; what is wrong with the source itself is part of the judgement.
+/// An error is one of reading its first bytes. What is wrong with the source later on, and that it can't be read any
+/// further, is part of the judgement.
 pub fn judge(
     mut input: impl Read,
     of: Option<MessageId>,
@@ -63,7 +64,7 @@ pub fn judge(
     input.by_ref().take(ULOG_MAGIC.len() as u64).read_to_end(&mut start)?;
     let is_log = start == ULOG_MAGIC;
     let whole = io::Cursor::new(start).chain(input);
-    if is_log { judge_ulog(whole, definitions) } else { judge_json(whole, of, definitions) }
+    Ok(if is_log { judge_ulog(whole, definitions) } else { judge_json(whole, of, definitions) })
 }
 
 /// What all kinds of sources have in common: messages that come on channels, and the rules that follow them.
@@ -180,6 +181,11 @@ impl<'d> Course<'d> {
             Entry::Vacant(new) if has_room => _ = new.insert((place, 1)),
             Entry::Vacant(_) => self.more_damage += 1,
         }
+    }
+
+    /// The source can't be read any further.
+    fn unreadable(&mut self, place: Place, error: &io::Error) {
+        self.damage(place, format!("what follows can't be read: {error}"));
     }
 
     fn finish(mut self, bytes: u64, source: Source) -> Judgement {

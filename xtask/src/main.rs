@@ -55,9 +55,15 @@ fn main() -> ExitCode {
 
 /// Runs `uavspec`. It is a process of its own: this program has to work where generated code doesn't compile.
 fn conformance(arguments: Vec<OsString>) -> ExitCode {
-    let arguments = if arguments.is_empty() { vec!["self-test".into()] } else { arguments };
-    let mut command = process::Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    command.args(["run", "--quiet", "--package", "uavspec-conformance", "--"]).args(arguments);
+    let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let run = |package: &str| ["run", "--quiet", "--package", package, "--"].map(OsString::from);
+    let itself = || {
+        let testee = [cargo.clone()].into_iter().chain(run("uavspec-testee"));
+        ["self-test".into(), "--".into()].into_iter().chain(testee).collect()
+    };
+    let arguments: Vec<OsString> = if arguments.is_empty() { itself() } else { arguments };
+    let mut command = process::Command::new(&cargo);
+    command.args(run("uavspec-conformance")).args(arguments);
     match command.status().map(|status| status.code().and_then(|code| u8::try_from(code).ok())) {
         Ok(code) => code.map_or(ExitCode::FAILURE, ExitCode::from),
         Err(error) => {

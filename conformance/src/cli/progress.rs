@@ -1,6 +1,6 @@
 //! How far long work has come, on standard error where that is a terminal.
 
-use std::io::{self, IsTerminal as _};
+use std::io::{self, IsTerminal as _, Read};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -21,6 +21,23 @@ impl Progress {
     pub(super) fn set(&self, done: usize, total: usize) {
         self.0.set_length(total as u64);
         self.0.set_position(done as u64);
+    }
+
+    /// Reading of so many bytes.
+    pub(super) fn bytes(total: u64) -> Self {
+        let progress = Self::shown("{wide_bar} {bytes} of {total_bytes} ({bytes_per_sec}), {elapsed}");
+        progress.0.set_length(total);
+        progress
+    }
+
+    /// What is read of `input` is counted.
+    pub(super) fn reading(&self, input: impl Read + Send + 'static) -> Box<dyn Read + Send> {
+        Box::new(self.0.wrap_read(input))
+    }
+
+    /// Makes room for what is written to the terminal.
+    pub(super) fn pausing<T>(&self, write: impl FnOnce() -> T) -> T {
+        self.0.suspend(write)
     }
 
     fn shown(template: &str) -> Self {

@@ -1,15 +1,20 @@
 //! `uavspec self-test`.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use anstyle::{AnsiColor, Style};
 use clap::Args;
 
 use super::Status;
+use super::progress::Progress;
 use crate::definitions::Definitions;
 use crate::matrix::{Row, conforming, matrix};
 use crate::record::Grouped;
 use crate::rule::RULES;
+use crate::testee::case::cases;
+use crate::testee::run::{Options, run};
+use crate::testee::target::Target;
 
 const FAIL: Style = AnsiColor::Red.on_default().bold();
 const PASS: Style = AnsiColor::Green.on_default().bold();
@@ -20,13 +25,17 @@ const PLAIN: Style = Style::new();
 #[command(after_help = "Examples:
   uavspec self-test
   uavspec self-test --definitions ../px4_msgs/msg
+  uavspec self-test -- ./reference-codec
 
-Exit status: 0 the program judges as it should, 1 it does not, 2 definitions that can't be read.")]
+Exit status: 0 the program judges as it should, 1 it does not, 2 definitions that can't be read, 3 the testee broke.")]
 pub(super) struct SelfTestArgs {
     /// What to make recordings of: a uavspec.toml, a folder with one, or a folder of .msg files; the definitions
     /// of this program, where nothing is said.
     #[arg(long, value_name = "PATH")]
     definitions: Option<PathBuf>,
+    /// A testee that is known to be right, with its arguments: it has to pass all cases.
+    #[arg(last = true, value_name = "COMMAND")]
+    testee: Vec<OsString>,
 }
 
 pub(super) fn self_test(args: &SelfTestArgs) -> Status {
@@ -34,7 +43,16 @@ pub(super) fn self_test(args: &SelfTestArgs) -> Status {
         Ok(definitions) => definitions,
         Err(status) => return status,
     };
-    let is_right = recordings(&definitions) & rules(&matrix(&definitions));
+    let mut is_right = recordings(&definitions) & rules(&matrix(&definitions));
+    if !args.testee.is_empty() {
+        match cases_of(&definitions, &args.testee) {
+            Ok(is_passing) => is_right &= is_passing,
+            Err(error) => {
+                anstream::eprintln!("error: {error}");
+                return Status::Unreadable;
+            }
+        }
+    }
     let (style, text) =
         if is_right { (PASS, "judges as it should") } else { (FAIL, "does not judge as it should") };
     anstream::println!("\n{style}{text}{style:#}");
@@ -73,6 +91,24 @@ fn rules(rows: &[Row]) -> bool {
         line(wrong.is_empty(), rule.id, &text);
     }
     rows.iter().all(Row::is_right)
+}
+
+/// The testee has to pass all cases.
+fn cases_of(definitions: &Definitions, testee: &[OsString]) -> Result<bool, String> {
+    let cases = cases(definitions, definitions.types());
+    let all: Vec<usize> = (0..cases.len()).collect();
+    let progress = Progress::steps("cases");
+    let options = Options::new(Target::Command(testee.to_vec()));
+    let told = |done, total| progress.set(done, total);
+    let outcome = run(&cases, &all, definitions.types(), &options, &told)?;
+    drop(progress);
+    anstream::println!("\nA codec, asked what the definitions ask of codecs:");
+    let counts = outcome.counts();
+    let is_right = counts.passed == cases.len() && outcome.manners.are_good();
+    let name = outcome.hello.map_or_else(|| "testee".to_owned(), |hello| hello.name);
+    let passed = Grouped(counts.passed as u64);
+    line(is_right, &name, &format!("{passed} of {} cases passed", Grouped(cases.len() as u64)));
+    Ok(is_right)
 }
 
 fn told(row: &Row) -> String {

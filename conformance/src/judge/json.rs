@@ -3,7 +3,7 @@
 mod envelope;
 
 use std::collections::{BTreeSet, HashMap};
-use std::io::{self, Read};
+use std::io::Read;
 
 use uavspec_codegen::schema::MessageId;
 
@@ -36,23 +36,27 @@ pub struct JsonSource {
 }
 
 /// Judges messages as JSON: JSON Lines, an array, or a single one. They are all of one type where `of` says so;
-/// otherwise each says its type or its topic.
-///
-/// An error is one of reading; what is wrong with the source itself is part of the judgement.
-pub fn judge_json(
-    input: impl Read,
-    of: Option<MessageId>,
-    definitions: &Definitions,
-) -> io::Result<Judgement> {
+/// otherwise each says its type or its topic. They are judged as far as they can be read.
+pub fn judge_json(input: impl Read, of: Option<MessageId>, definitions: &Definitions) -> Judgement {
     let mut judge = JsonJudge::new(of, definitions);
     let mut reader = Reader::new(input);
-    while let Some(item) = reader.next()? {
-        match item.event {
-            Event::Problem(problem) => judge.course.damage(Place::Line(item.line), problem.to_string()),
-            Event::Value { bytes, is_last } => judge.value(bytes, item.line, is_last),
+    loop {
+        match reader.next() {
+            Ok(Some(item)) => match item.event {
+                Event::Problem(problem) => {
+                    judge.course.damage(Place::Line(item.line), problem.to_string());
+                }
+                Event::Value { bytes, is_last } => judge.value(bytes, item.line, is_last),
+            },
+            Ok(None) => break,
+            // What was judged until then stays judged.
+            Err(error) => {
+                judge.course.unreadable(Place::Line(reader.lines().max(1)), &error);
+                break;
+            }
         }
     }
-    Ok(judge.finish(reader.lines(), reader.bytes()))
+    judge.finish(reader.lines(), reader.bytes())
 }
 
 struct JsonJudge<'d> {

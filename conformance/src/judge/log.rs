@@ -1,7 +1,7 @@
 //! Judges logs of PX4.
 
 use std::collections::BTreeMap;
-use std::io::{self, Read};
+use std::io::Read;
 
 use uavspec_codegen::dynamic::{FormatProblem, MessageType, PlacedElement};
 use uavspec_codegen::schema::{MessageId, Shape};
@@ -28,14 +28,21 @@ pub struct LogSource {
     pub formats: Vec<(String, Comparison)>,
 }
 
-/// Judges a log of PX4.
-///
-/// An error is one of reading; what is wrong with the log itself is part of the judgement.
-pub fn judge_ulog(input: impl Read, definitions: &Definitions) -> io::Result<Judgement> {
+/// Judges a log of PX4, as far as it can be read.
+pub fn judge_ulog(input: impl Read, definitions: &Definitions) -> Judgement {
     let mut judge = LogJudge::new(definitions);
     let mut reader = Reader::new(input);
     let mut log = Log::default();
-    while let Some(item) = reader.next()? {
+    loop {
+        let item = match reader.next() {
+            Ok(Some(item)) => item,
+            Ok(None) => break,
+            // What was judged until then stays judged.
+            Err(error) => {
+                judge.course.unreadable(Place::Byte(reader.position()), &error);
+                break;
+            }
+        };
         judge.item(&item);
         let topic = match item.event {
             Event::Subscription { id, .. } => Some(id),
@@ -51,7 +58,7 @@ pub fn judge_ulog(input: impl Read, definitions: &Definitions) -> io::Result<Jud
         }
     }
     log.finish(&mut |offset, problem| judge.tell(offset, &problem));
-    Ok(judge.finish(&log))
+    judge.finish(&log, reader.position())
 }
 
 /// A topic of the log and its state.
@@ -74,17 +81,15 @@ struct LogJudge<'d> {
     open: Vec<Option<Box<Open>>>,
     firmware: Option<String>,
     dropouts: u64,
-    end: u64,
 }
 
 impl<'d> LogJudge<'d> {
     fn new(definitions: &'d Definitions) -> Self {
-        Self { course: Course::new(definitions), open: Vec::new(), firmware: None, dropouts: 0, end: 0 }
+        Self { course: Course::new(definitions), open: Vec::new(), firmware: None, dropouts: 0 }
     }
 
     fn item(&mut self, item: &Item<'_>) {
         let place = Place::Byte(item.offset);
-        self.end = self.end.max(item.offset);
         match &item.event {
             Event::Information { key: "ver_sw_release" | "ver_sw_branch" | "sys_name", value, ty } => {
                 self.information(ty, value);
@@ -174,7 +179,7 @@ impl<'d> LogJudge<'d> {
         }
     }
 
-    fn finish(mut self, log: &Log) -> Judgement {
+    fn finish(mut self, log: &Log, bytes: u64) -> Judgement {
         for open in std::mem::take(&mut self.open).into_iter().flatten() {
             open.close(&mut self.course.findings);
         }
@@ -185,7 +190,7 @@ impl<'d> LogJudge<'d> {
         }
         let formats = formats(log, self.course.definitions, &mut self.course.findings);
         let source = LogSource { firmware: self.firmware, dropouts: self.dropouts, formats };
-        self.course.finish(self.end, Source::Log(source))
+        self.course.finish(bytes, Source::Log(source))
     }
 
     fn opened(&self, id: u16) -> Option<&Open> {

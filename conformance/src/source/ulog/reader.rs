@@ -95,6 +95,11 @@ impl<R: Read> Reader<R> {
         }
     }
 
+    /// How many bytes were read as messages or passed over.
+    pub fn position(&self) -> u64 {
+        self.window.offset()
+    }
+
     /// The next message or problem; none at the end. An error is one of the input, and the call may be
     /// repeated.
     // Iterators can't lend.
