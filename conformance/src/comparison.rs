@@ -17,6 +17,15 @@ pub enum Comparison {
     Undefined,
 }
 
+/// What the places of fields are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Order {
+    /// Where they lie in memory.
+    Memory,
+    /// In which order they are declared, and so follow each other in CDR.
+    Declared,
+}
+
 /// What differs between a format and the definition.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Differences {
@@ -30,6 +39,10 @@ pub struct Differences {
     pub is_moved: bool,
     /// Names of nested messages that differ.
     pub nested: Vec<String>,
+    /// Fields that the format lets away, and the definition doesn't.
+    pub optional: Vec<String>,
+    /// Whether the source states another hash than that of the definition: that says no more than the rest.
+    pub has_other_hash: bool,
 }
 
 /// Fields that are told at most of each kind.
@@ -53,15 +66,30 @@ impl fmt::Display for Differences {
         list("it also has", &self.extra)?;
         list("of another type:", &self.retyped)?;
         list("other contents of", &self.nested)?;
+        list("it doesn't require", &self.optional)?;
         if self.is_moved {
             write!(formatter, "{separator}its fields lie at other places")?;
+            separator = "; ";
+        }
+        if self.has_other_hash {
+            write!(formatter, "{separator}so its hash is another")?;
         }
         Ok(())
     }
 }
 
-/// Compares a format with the type of the definition.
+/// Compares a format with the type of the definition, as they lie in memory.
 pub fn compare(format: MessageType<'_>, defined: MessageType<'_>) -> Comparison {
+    compare_in(Order::Memory, format, defined)
+}
+
+/// Compares a type that a source declares with that of the definition, as they follow each other in CDR. ROS 2
+/// knows `char` as `uint8`.
+pub fn compare_declared(declared: MessageType<'_>, defined: MessageType<'_>) -> Comparison {
+    compare_in(Order::Declared, declared, defined)
+}
+
+fn compare_in(order: Order, format: MessageType<'_>, defined: MessageType<'_>) -> Comparison {
     let by_name = |of| -> BTreeMap<&str, Placed<'_>> {
         MessageType::layout(of).map(|field| (field.name, field)).collect()
     };
@@ -74,11 +102,15 @@ pub fn compare(format: MessageType<'_>, defined: MessageType<'_>) -> Comparison 
             continue;
         };
         let other_ty = type_text(*other);
-        if other_ty != ty {
+        let is_same = match order {
+            Order::Memory => other_ty == ty,
+            Order::Declared => in_ros(&other_ty) == in_ros(&ty),
+        };
+        if !is_same {
             differences.retyped.push(format!("{name} ({other_ty}, defined as {ty})"));
         } else if let (PlacedElement::Message(left), PlacedElement::Message(right)) =
             (other.element, field.element)
-            && compare(left, right) != Comparison::Equal
+            && compare_in(order, left, right) != Comparison::Equal
         {
             differences.nested.push((*name).to_owned());
         }
@@ -91,10 +123,21 @@ pub fn compare(format: MessageType<'_>, defined: MessageType<'_>) -> Comparison 
         places
     };
     if differences == Differences::default() {
-        let is_same = places(format) == places(defined) && format.size() == defined.size();
+        let is_same = match order {
+            Order::Memory => places(format) == places(defined) && format.size() == defined.size(),
+            Order::Declared => format.field_names().eq(defined.field_names()),
+        };
         differences.is_moved = !is_same;
     }
     if differences == Differences::default() { Comparison::Equal } else { Comparison::Differs(differences) }
+}
+
+/// A type as ROS 2 sends it.
+fn in_ros(ty: &str) -> String {
+    match ty.strip_prefix("char") {
+        Some(shape) => format!("uint8{shape}"),
+        None => ty.to_owned(),
+    }
 }
 
 /// A type in the words of definitions; messages by what they are, as logs name them otherwise.

@@ -110,7 +110,12 @@ impl Plan {
             for index in 0..count(placed.shape) {
                 let is_single = placed.shape == Shape::Single;
                 let path = if is_single { path.clone() } else { format!("{path}[{index}]") };
+                let before = self.steps.len();
                 self.add(nested, id, schema, offset + index * placed.stride, (&path, &subject));
+                // All elements are alike, and there can be millions of them.
+                if self.steps.len() == before {
+                    break;
+                }
             }
         }
     }
