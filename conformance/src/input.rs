@@ -18,7 +18,7 @@ const GZIP: [u8; 2] = [0x1f, 0x8b];
 const ZSTD: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 
 /// Extensions of files that are looked for in folders; behind them may stand those of packers.
-const EXTENSIONS: [&str; 4] = ["ulg", "json", "jsonl", "ndjson"];
+const EXTENSIONS: [&str; 5] = ["ulg", "mcap", "json", "jsonl", "ndjson"];
 
 /// Extensions of packed files.
 const PACKED: [&str; 2] = ["gz", "zst"];
@@ -124,7 +124,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let below = folder.path().join("day/one");
         fs::create_dir_all(&below).expect("a folder");
-        for name in ["b.ulg", "a.ULG.gz", "notes.txt", "c.jsonl.zst", "d.gz"] {
+        for name in ["b.ulg", "a.ULG.gz", "notes.txt", "c.jsonl.zst", "d.gz", "e.mcap"] {
             fs::write(below.join(name), "").expect("a file");
         }
         let names = |files: Vec<PathBuf>| -> Vec<String> {
@@ -132,7 +132,7 @@ mod tests {
             files.iter().filter_map(name).collect()
         };
         let found = files(&[folder.path().to_path_buf()]).expect("files");
-        assert_eq!(names(found), ["a.ULG.gz", "b.ulg", "c.jsonl.zst"]);
+        assert_eq!(names(found), ["a.ULG.gz", "b.ulg", "c.jsonl.zst", "e.mcap"]);
         let given = files(&[below.join("notes.txt"), PathBuf::from("-")]).expect("files");
         assert_eq!(names(given), ["notes.txt", "-"], "what is named is taken as it is");
         let empty = tempfile::tempdir().expect("a folder");

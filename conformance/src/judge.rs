@@ -2,6 +2,7 @@
 
 mod json;
 mod log;
+mod mcap;
 
 use std::io::{self, Read};
 
@@ -9,11 +10,12 @@ use uavspec_codegen::schema::MessageId;
 
 pub use self::json::{JsonSource, judge_json};
 pub use self::log::{LogSource, judge_ulog};
+pub use self::mcap::{Basis, McapChannel, McapSource, Standing, judge_mcap};
 use crate::definitions::Definitions;
 use crate::finding::Findings;
 use crate::record::{Channel, Message, Place};
 use crate::rule::{Check, Checker, Judged, RULES, Rule};
-use crate::source::ULOG_MAGIC;
+use crate::source::{MCAP_MAGIC, ULOG_MAGIC};
 
 /// How many places of damage are kept.
 const MAX_DAMAGE: usize = 100;
@@ -46,10 +48,12 @@ pub enum Source {
     Log(LogSource),
     /// Messages as JSON.
     Json(JsonSource),
+    /// A file of MCAP.
+    Mcap(McapSource),
 }
 
-/// Judges a source of any kind, which is seen by how it begins: a log of PX4, or else JSON. Where `of` names a
-/// message, the JSON is messages of that type and nothing around them.
+/// Judges a source of any kind, which is seen by how it begins: a log of PX4, MCAP, or else JSON. Where `of` names
+/// a message, the JSON is messages of that type and nothing around them.
 ///
 /// An error is one of reading; what is wrong with the source itself is part of the judgement.
 pub fn judge(
@@ -58,10 +62,14 @@ pub fn judge(
     definitions: &Definitions,
 ) -> io::Result<Judgement> {
     let mut start = Vec::new();
-    input.by_ref().take(ULOG_MAGIC.len() as u64).read_to_end(&mut start)?;
-    let is_log = start == ULOG_MAGIC;
+    input.by_ref().take(MCAP_MAGIC.len() as u64).read_to_end(&mut start)?;
+    let (is_log, is_mcap) = (start.starts_with(&ULOG_MAGIC), start == MCAP_MAGIC);
     let whole = io::Cursor::new(start).chain(input);
-    if is_log { judge_ulog(whole, definitions) } else { judge_json(whole, of, definitions) }
+    match (is_log, is_mcap) {
+        (true, _) => judge_ulog(whole, definitions),
+        (_, true) => judge_mcap(whole, definitions),
+        _ => judge_json(whole, of, definitions),
+    }
 }
 
 /// What all kinds of sources have in common: messages that come on channels, and the rules that follow them.

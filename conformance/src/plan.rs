@@ -7,7 +7,9 @@
 use std::fmt;
 
 use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
-use uavspec_codegen::schema::{Element, Field, Message, MessageId, Restriction, Schema, Shape};
+use uavspec_codegen::schema::{
+    Dialect, Element, Field, Form, Message, MessageId, Restriction, Schema, Shape,
+};
 use uavspec_codegen::source::Span;
 use uavspec_runtime::{Number, Scalar};
 
@@ -172,7 +174,12 @@ impl Step {
         field: Option<(&Field, &Message)>,
         schema: &Schema,
     ) -> Option<Self> {
+        let is_text = |message| schema.package_of(message).form == Form::Msg(Dialect::Px4);
         let kind = match placed.element {
+            // What comes from ROS 2 doesn't tell text from numbers.
+            PlacedElement::Scalar(Scalar::Char) if field.is_some_and(|(_, message)| is_text(message)) => {
+                Kind::Text(count(placed.shape))
+            }
             PlacedElement::Scalar(Scalar::Bool) => Kind::Bool,
             PlacedElement::Text(length) => Kind::Text(length as usize),
             PlacedElement::Scalar(scalar) => {
@@ -183,7 +190,7 @@ impl Step {
             PlacedElement::String | PlacedElement::Message(_) => return None,
         };
         let definition = field.map(|(field, _)| field.span);
-        let count = count(placed.shape);
+        let count = if matches!(kind, Kind::Text(_)) { 1 } else { count(placed.shape) };
         Some(Self { path, subject, offset, count, stride: placed.stride, kind, definition })
     }
 

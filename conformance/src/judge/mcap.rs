@@ -1,0 +1,364 @@
+//! Judges MCAP: messages as CDR or as JSON, by the definitions, and what the file itself says of its types.
+//!
+//! Which definition a channel has is said by the name of its schema, or by its topic. A schema that the file brings is
+//! compared with it. Where they differ, CDR is read by the schema of the file, and the rules on values hold
+//! for the fields that agree.
+
+mod cdr;
+mod json_schema;
+mod named;
+mod open;
+mod stated;
+
+use std::collections::{BTreeMap, HashMap};
+use std::hash::{DefaultHasher, Hasher as _};
+use std::io::{self, Read};
+use std::rc::Rc;
+
+use serde::de::DeserializeSeed as _;
+use uavspec_codegen::schema::MessageId;
+
+use self::cdr::CdrJudge;
+use self::named::{definition_of, is_same_type, topic_of};
+use self::open::{Open, Reading};
+pub use self::open::{Basis, McapChannel, Standing};
+use self::stated::Stated;
+use super::{Course, Judgement, Source};
+use crate::comparison::{Comparison, compare_declared};
+use crate::definitions::Definitions;
+use crate::json::{Clean, Dialects, MessageSeed, Plans, Told, Tree};
+use crate::record::{Message, Place};
+use crate::rule::rule;
+use crate::source::mcap::{Event, Reader};
+
+/// The longest name of a topic or a schema that is kept; ROS 2 allows no longer ones either.
+const MAX_NAME: usize = 256;
+
+/// Most bytes of all schemas that are kept: those of five hundred types of ROS 2 with all that they nest take a third.
+const MAX_SCHEMAS: usize = 16 << 20;
+
+/// Most bytes of one of them.
+const MAX_SCHEMA: usize = 1 << 20;
+
+/// What a channel says of the hash of its type, as `rosbag2` writes it.
+const HASH: &str = "topic_type_hash";
+
+/// What the hashes that are known begin with.
+const HASH_VERSION: &str = "RIHS01_";
+
+/// What a file says of itself.
+#[derive(Debug)]
+pub struct McapSource {
+    /// What else holds of it, such as `ros2`.
+    pub profile: String,
+    /// What wrote it.
+    pub library: String,
+    /// Its channels, by topic.
+    pub channels: Vec<McapChannel>,
+    /// How its JSON differs from the published schema.
+    pub dialects: Dialects,
+}
+
+/// Judges MCAP.
+///
+/// An error is one of reading; what is wrong with the source itself is part of the judgement.
+pub fn judge_mcap(input: impl Read, definitions: &Definitions) -> io::Result<Judgement> {
+    let mut judge = McapJudge::new(definitions);
+    let mut reader = Reader::new(input);
+    while let Some(item) = reader.next()? {
+        let place = Place::Byte(item.offset);
+        match item.event {
+            Event::Header { profile, library } => (judge.profile, judge.library) = (profile, library),
+            Event::Schema { id, name, encoding, text } => judge.schema(id, name, encoding, text, place),
+            Event::Channel { id, schema, topic, encoding, metadata } => {
+                judge.channel(id, &Declared { schema, topic, encoding, metadata }, place);
+            }
+            Event::Message { channel, payload } => judge.message(channel, payload, place),
+            Event::Problem(problem) => judge.course.damage(place, problem.to_string()),
+        }
+    }
+    Ok(judge.finish(reader.bytes()))
+}
+
+/// What a channel says of itself.
+#[derive(Hash)]
+struct Declared {
+    schema: u16,
+    topic: String,
+    encoding: String,
+    metadata: BTreeMap<String, String>,
+}
+
+/// A schema that the file brings.
+struct FileSchema {
+    name: String,
+    encoding: String,
+    /// Nothing where it is too long to be kept.
+    text: Option<Vec<u8>>,
+    /// What tells it from another of the same id.
+    digest: u64,
+    /// The types that it states; made when a channel asks first.
+    stated: Option<Result<Rc<Stated>, String>>,
+}
+
+struct McapJudge<'d> {
+    course: Course<'d>,
+    profile: String,
+    library: String,
+    schemas: HashMap<u16, FileSchema>,
+    /// Bytes of all schemas that are kept.
+    kept: usize,
+    channels: BTreeMap<u16, Open>,
+    /// Made with the first channel of JSON.
+    plans: Option<Plans>,
+    dialects: Dialects,
+}
+
+impl<'d> McapJudge<'d> {
+    fn new(definitions: &'d Definitions) -> Self {
+        Self {
+            course: Course::new(definitions),
+            profile: String::new(),
+            library: String::new(),
+            schemas: HashMap::new(),
+            kept: 0,
+            channels: BTreeMap::new(),
+            plans: None,
+            dialects: Dialects::default(),
+        }
+    }
+
+    fn schema(&mut self, id: u16, name: String, encoding: String, text: &[u8], place: Place) {
+        let digest = digest(&(&name, &encoding, text));
+        if id == 0 {
+            return self.course.damage(place, "a schema of the id 0, which stands for none".to_owned());
+        }
+        if let Some(known) = self.schemas.get(&id) {
+            // Summaries and chunks repeat what was said.
+            if known.digest != digest {
+                let text = format!("schema {id} is another than before; the first one is used");
+                self.course.damage(place, text);
+            }
+            return;
+        }
+        if name.len() > MAX_NAME || encoding.len() > MAX_NAME {
+            let text = format!("schema {id} has a name of more than {MAX_NAME} bytes");
+            return self.course.damage(place, text);
+        }
+        let fits = text.len() <= MAX_SCHEMA && self.kept + text.len() <= MAX_SCHEMAS;
+        let text = if fits {
+            self.kept += text.len();
+            Some(text.to_vec())
+        } else {
+            let text = format!(
+                "schema {id} has {} bytes; those of more than {MAX_SCHEMA}, or of more than {MAX_SCHEMAS} together, \
+                 aren't compared",
+                text.len()
+            );
+            self.course.damage(place, text);
+            None
+        };
+        self.schemas.insert(id, FileSchema { name, encoding, text, digest, stated: None });
+    }
+
+    fn channel(&mut self, id: u16, declared: &Declared, place: Place) {
+        let digest = digest(declared);
+        if let Some(known) = self.channels.get(&id) {
+            if known.digest != digest {
+                let text = format!("channel {id} is another than before; the first one is used");
+                self.course.damage(place, text);
+            }
+            return;
+        }
+        if declared.topic.len() > MAX_NAME || declared.encoding.len() > MAX_NAME {
+            let text = format!("channel {id} has a topic or an encoding of more than {MAX_NAME} bytes");
+            return self.course.damage(place, text);
+        }
+        let schema = self.schemas.get(&declared.schema);
+        if declared.schema != 0 && schema.is_none() {
+            let text = format!("channel {id} is of schema {}, which isn't declared before it", declared.schema);
+            self.course.damage(place, text);
+        }
+        let definitions = self.course.definitions;
+        let named = schema.map(|schema| (schema.name.as_str(), schema.encoding.as_str()));
+        let definition = definition_of(&declared.topic, named, definitions);
+        let mut open = Open::new(declared, named, definition, place, digest, self.course.number_channel());
+        if let (Some(of), true) = (definition, matches!(declared.encoding.as_str(), "cdr" | "json")) {
+            self.course.opened(&open.identity.channel());
+            self.read(&mut open, declared, of);
+        }
+        self.channels.insert(id, open);
+    }
+
+    /// Finds out how the messages of a channel are read.
+    fn read(&mut self, open: &mut Open, declared: &Declared, of: MessageId) {
+        if declared.encoding == "json" {
+            self.plans.get_or_insert_with(|| Plans::new(&self.course.definitions.schema));
+            open.standing = Standing::Judged(self.json_basis(declared.schema, of));
+            open.reading = Reading::Json(of);
+        } else {
+            let (basis, stated) = self.cdr_basis(declared.schema, of);
+            let judge = CdrJudge::new(of, stated, self.course.definitions, &open.identity.name);
+            if let (Some(lacks), Some(rule)) = (judge.lacks_timestamp(self.course.definitions), rule("PX-FMT-03")) {
+                self.course.findings.exercise(rule, 1);
+                if lacks {
+                    let text = || "its schema has no `uint64 timestamp`".to_owned();
+                    self.course.findings.report(rule, &open.identity.name, open.identity.place, None, text);
+                }
+            }
+            open.standing = Standing::Judged(basis);
+            open.reading = Reading::Cdr(Box::new(judge));
+            self.hash(open, declared, of);
+        }
+        self.format(open);
+    }
+
+    /// What the schema of a channel of CDR is beside the definition; and its types, where they differ.
+    fn cdr_basis(&mut self, schema: u16, of: MessageId) -> (Basis, Option<Rc<Stated>>) {
+        let Some(schema) = self.schemas.get_mut(&schema) else { return (Basis::NoSchema, None) };
+        let Some(text) = &schema.text else { return (Basis::TooLong, None) };
+        if schema.encoding.is_empty() && text.is_empty() {
+            return (Basis::NoSchema, None);
+        }
+        if schema.encoding != "ros2msg" {
+            return (Basis::Encoding(schema.encoding.escape_debug().to_string()), None);
+        }
+        let stated = schema.stated.get_or_insert_with(|| Stated::read(&schema.name, text).map(Rc::new));
+        match stated {
+            Err(error) => (Basis::Unreadable(error.clone()), None),
+            Ok(stated) => {
+                let comparison = compare_declared(stated.root(), self.course.definitions.types().get(of));
+                let differs = comparison != Comparison::Equal;
+                (Basis::Compared(comparison), differs.then(|| stated.clone()))
+            }
+        }
+    }
+
+    /// What the schema of a channel of JSON is beside the definition.
+    fn json_basis(&self, schema: u16, of: MessageId) -> Basis {
+        let Some(schema) = self.schemas.get(&schema) else { return Basis::NoSchema };
+        let Some(text) = &schema.text else { return Basis::TooLong };
+        if schema.encoding.is_empty() && text.is_empty() {
+            return Basis::NoSchema;
+        }
+        if schema.encoding != "jsonschema" {
+            return Basis::Encoding(schema.encoding.escape_debug().to_string());
+        }
+        match json_schema::compare(text, of, &self.course.definitions.schema) {
+            Ok(Some(comparison)) => Basis::Compared(comparison),
+            Ok(None) => Basis::NoSchema,
+            Err(error) => Basis::Unreadable(error),
+        }
+    }
+
+    /// Compares the hash that a channel states with that of the definition.
+    fn hash(&mut self, open: &mut Open, declared: &Declared, of: MessageId) {
+        let Some(stated) = declared.metadata.get(HASH).filter(|hash| hash.starts_with(HASH_VERSION)) else {
+            return;
+        };
+        let schema = &self.course.definitions.schema;
+        let message = schema.message(of);
+        // A hash is also one of names: that of a copy in another package is another.
+        let is_of_definition = open.schema.as_ref().is_none_or(|(name, _)| is_same_type(name, message, schema));
+        let Some(rule) = rule("PX-HASH-01").filter(|_| is_of_definition) else { return };
+        let (findings, is_other) = (&mut self.course.findings, *stated != message.type_hash);
+        match &mut open.standing {
+            Standing::Judged(Basis::Compared(Comparison::Differs(differences))) => {
+                differences.has_other_hash = is_other;
+            }
+            _ => {
+                findings.exercise(rule, 1);
+                if is_other {
+                    let stated: String = stated.chars().take(80).collect();
+                    findings.report(rule, &open.identity.name, open.identity.place, Some(message.span), || {
+                        format!("expected {}, found {}", message.type_hash, stated.escape_debug())
+                    });
+                }
+            }
+        }
+    }
+
+    /// Reports how the schema of a channel differs.
+    fn format(&mut self, open: &Open) {
+        let Standing::Judged(Basis::Compared(comparison)) = &open.standing else { return };
+        let Some(rule) = rule("PX-FMT-01") else { return };
+        self.course.findings.exercise(rule, 1);
+        if let Comparison::Differs(differences) = comparison {
+            self.course.findings.report(rule, &open.identity.name, open.identity.place, None, || differences.to_string());
+        }
+    }
+
+    fn message(&mut self, id: u16, payload: &[u8], place: Place) {
+        self.course.records += 1;
+        let Some(open) = self.channels.get_mut(&id) else {
+            return self.course.damage(place, format!("a message of channel {id}, which isn't declared before it"));
+        };
+        open.messages += 1;
+        let channel = open.identity.channel();
+        let definitions = self.course.definitions;
+        match &mut open.reading {
+            Reading::Skipped => {}
+            Reading::Cdr(judge) => {
+                let judged = judge.judge(payload, &channel, place, definitions, &mut self.course.findings);
+                if let Some(timestamp) = judged {
+                    self.course.message(&channel, &Message { timestamp, payload, place });
+                }
+            }
+            Reading::Json(of) => {
+                let Some(plans) = &self.plans else { return };
+                let text = match std::str::from_utf8(payload) {
+                    Ok(text) => text,
+                    Err(error) => {
+                        let text = format!("no UTF-8 from its byte {} on", error.valid_up_to());
+                        return self.course.damage(place, text);
+                    }
+                };
+                let clean = match read_json(plans, *of, text) {
+                    Some(clean) => clean,
+                    None => match Tree::read(text) {
+                        Err(error) => return self.course.damage(place, error.to_string()),
+                        Ok(tree) => {
+                            let told = Told { id: *of, name: channel.topic, place, is_rosbridge: true };
+                            let dialects = plans.explain(told, &tree, &mut self.course.findings);
+                            Clean { timestamp: plans.timestamp(*of, &tree), dialects }
+                        }
+                    },
+                };
+                self.dialects.absorb(clean.dialects);
+                open.judged += 1;
+                let message = Message { timestamp: clean.timestamp, payload, place };
+                self.course.message(&channel, &message);
+            }
+        }
+    }
+
+    fn finish(mut self, bytes: u64) -> Judgement {
+        let mut channels = Vec::new();
+        for (_, open) in std::mem::take(&mut self.channels) {
+            channels.push(open.close(self.plans.as_ref(), &mut self.course.findings));
+        }
+        channels.sort_by(|left, right| left.topic.cmp(&right.topic));
+        let source = McapSource {
+            profile: self.profile.escape_debug().to_string(),
+            library: self.library.escape_debug().to_string(),
+            channels,
+            dialects: self.dialects,
+        };
+        self.course.finish(bytes, Source::Mcap(source))
+    }
+}
+
+/// Reads a message of JSON with which nothing is wrong.
+fn read_json(plans: &Plans, of: MessageId, text: &str) -> Option<Clean> {
+    let mut reader = serde_json::Deserializer::from_str(text);
+    // Foxglove writes bytes as base64, as rosbridge does.
+    let clean = MessageSeed::new(plans, of, true).deserialize(&mut reader).ok()?;
+    reader.end().ok().map(|()| clean)
+}
+
+/// What tells contents apart, without keeping them.
+fn digest(of: &impl std::hash::Hash) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    of.hash(&mut hasher);
+    hasher.finish()
+}

@@ -1,0 +1,190 @@
+//! Judges the messages of a channel as CDR.
+
+use std::rc::Rc;
+
+use uavspec_codegen::dynamic::{DynamicMessage, Error, MessageType, Placed, PlacedElement, Reason, Violation};
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::{Form, MessageId, Shape};
+use uavspec_runtime::cdr::{ByteOrder, HEADER};
+use uavspec_runtime::{Fault, Scalar};
+
+use super::Stated;
+use crate::definitions::Definitions;
+use crate::finding::Findings;
+use crate::plan::Plan;
+use crate::record::{Channel, Place};
+use crate::rule::rule;
+
+/// How the messages of a channel are judged, and how many were.
+pub(super) struct CdrJudge {
+    of: MessageId,
+    /// What the file says that its messages are, where that isn't the definition.
+    stated: Option<Rc<Stated>>,
+    plan: Plan,
+    /// Whether the plan sees all values: it does where the size is fixed.
+    is_planned: bool,
+    /// Where in memory a message has its `timestamp`.
+    timestamp: Option<usize>,
+    /// Payloads whose header was looked at, and those whose body was.
+    headers: u64,
+    bodies: u64,
+    /// Messages that could be read.
+    messages: u64,
+    /// Payloads of other kinds of CDR.
+    others: u64,
+}
+
+impl CdrJudge {
+    pub(super) fn new(of: MessageId, stated: Option<Rc<Stated>>, definitions: &Definitions, topic: &str) -> Self {
+        let ty = stated.as_ref().map_or_else(|| definitions.types().get(of), |stated| stated.root());
+        let plan = Plan::new(ty, Some(of), &definitions.schema, topic);
+        let (is_planned, timestamp) = (ty.size().is_some() || stated.is_some(), timestamp(ty));
+        Self {
+            of,
+            plan,
+            is_planned,
+            timestamp,
+            stated,
+            headers: 0,
+            bodies: 0,
+            messages: 0,
+            others: 0,
+        }
+    }
+
+    /// Whether messages of PX4 lack the time that each of them has.
+    pub(super) fn lacks_timestamp(&self, definitions: &Definitions) -> Option<bool> {
+        let schema = &definitions.schema;
+        let is_px4 = schema.package_of(schema.message(self.of)).form == Form::Msg(Dialect::Px4);
+        is_px4.then_some(self.timestamp.is_none())
+    }
+
+    /// Judges a payload; where it can be read, its field `timestamp` is returned, if it has one.
+    pub(super) fn judge(
+        &mut self,
+        payload: &[u8],
+        channel: &Channel<'_>,
+        place: Place,
+        definitions: &Definitions,
+        findings: &mut Findings,
+    ) -> Option<Option<u64>> {
+        let mut report = |id: &str, text: String| {
+            if let Some(rule) = rule(id) {
+                let definition = Some(definitions.schema.message(self.of).span);
+                findings.report(rule, channel.topic, place, definition, || text);
+            }
+        };
+        if payload.len() < HEADER {
+            self.bodies += 1;
+            report("PX-CDR-02", format!("expected {HEADER} bytes of header, found {}", payload.len()));
+            return None;
+        }
+        self.headers += 1;
+        match (ByteOrder::of(payload), payload) {
+            (Ok(_), _) => {}
+            (Err(_), [0, 2 | 3 | 6..=0xb, ..]) => {
+                self.others += 1;
+                return None;
+            }
+            (Err(_), _) => {
+                let text = format!(
+                    "expected 00 01 (little endian) or 00 00 (big endian), found {:02x} {:02x}",
+                    payload[0], payload[1]
+                );
+                report("PX-CDR-01", text);
+                return None;
+            }
+        }
+        self.bodies += 1;
+        let ty = self.stated.as_ref().map_or_else(|| definitions.types().get(self.of), |stated| stated.root());
+        let message = match ty.decode_cdr(payload) {
+            Ok(message) => message,
+            Err(error) => {
+                report("PX-CDR-02", error.to_string());
+                return None;
+            }
+        };
+        self.messages += 1;
+        if self.is_planned {
+            self.plan.check(message.memory(), place, findings);
+        } else {
+            check_bools(ty, payload, channel, place, findings);
+            message.view().validate_with(&mut |violation| tell(&violation, channel, place, findings));
+        }
+        Some(self.timestamp_of(&message))
+    }
+
+    fn timestamp_of(&self, message: &DynamicMessage<'_>) -> Option<u64> {
+        let bytes = message.memory().get(self.timestamp?..)?;
+        Some(u64::from_le_bytes(*bytes.first_chunk()?))
+    }
+
+    /// Counts what was exercised; how many payloads were of other kinds of CDR.
+    pub(super) fn close(self, findings: &mut Findings) -> u64 {
+        for (id, times) in [("PX-CDR-01", self.headers), ("PX-CDR-02", self.bodies)] {
+            if let Some(rule) = rule(id) {
+                findings.exercise(rule, times);
+            }
+        }
+        self.plan.exercise(self.messages, findings);
+        self.others
+    }
+}
+
+/// Where in memory a message has its `timestamp`.
+fn timestamp(ty: MessageType<'_>) -> Option<usize> {
+    let is_timestamp = |field: &Placed<'_>| {
+        field.name == "timestamp"
+            && matches!(field.element, PlacedElement::Scalar(Scalar::UInt64))
+            && field.shape == Shape::Single
+    };
+    ty.layout().find(is_timestamp).map(|field| field.offset)
+}
+
+/// Reports the first `bool` of a message of varying size that is neither 0 nor 1.
+fn check_bools(
+    ty: MessageType<'_>,
+    payload: &[u8],
+    channel: &Channel<'_>,
+    place: Place,
+    findings: &mut Findings,
+) {
+    if let Err(Error { reason: Reason::Fault(Fault::Bool(byte)), path, .. }) = ty.decode_cdr_strict(payload)
+        && let Some(rule) = rule("PX-BOOL-01")
+    {
+        let text = format!("{byte} where a bool is 0 or 1");
+        report_at(rule, &path, &text, channel, place, findings);
+    }
+}
+
+/// Reports what breaks a rule in a message of varying size.
+fn tell(violation: &Violation<'_>, channel: &Channel<'_>, place: Place, findings: &mut Findings) {
+    let Some(rule) = rule(violation.rule.id()) else { return };
+    let text = violation.to_string();
+    // The field and the rule stand beside it in any report.
+    let text = text.strip_prefix(&violation.path).map_or(text.as_str(), |text| text.trim_start_matches(": "));
+    let text = text.rsplit_once(" (PX-").map_or(text, |(text, _)| text);
+    report_at(rule, &violation.path, text, channel, place, findings);
+}
+
+/// Reports something at a path such as `events[2].id`; equal findings have it in common without its indices.
+fn report_at(
+    rule: &'static crate::rule::Rule,
+    path: &str,
+    text: &str,
+    channel: &Channel<'_>,
+    place: Place,
+    findings: &mut Findings,
+) {
+    let mut subject = format!("{}.", channel.topic);
+    let mut is_index = false;
+    for character in path.chars() {
+        is_index = (is_index || character == '[') && character != ']';
+        if !is_index && character != ']' {
+            subject.push(character);
+        }
+    }
+    findings.report(rule, &subject, place, None, || {
+        if path.contains('[') { format!("{path}: {text}") } else { text.to_owned() }
+    });
+}
