@@ -26,6 +26,7 @@ use self::stated::Stated;
 use super::{Course, Judgement, Source};
 use crate::comparison::{Comparison, compare_declared};
 use crate::definitions::Definitions;
+use crate::finding::Findings;
 use crate::json::{Clean, Dialects, MessageSeed, Plans, Told, Tree};
 use crate::record::{Message, Place};
 use crate::rule::rule;
@@ -262,19 +263,16 @@ impl<'d> McapJudge<'d> {
         let is_of_definition = open.schema.as_ref().is_none_or(|(name, _)| is_same_type(name, message, schema));
         let Some(rule) = rule("PX-HASH-01").filter(|_| is_of_definition) else { return };
         let (findings, is_other) = (&mut self.course.findings, *stated != message.type_hash);
-        match &mut open.standing {
-            Standing::Judged(Basis::Compared(Comparison::Differs(differences))) => {
-                differences.has_other_hash = is_other;
-            }
-            _ => {
-                findings.exercise(rule, 1);
-                if is_other {
-                    let stated: String = stated.chars().take(80).collect();
-                    findings.report(rule, &open.identity.name, open.identity.place, Some(message.span), || {
-                        format!("expected {}, found {}", message.type_hash, stated.escape_debug())
-                    });
-                }
-            }
+        if let Standing::Judged(Basis::Compared(Comparison::Differs(differences))) = &mut open.standing {
+            differences.has_other_hash = is_other;
+            return;
+        }
+        findings.exercise(rule, 1);
+        if is_other {
+            let stated: String = stated.chars().take(HASH_VERSION.len() + 64).collect();
+            findings.report(rule, &open.identity.name, open.identity.place, Some(message.span), || {
+                format!("expected {}, found {}", message.type_hash, stated.escape_debug())
+            });
         }
     }
 
@@ -300,34 +298,21 @@ impl<'d> McapJudge<'d> {
             Reading::Skipped => {}
             Reading::Cdr(judge) => {
                 let judged = judge.judge(payload, &channel, place, definitions, &mut self.course.findings);
-                if let Some(timestamp) = judged {
-                    self.course.message(&channel, &Message { timestamp, payload, place });
+                if let Some(seen) = judged {
+                    self.course.message(&channel, &Message { timestamp: seen.timestamp, payload, place });
                 }
             }
             Reading::Json(of) => {
                 let Some(plans) = &self.plans else { return };
-                let text = match std::str::from_utf8(payload) {
-                    Ok(text) => text,
-                    Err(error) => {
-                        let text = format!("no UTF-8 from its byte {} on", error.valid_up_to());
-                        return self.course.damage(place, text);
+                let told = Told { id: *of, name: channel.topic, place, is_rosbridge: true };
+                match judge_json(plans, told, payload, &mut self.course.findings) {
+                    Err(problem) => self.course.damage(place, problem),
+                    Ok(Clean { timestamp, dialects }) => {
+                        self.dialects.absorb(dialects);
+                        open.judged += 1;
+                        self.course.message(&channel, &Message { timestamp, payload, place });
                     }
-                };
-                let clean = match read_json(plans, *of, text) {
-                    Some(clean) => clean,
-                    None => match Tree::read(text) {
-                        Err(error) => return self.course.damage(place, error.to_string()),
-                        Ok(tree) => {
-                            let told = Told { id: *of, name: channel.topic, place, is_rosbridge: true };
-                            let dialects = plans.explain(told, &tree, &mut self.course.findings);
-                            Clean { timestamp: plans.timestamp(*of, &tree), dialects }
-                        }
-                    },
-                };
-                self.dialects.absorb(clean.dialects);
-                open.judged += 1;
-                let message = Message { timestamp: clean.timestamp, payload, place };
-                self.course.message(&channel, &message);
+                }
             }
         }
     }
@@ -348,12 +333,24 @@ impl<'d> McapJudge<'d> {
     }
 }
 
-/// Reads a message of JSON with which nothing is wrong.
-fn read_json(plans: &Plans, of: MessageId, text: &str) -> Option<Clean> {
+/// Judges a message of JSON. An error says why it isn't JSON.
+fn judge_json(
+    plans: &Plans,
+    told: Told<'_>,
+    payload: &[u8],
+    findings: &mut Findings,
+) -> Result<Clean, String> {
+    let text = std::str::from_utf8(payload)
+        .map_err(|error| format!("no UTF-8 from its byte {} on", error.valid_up_to()))?;
     let mut reader = serde_json::Deserializer::from_str(text);
     // Foxglove writes bytes as base64, as rosbridge does.
-    let clean = MessageSeed::new(plans, of, true).deserialize(&mut reader).ok()?;
-    reader.end().ok().map(|()| clean)
+    let seed = MessageSeed::new(plans, told.id, told.is_rosbridge);
+    if let (Ok(clean), Ok(())) = (seed.deserialize(&mut reader), reader.end()) {
+        return Ok(clean);
+    }
+    let tree = Tree::read(text).map_err(|error| error.to_string())?;
+    let dialects = plans.explain(told, &tree, findings);
+    Ok(Clean { timestamp: plans.timestamp(told.id, &tree), dialects })
 }
 
 /// What tells contents apart, without keeping them.

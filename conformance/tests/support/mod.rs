@@ -10,6 +10,9 @@ use uavspec_conformance::source::ulog::{Event, Item, Log, LogProblem, Problem, R
 /// Rules that only JSON can break; their mutants are in `tests/json.rs`.
 pub(crate) const OF_JSON: [&str; 3] = ["PX-ARR-01", "PX-JSON-01", "PX-JSON-02"];
 
+/// Rules that only MCAP can break; their mutants are in `tests/mcap.rs`.
+pub(crate) const OF_MCAP: [&str; 3] = ["PX-CDR-01", "PX-CDR-02", "PX-HASH-01"];
+
 /// A folder beside the corpus, such as `corpus/ulog` or `oracle/ulog`; none where there is no corpus.
 ///
 /// # Panics

@@ -15,6 +15,19 @@ use crate::plan::Plan;
 use crate::record::{Channel, Place};
 use crate::rule::rule;
 
+/// A message that could be read.
+pub(super) struct Seen {
+    /// Its field `timestamp`, where it has one.
+    pub(super) timestamp: Option<u64>,
+}
+
+/// The kind of CDR that a header names.
+enum Header {
+    Plain,
+    /// It exists, and isn't read here.
+    Other,
+}
+
 /// How the messages of a channel are judged, and how many were.
 pub(super) struct CdrJudge {
     of: MessageId,
@@ -59,7 +72,7 @@ impl CdrJudge {
         is_px4.then_some(self.timestamp.is_none())
     }
 
-    /// Judges a payload; where it can be read, its field `timestamp` is returned, if it has one.
+    /// Judges a payload; nothing is returned where it can't be read.
     pub(super) fn judge(
         &mut self,
         payload: &[u8],
@@ -67,40 +80,28 @@ impl CdrJudge {
         place: Place,
         definitions: &Definitions,
         findings: &mut Findings,
-    ) -> Option<Option<u64>> {
-        let mut report = |id: &str, text: String| {
+    ) -> Option<Seen> {
+        let definition = Some(definitions.schema.message(self.of).span);
+        let mut report = |(id, text)| {
             if let Some(rule) = rule(id) {
-                let definition = Some(definitions.schema.message(self.of).span);
                 findings.report(rule, channel.topic, place, definition, || text);
             }
         };
-        if payload.len() < HEADER {
-            self.bodies += 1;
-            report("PX-CDR-02", format!("expected {HEADER} bytes of header, found {}", payload.len()));
-            return None;
-        }
-        self.headers += 1;
-        match (ByteOrder::of(payload), payload) {
-            (Ok(_), _) => {}
-            (Err(_), [0, 2 | 3 | 6..=0xb, ..]) => {
-                self.others += 1;
-                return None;
-            }
-            (Err(_), _) => {
-                let text = format!(
-                    "expected 00 01 (little endian) or 00 00 (big endian), found {:02x} {:02x}",
-                    payload[0], payload[1]
-                );
-                report("PX-CDR-01", text);
+        match self.header(payload) {
+            Ok(Header::Plain) => {}
+            Ok(Header::Other) => return None,
+            Err(broken) => {
+                report(broken);
                 return None;
             }
         }
         self.bodies += 1;
-        let ty = self.stated.as_ref().map_or_else(|| definitions.types().get(self.of), |stated| stated.root());
+        let stated = self.stated.clone();
+        let ty = stated.as_ref().map_or_else(|| definitions.types().get(self.of), |stated| stated.root());
         let message = match ty.decode_cdr(payload) {
             Ok(message) => message,
             Err(error) => {
-                report("PX-CDR-02", error.to_string());
+                report(("PX-CDR-02", error.to_string()));
                 return None;
             }
         };
@@ -111,7 +112,28 @@ impl CdrJudge {
             check_bools(ty, payload, channel, place, findings);
             message.view().validate_with(&mut |violation| tell(&violation, channel, place, findings));
         }
-        Some(self.timestamp_of(&message))
+        Some(Seen { timestamp: self.timestamp_of(&message) })
+    }
+
+    /// Looks at the header of a payload. An error is the rule that it breaks, and how.
+    fn header(&mut self, payload: &[u8]) -> Result<Header, (&'static str, String)> {
+        let [first, second, _, _, ..] = *payload else {
+            self.bodies += 1;
+            return Err(("PX-CDR-02", format!("expected {HEADER} bytes of header, found {}", payload.len())));
+        };
+        self.headers += 1;
+        match (ByteOrder::of(payload), [first, second]) {
+            (Ok(_), _) => Ok(Header::Plain),
+            // Parameter lists, and version 2.
+            (Err(_), [0, 2 | 3 | 6..=0xb]) => {
+                self.others += 1;
+                Ok(Header::Other)
+            }
+            (Err(_), _) => Err((
+                "PX-CDR-01",
+                format!("expected 00 01 (little endian) or 00 00 (big endian), found {first:02x} {second:02x}"),
+            )),
+        }
     }
 
     fn timestamp_of(&self, message: &DynamicMessage<'_>) -> Option<u64> {

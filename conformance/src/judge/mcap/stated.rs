@@ -2,6 +2,9 @@
 //!
 //! The text of the type itself comes first. That of each type that it nests follows a line of `=` and one with
 //! its name, `MSG: package/Name`.
+//!
+//! Comments don't belong to types. They are left away before the text is read, as they may hold annotations that refer
+//! to messages which the file doesn't bring.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -46,7 +49,7 @@ impl Stated {
             }
             let path = format!("{package}/{name}.msg");
             let source = sources
-                .add(path, text.as_bytes().to_vec())
+                .add(path, without_comments(text).into_bytes())
                 .map_err(|diagnostic| diagnostic.problem.to_string())?;
             let form = Form::Msg(Dialect::Ros2);
             let input = packages.entry(package);
@@ -77,6 +80,28 @@ impl Stated {
     pub(super) fn root(&self) -> MessageType<'_> {
         self.types.get(self.root)
     }
+}
+
+/// A text with nothing from each `#` on that doesn't stand in a string.
+fn without_comments(text: &str) -> String {
+    let mut bare = String::with_capacity(text.len());
+    for line in text.split_inclusive('\n') {
+        let mut quote = None;
+        let end = line.char_indices().find(|(_, character)| {
+            match (quote, character) {
+                (None, '#') => return true,
+                (None, '"' | '\'') => quote = Some(*character),
+                (Some(open), _) if open == *character => quote = None,
+                _ => {}
+            }
+            false
+        });
+        bare.push_str(end.map_or(line, |(at, _)| &line[..at]));
+        if end.is_some() {
+            bare.push('\n');
+        }
+    }
+    bare
 }
 
 /// The texts of all types; the first has no name.
@@ -116,7 +141,7 @@ fn parts_of(name: &str) -> Option<(&str, &str)> {
 mod tests {
     use super::*;
 
-    const GLIDER: &str = "uint64 timestamp  # since start\nMark[2] marks\nair_msgs/Wind wind\n";
+    const GLIDER: &str = "uint64 timestamp  # [@enum Other.KIND] it isn't there\nMark[2] marks\nair_msgs/Wind wind\n";
     const MARK: &str = "int16 height\n# ====\n";
     const WIND: &str = "float32[3] speed\n";
 
@@ -137,6 +162,12 @@ mod tests {
         assert_eq!(root.field_names().collect::<Vec<_>>(), ["timestamp", "marks", "wind"]);
         let alone = Stated::read("Wind", WIND.as_bytes()).expect("a type");
         assert_eq!(alone.root().name(), "Wind");
+    }
+
+    #[test]
+    fn comments_are_left_away_and_strings_kept() {
+        let text = "string NAME='a # b' # 'c\nint8 a#b\nstring s \"it's # so\"\n# all";
+        assert_eq!(without_comments(text), "string NAME='a # b' \nint8 a\nstring s \"it's # so\"\n\n");
     }
 
     #[test]

@@ -25,14 +25,14 @@ pub(super) fn write(judged: &Judged, found: &McapSource, text: &mut String) -> R
         _ => None,
     })?;
     list("by name", channels, text, by_name)?;
-    list("unsupported", channels, text, |channel| match channel.standing {
+    list("not read", channels, text, |channel| match channel.standing {
         Standing::Unsupported => Some(format!("messages as `{}`", channel.encoding)),
         _ if channel.other_cdr > 0 => {
             Some(format!("{} messages in CDR that isn't plain version 1", Grouped(channel.other_cdr)))
         }
         _ => None,
     })?;
-    list("not defined", channels, text, |channel| {
+    list("undefined", channels, text, |channel| {
         let schema = || channel.schema.as_ref().map_or("no schema", |(name, _)| name).to_owned();
         (channel.standing == Standing::Undefined).then(schema)
     })?;
