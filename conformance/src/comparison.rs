@@ -41,8 +41,6 @@ pub struct Differences {
     pub nested: Vec<String>,
     /// Fields that the format lets away, and the definition doesn't.
     pub optional: Vec<String>,
-    /// Whether the source states another hash than that of the definition: that says no more than the rest.
-    pub has_other_hash: bool,
 }
 
 /// Fields that are told at most of each kind.
@@ -69,10 +67,6 @@ impl fmt::Display for Differences {
         list("it doesn't require", &self.optional)?;
         if self.is_moved {
             write!(formatter, "{separator}its fields lie at other places")?;
-            separator = "; ";
-        }
-        if self.has_other_hash {
-            write!(formatter, "{separator}so its hash is another")?;
         }
         Ok(())
     }

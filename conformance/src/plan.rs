@@ -122,6 +122,11 @@ impl Plan {
         }
     }
 
+    /// How much room it takes, in steps: one for each field that is checked.
+    pub fn steps(&self) -> usize {
+        self.steps.len()
+    }
+
     /// Checks a payload, which has all fields of its format.
     pub fn check(&self, payload: &[u8], place: Place, findings: &mut Findings) {
         for step in &self.steps {

@@ -88,7 +88,7 @@ fn judge_bare(text: &str) -> Judgement {
 fn source(judgement: &Judgement) -> &JsonSource {
     match &judgement.source {
         Source::Json(source) => source,
-        Source::Log(_) => panic!("JSON"),
+        Source::Log(_) | Source::Mcap(_) => panic!("JSON"),
     }
 }
 

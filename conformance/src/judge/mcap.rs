@@ -14,14 +14,15 @@ use std::collections::{BTreeMap, HashMap};
 use std::hash::{DefaultHasher, Hasher as _};
 use std::io::{self, Read};
 use std::rc::Rc;
+use std::sync::Arc;
 
 use serde::de::DeserializeSeed as _;
 use uavspec_codegen::schema::MessageId;
 
 use self::cdr::CdrJudge;
 use self::named::{definition_of, is_same_type, topic_of};
-use self::open::{Open, Reading};
 pub use self::open::{Basis, McapChannel, Standing};
+use self::open::{Open, Reading};
 use self::stated::Stated;
 use super::{Course, Judgement, Source};
 use crate::comparison::{Comparison, compare_declared};
@@ -35,11 +36,14 @@ use crate::source::mcap::{Event, Reader};
 /// The longest name of a topic or a schema that is kept; ROS 2 allows no longer ones either.
 const MAX_NAME: usize = 256;
 
-/// Most bytes of all schemas that are kept: those of five hundred types of ROS 2 with all that they nest take a third.
-const MAX_SCHEMAS: usize = 16 << 20;
+/// Most bytes of all schemas that are kept: those of five hundred types of ROS 2 with all that they nest take half.
+const MAX_SCHEMAS: usize = 8 << 20;
 
 /// Most bytes of one of them.
 const MAX_SCHEMA: usize = 1 << 20;
+
+/// Most steps of the plans of all channels: a thousand topics of PX4 have a fourth of that.
+const MAX_STEPS: usize = 1 << 18;
 
 /// What a channel says of the hash of its type, as `rosbag2` writes it.
 const HASH: &str = "topic_type_hash";
@@ -98,9 +102,12 @@ struct FileSchema {
     text: Option<Vec<u8>>,
     /// What tells it from another of the same id.
     digest: u64,
-    /// The types that it states; made when a channel asks first.
-    stated: Option<Result<Rc<Stated>, String>>,
+    /// What it is beside definitions, for those that channels asked for; whether they have JSON.
+    beside: BTreeMap<(MessageId, bool), Beside>,
 }
+
+/// What a schema is beside a definition; and the types that it states, where CDR has to be read by them.
+type Beside = (Basis, Option<Rc<Stated>>);
 
 struct McapJudge<'d> {
     course: Course<'d>,
@@ -110,6 +117,8 @@ struct McapJudge<'d> {
     /// Bytes of all schemas that are kept.
     kept: usize,
     channels: BTreeMap<u16, Open>,
+    /// Steps of the plans of all channels.
+    steps: usize,
     /// Made with the first channel of JSON.
     plans: Option<Plans>,
     dialects: Dialects,
@@ -124,6 +133,7 @@ impl<'d> McapJudge<'d> {
             schemas: HashMap::new(),
             kept: 0,
             channels: BTreeMap::new(),
+            steps: 0,
             plans: None,
             dialects: Dialects::default(),
         }
@@ -159,7 +169,7 @@ impl<'d> McapJudge<'d> {
             self.course.damage(place, text);
             None
         };
-        self.schemas.insert(id, FileSchema { name, encoding, text, digest, stated: None });
+        self.schemas.insert(id, FileSchema { name, encoding, text, digest, beside: BTreeMap::new() });
     }
 
     fn channel(&mut self, id: u16, declared: &Declared, place: Place) {
@@ -177,7 +187,8 @@ impl<'d> McapJudge<'d> {
         }
         let schema = self.schemas.get(&declared.schema);
         if declared.schema != 0 && schema.is_none() {
-            let text = format!("channel {id} is of schema {}, which isn't declared before it", declared.schema);
+            let text =
+                format!("channel {id} is of schema {}, which isn't declared before it", declared.schema);
             self.course.damage(place, text);
         }
         let definitions = self.course.definitions;
@@ -193,63 +204,50 @@ impl<'d> McapJudge<'d> {
 
     /// Finds out how the messages of a channel are read.
     fn read(&mut self, open: &mut Open, declared: &Declared, of: MessageId) {
+        let definitions = self.course.definitions;
+        let (basis, stated) = self.beside(declared, of);
+        open.standing = Standing::Judged(basis);
         if declared.encoding == "json" {
-            self.plans.get_or_insert_with(|| Plans::new(&self.course.definitions.schema));
-            open.standing = Standing::Judged(self.json_basis(declared.schema, of));
+            self.plans.get_or_insert_with(|| Plans::new(&definitions.schema));
             open.reading = Reading::Json(of);
-        } else {
-            let (basis, stated) = self.cdr_basis(declared.schema, of);
-            let judge = CdrJudge::new(of, stated, self.course.definitions, &open.identity.name);
-            if let (Some(lacks), Some(rule)) = (judge.lacks_timestamp(self.course.definitions), rule("PX-FMT-03")) {
-                self.course.findings.exercise(rule, 1);
-                if lacks {
-                    let text = || "its schema has no `uint64 timestamp`".to_owned();
-                    self.course.findings.report(rule, &open.identity.name, open.identity.place, None, text);
-                }
-            }
-            open.standing = Standing::Judged(basis);
-            open.reading = Reading::Cdr(Box::new(judge));
-            self.hash(open, declared, of);
+            return self.format(open);
         }
+        if let (None, Some(defect)) = (&stated, definitions.types().get(of).defect()) {
+            open.standing = Standing::Judged(Basis::Unusable(defect.to_string()));
+            return;
+        }
+        let judge = CdrJudge::new(of, stated, definitions, &open.identity.name);
+        self.steps += judge.steps();
+        if self.steps > MAX_STEPS {
+            self.steps -= judge.steps();
+            open.standing = Standing::Judged(Basis::TooMany);
+            return;
+        }
+        if let (Some(lacks), Some(rule)) = (judge.lacks_timestamp(definitions), rule("PX-FMT-03")) {
+            self.course.findings.exercise(rule, 1);
+            if lacks {
+                let text = || "its schema has no `uint64 timestamp`".to_owned();
+                self.course.findings.report(rule, &open.identity.name, open.identity.place, None, text);
+            }
+        }
+        open.reading = Reading::Cdr(Box::new(judge));
+        self.hash(open, declared, of);
         self.format(open);
     }
 
-    /// What the schema of a channel of CDR is beside the definition; and its types, where they differ.
-    fn cdr_basis(&mut self, schema: u16, of: MessageId) -> (Basis, Option<Rc<Stated>>) {
-        let Some(schema) = self.schemas.get_mut(&schema) else { return (Basis::NoSchema, None) };
+    /// What the schema of a channel is beside the definition.
+    fn beside(&mut self, declared: &Declared, of: MessageId) -> Beside {
+        let Some(schema) = self.schemas.get_mut(&declared.schema) else { return (Basis::NoSchema, None) };
         let Some(text) = &schema.text else { return (Basis::TooLong, None) };
-        if schema.encoding.is_empty() && text.is_empty() {
-            return (Basis::NoSchema, None);
-        }
-        if schema.encoding != "ros2msg" {
-            return (Basis::Encoding(schema.encoding.escape_debug().to_string()), None);
-        }
-        let stated = schema.stated.get_or_insert_with(|| Stated::read(&schema.name, text).map(Rc::new));
-        match stated {
-            Err(error) => (Basis::Unreadable(error.clone()), None),
-            Ok(stated) => {
-                let comparison = compare_declared(stated.root(), self.course.definitions.types().get(of));
-                let differs = comparison != Comparison::Equal;
-                (Basis::Compared(comparison), differs.then(|| stated.clone()))
-            }
-        }
-    }
-
-    /// What the schema of a channel of JSON is beside the definition.
-    fn json_basis(&self, schema: u16, of: MessageId) -> Basis {
-        let Some(schema) = self.schemas.get(&schema) else { return Basis::NoSchema };
-        let Some(text) = &schema.text else { return Basis::TooLong };
-        if schema.encoding.is_empty() && text.is_empty() {
-            return Basis::NoSchema;
-        }
-        if schema.encoding != "jsonschema" {
-            return Basis::Encoding(schema.encoding.escape_debug().to_string());
-        }
-        match json_schema::compare(text, of, &self.course.definitions.schema) {
-            Ok(Some(comparison)) => Basis::Compared(comparison),
-            Ok(None) => Basis::NoSchema,
-            Err(error) => Basis::Unreadable(error),
-        }
+        let definitions = self.course.definitions;
+        let beside = schema.beside.entry((of, declared.encoding == "json"));
+        let beside = beside.or_insert_with(|| match (schema.encoding.as_str(), declared.encoding.as_str()) {
+            ("", _) if text.is_empty() => (Basis::NoSchema, None),
+            ("ros2msg", "cdr") => beside_types(&schema.name, text, of, definitions),
+            ("jsonschema", "json") => (beside_json(text, of, definitions), None),
+            (encoding, _) => (Basis::Encoding(encoding.escape_debug().to_string()), None),
+        });
+        beside.clone()
     }
 
     /// Compares the hash that a channel states with that of the definition.
@@ -260,11 +258,12 @@ impl<'d> McapJudge<'d> {
         let schema = &self.course.definitions.schema;
         let message = schema.message(of);
         // A hash is also one of names: that of a copy in another package is another.
-        let is_of_definition = open.schema.as_ref().is_none_or(|(name, _)| is_same_type(name, message, schema));
+        let is_of_definition =
+            open.schema.as_ref().is_none_or(|(name, _)| is_same_type(name, message, schema));
         let Some(rule) = rule("PX-HASH-01").filter(|_| is_of_definition) else { return };
         let (findings, is_other) = (&mut self.course.findings, *stated != message.type_hash);
-        if let Standing::Judged(Basis::Compared(Comparison::Differs(differences))) = &mut open.standing {
-            differences.has_other_hash = is_other;
+        if open.differences().is_some() {
+            open.has_other_hash = is_other;
             return;
         }
         findings.exercise(rule, 1);
@@ -278,18 +277,22 @@ impl<'d> McapJudge<'d> {
 
     /// Reports how the schema of a channel differs.
     fn format(&mut self, open: &Open) {
-        let Standing::Judged(Basis::Compared(comparison)) = &open.standing else { return };
+        let Standing::Judged(Basis::Compared(_)) = &open.standing else { return };
         let Some(rule) = rule("PX-FMT-01") else { return };
         self.course.findings.exercise(rule, 1);
-        if let Comparison::Differs(differences) = comparison {
-            self.course.findings.report(rule, &open.identity.name, open.identity.place, None, || differences.to_string());
+        if let Some(differences) = open.differences() {
+            let hash = if open.has_other_hash { "; its hash is another, too" } else { "" };
+            let text = || format!("{differences}{hash}");
+            self.course.findings.report(rule, &open.identity.name, open.identity.place, None, text);
         }
     }
 
     fn message(&mut self, id: u16, payload: &[u8], place: Place) {
         self.course.records += 1;
         let Some(open) = self.channels.get_mut(&id) else {
-            return self.course.damage(place, format!("a message of channel {id}, which isn't declared before it"));
+            return self
+                .course
+                .damage(place, format!("a message of channel {id}, which isn't declared before it"));
         };
         open.messages += 1;
         let channel = open.identity.channel();
@@ -330,6 +333,27 @@ impl<'d> McapJudge<'d> {
             dialects: self.dialects,
         };
         self.course.finish(bytes, Source::Mcap(source))
+    }
+}
+
+/// What the text of a schema as `ros2msg` is beside a definition.
+fn beside_types(name: &str, text: &[u8], of: MessageId, definitions: &Definitions) -> Beside {
+    match Stated::read(name, text) {
+        Err(error) => (Basis::Unreadable(error), None),
+        Ok(stated) => {
+            let comparison = compare_declared(stated.root(), definitions.types().get(of));
+            let differs = comparison != Comparison::Equal;
+            (Basis::Compared(Arc::new(comparison)), differs.then(|| Rc::new(stated)))
+        }
+    }
+}
+
+/// What the text of a JSON Schema is beside a definition.
+fn beside_json(text: &[u8], of: MessageId, definitions: &Definitions) -> Basis {
+    match json_schema::compare(text, of, &definitions.schema) {
+        Ok(Some(comparison)) => Basis::Compared(Arc::new(comparison)),
+        Ok(None) => Basis::NoSchema,
+        Err(error) => Basis::Unreadable(error),
     }
 }
 

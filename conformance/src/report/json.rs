@@ -89,6 +89,7 @@ fn channel(channel: &McapChannel) -> Value {
     members["encoding"] = json!(channel.encoding);
     members["schema"] = json!(channel.schema.as_ref().map(|(name, _)| name));
     members["schema_encoding"] = json!(channel.schema.as_ref().map(|(_, encoding)| encoding));
+    members["has_other_hash"] = channel.has_other_hash.into();
     members["messages"] = channel.messages.into();
     members["unsupported_cdr"] = channel.other_cdr.into();
     members

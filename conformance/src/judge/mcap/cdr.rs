@@ -2,7 +2,9 @@
 
 use std::rc::Rc;
 
-use uavspec_codegen::dynamic::{DynamicMessage, Error, MessageType, Placed, PlacedElement, Reason, Violation};
+use uavspec_codegen::dynamic::{
+    DynamicMessage, Error, MessageType, Placed, PlacedElement, Reason, Violation,
+};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, MessageId, Shape};
 use uavspec_runtime::cdr::{ByteOrder, HEADER};
@@ -48,21 +50,21 @@ pub(super) struct CdrJudge {
 }
 
 impl CdrJudge {
-    pub(super) fn new(of: MessageId, stated: Option<Rc<Stated>>, definitions: &Definitions, topic: &str) -> Self {
+    pub(super) fn new(
+        of: MessageId,
+        stated: Option<Rc<Stated>>,
+        definitions: &Definitions,
+        topic: &str,
+    ) -> Self {
         let ty = stated.as_ref().map_or_else(|| definitions.types().get(of), |stated| stated.root());
         let plan = Plan::new(ty, Some(of), &definitions.schema, topic);
         let (is_planned, timestamp) = (ty.size().is_some() || stated.is_some(), timestamp(ty));
-        Self {
-            of,
-            plan,
-            is_planned,
-            timestamp,
-            stated,
-            headers: 0,
-            bodies: 0,
-            messages: 0,
-            others: 0,
-        }
+        Self { of, plan, is_planned, timestamp, stated, headers: 0, bodies: 0, messages: 0, others: 0 }
+    }
+
+    /// How much room its plan takes.
+    pub(super) fn steps(&self) -> usize {
+        self.plan.steps()
     }
 
     /// Whether messages of PX4 lack the time that each of them has.
@@ -131,7 +133,9 @@ impl CdrJudge {
             }
             (Err(_), _) => Err((
                 "PX-CDR-01",
-                format!("expected 00 01 (little endian) or 00 00 (big endian), found {first:02x} {second:02x}"),
+                format!(
+                    "expected 00 01 (little endian) or 00 00 (big endian), found {first:02x} {second:02x}"
+                ),
             )),
         }
     }

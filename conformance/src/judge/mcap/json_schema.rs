@@ -18,7 +18,11 @@ const MAX_REFERENCES: usize = 8;
 
 /// Compares the text of a schema with a definition; nothing where it says nothing of properties. An error says what
 /// is wrong with it, in one line.
-pub(super) fn compare(text: &[u8], defined: MessageId, schema: &Schema) -> Result<Option<Comparison>, String> {
+pub(super) fn compare(
+    text: &[u8],
+    defined: MessageId,
+    schema: &Schema,
+) -> Result<Option<Comparison>, String> {
     let root: Value = serde_json::from_slice(text).map_err(|error| error.to_string())?;
     let comparing = Comparing { root: &root, schema };
     let Some(differences) = comparing.message(&root, defined, 0) else { return Ok(None) };
@@ -46,9 +50,11 @@ impl<'s> Comparing<'s> {
                 continue;
             };
             if let Some(stated) = self.contradicted(property, &types) {
-                differences
-                    .retyped
-                    .push(format!("{} ({stated}, defined as {})", field.name, types.join(" or ")));
+                differences.retyped.push(format!(
+                    "{} ({stated}, defined as {})",
+                    field.name,
+                    types.join(" or ")
+                ));
             } else if let Element::Message(nested) = field.ty.element
                 && depth < MAX_DEPTH
                 && self
@@ -64,7 +70,8 @@ impl<'s> Comparing<'s> {
                 let text = format!("{} (array of {stated}, defined as array of {ty})", field.name);
                 differences.retyped.push(text);
             }
-            let is_required = |required: &Vec<Value>| required.iter().any(|name| *name == field.name.as_str());
+            let is_required =
+                |required: &Vec<Value>| required.iter().any(|name| *name == field.name.as_str());
             if required.is_some_and(|required| !is_required(required)) {
                 differences.optional.push(field.name.clone());
             }
@@ -93,7 +100,9 @@ impl<'s> Comparing<'s> {
     fn followed(&self, mut found: &'s Value) -> &'s Value {
         for _ in 0..MAX_REFERENCES {
             let reference = found.get("$ref").and_then(Value::as_str);
-            let Some(target) = reference.and_then(|to| self.root.pointer(to.strip_prefix('#')?)) else { break };
+            let Some(target) = reference.and_then(|to| self.root.pointer(to.strip_prefix('#')?)) else {
+                break;
+            };
             found = target;
         }
         found
@@ -115,7 +124,8 @@ impl<'s> Comparing<'s> {
     fn types_of(&self, message: &schema::Message, field: &Field) -> Vec<&'static str> {
         let is_px4 = self.schema.package_of(message).form == Form::Msg(Dialect::Px4);
         let is_text = is_px4 && field.is_text(Dialect::Px4);
-        let is_bytes = matches!(field.ty.element, Element::Scalar(Scalar::UInt8 | Scalar::Byte | Scalar::Char));
+        let is_bytes =
+            matches!(field.ty.element, Element::Scalar(Scalar::UInt8 | Scalar::Byte | Scalar::Char));
         match field.ty.shape {
             Shape::Single => vec![element_type(field)],
             _ if is_text => vec!["string", "array"],

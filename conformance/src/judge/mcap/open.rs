@@ -1,10 +1,12 @@
 //! A channel, while it is read and when it was.
 
+use std::sync::Arc;
+
 use uavspec_codegen::schema::MessageId;
 
 use super::cdr::CdrJudge;
 use super::{Declared, topic_of};
-use crate::comparison::Comparison;
+use crate::comparison::{Comparison, Differences};
 use crate::finding::Findings;
 use crate::json::Plans;
 use crate::record::{Channel, Place};
@@ -22,6 +24,8 @@ pub struct McapChannel {
     pub messages: u64,
     /// How many of them are CDR of other kinds than those that are judged: parameter lists, or version 2.
     pub other_cdr: u64,
+    /// Whether it states another hash than that of the definition, as its schema differs, too.
+    pub has_other_hash: bool,
     /// What it was judged by.
     pub standing: Standing,
 }
@@ -40,8 +44,8 @@ pub enum Standing {
 /// What the schema of a channel is beside the definition.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Basis {
-    /// It was compared.
-    Compared(Comparison),
+    /// It was compared; channels of one schema share what came of it.
+    Compared(Arc<Comparison>),
     /// There is none, or it says nothing.
     NoSchema,
     /// It is written in something that isn't read here, such as `ros2idl`.
@@ -50,6 +54,21 @@ pub enum Basis {
     Unreadable(String),
     /// It has too many bytes to be kept.
     TooLong,
+    /// The definition is one whose messages can't be handled, and why: nothing was judged.
+    Unusable(String),
+    /// There are too many channels before it: nothing was judged.
+    TooMany,
+}
+
+impl Standing {
+    /// What differs between the schema of the channel and the definition, if anything does.
+    pub fn differences(&self) -> Option<&Differences> {
+        let Self::Judged(Basis::Compared(comparison)) = self else { return None };
+        match &**comparison {
+            Comparison::Differs(differences) => Some(differences),
+            Comparison::Equal | Comparison::Undefined => None,
+        }
+    }
 }
 
 impl Basis {
@@ -57,10 +76,12 @@ impl Basis {
     pub fn problem(&self) -> Option<String> {
         match self {
             Self::Compared(_) => None,
-            Self::NoSchema => Some("no schema".to_owned()),
+            Self::NoSchema => Some("no schema that names fields".to_owned()),
             Self::Encoding(encoding) => Some(format!("a schema in `{encoding}`, which isn't read")),
             Self::Unreadable(error) => Some(format!("a schema that can't be read: {error}")),
             Self::TooLong => Some("a schema with too many bytes".to_owned()),
+            Self::Unusable(defect) => Some(format!("not judged, as its definition {defect}")),
+            Self::TooMany => Some("not judged, as there are too many channels".to_owned()),
         }
     }
 }
@@ -85,6 +106,7 @@ pub(super) struct Open {
     pub(super) messages: u64,
     /// How many messages of JSON were judged.
     pub(super) judged: u64,
+    pub(super) has_other_hash: bool,
     pub(super) standing: Standing,
 }
 
@@ -127,8 +149,14 @@ impl Open {
             reading: Reading::Skipped,
             messages: 0,
             judged: 0,
+            has_other_hash: false,
             standing: if is_known { Standing::Undefined } else { Standing::Unsupported },
         }
+    }
+
+    /// What differs between its schema and the definition, if anything does.
+    pub(super) fn differences(&self) -> Option<&Differences> {
+        self.standing.differences()
     }
 
     /// Counts what its messages exercised.
@@ -145,6 +173,7 @@ impl Open {
             schema: self.schema,
             messages: self.messages,
             other_cdr,
+            has_other_hash: self.has_other_hash,
             standing: self.standing,
         }
     }

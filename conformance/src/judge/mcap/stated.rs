@@ -69,7 +69,8 @@ impl Stated {
         let is_root = |id: &&MessageId| schema.message(**id).name == root.1;
         let messages = schema.packages.iter().filter(|package| package.name == root.0);
         let found = messages.flat_map(|package| &package.messages).find(is_root).copied();
-        let stated = Self { root: found.ok_or("it doesn't define its own type")?, types: Types::new(&schema) };
+        let stated =
+            Self { root: found.ok_or("it doesn't define its own type")?, types: Types::new(&schema) };
         match stated.root().defect() {
             Some(defect) => Err(format!("it {defect}")),
             None => Ok(stated),
@@ -141,7 +142,8 @@ fn parts_of(name: &str) -> Option<(&str, &str)> {
 mod tests {
     use super::*;
 
-    const GLIDER: &str = "uint64 timestamp  # [@enum Other.KIND] it isn't there\nMark[2] marks\nair_msgs/Wind wind\n";
+    const GLIDER: &str =
+        "uint64 timestamp  # [@enum Other.KIND] it isn't there\nMark[2] marks\nair_msgs/Wind wind\n";
     const MARK: &str = "int16 height\n# ====\n";
     const WIND: &str = "float32[3] speed\n";
 
@@ -172,7 +174,8 @@ mod tests {
 
     #[test]
     fn what_is_no_definition_is_told() {
-        let missing = Stated::read("sky_msgs/msg/Glider", GLIDER.as_bytes()).expect_err("what it nests is missing");
+        let missing =
+            Stated::read("sky_msgs/msg/Glider", GLIDER.as_bytes()).expect_err("what it nests is missing");
         assert!(missing.starts_with("sky_msgs/Glider.msg:2: "), "{missing}");
         for (name, text) in [
             ("sky_msgs/msg/Mark", &b"int16 height\n\xff"[..]),

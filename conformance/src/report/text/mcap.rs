@@ -3,7 +3,6 @@
 use std::fmt::{Result, Write as _};
 
 use super::{Grouped, Judged, MAX_SHOWN};
-use crate::comparison::Comparison;
 use crate::judge::{Basis, McapChannel, McapSource, Standing};
 
 /// Writes what the file is, and what its channels were judged by.
@@ -14,15 +13,15 @@ pub(super) fn write(judged: &Judged, found: &McapSource, text: &mut String) -> R
     writeln!(
         text,
         "definitions  {} of {} channels equal, {} differ, {} without a schema that can be compared, {} not defined",
-        count(|channel| matches!(channel.standing, Standing::Judged(Basis::Compared(Comparison::Equal)))),
+        count(|channel| is_compared(channel) && channel.standing.differences().is_none()),
         channels.len(),
-        count(|channel| matches!(channel.standing, Standing::Judged(Basis::Compared(Comparison::Differs(_))))),
+        count(|channel| channel.standing.differences().is_some()),
         count(|channel| by_name(channel).is_some()),
         count(|channel| channel.standing == Standing::Undefined),
     )?;
-    list("differs", channels, text, |channel| match &channel.standing {
-        Standing::Judged(Basis::Compared(Comparison::Differs(differences))) => Some(differences.to_string()),
-        _ => None,
+    list("differs", channels, text, |channel| {
+        let hash = if channel.has_other_hash { "; its hash is another, too" } else { "" };
+        channel.standing.differences().map(|differences| format!("{differences}{hash}"))
     })?;
     list("by name", channels, text, by_name)?;
     list("not read", channels, text, |channel| match channel.standing {
@@ -59,6 +58,10 @@ fn head(judged: &Judged, found: &McapSource, text: &mut String) -> Result {
         if judgement.records == 1 { "message" } else { "messages" },
         judged.elapsed,
     )
+}
+
+fn is_compared(channel: &McapChannel) -> bool {
+    matches!(channel.standing, Standing::Judged(Basis::Compared(_)))
 }
 
 /// Why nothing but its name says what a channel is, where that is so.

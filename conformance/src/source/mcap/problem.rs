@@ -95,6 +95,13 @@ pub enum Malformed {
         /// How long it says that it is.
         length: u64,
     },
+    /// A record that is longer than what is left.
+    Beyond {
+        /// Its opcode.
+        opcode: u8,
+        /// How long it says that it is.
+        length: u64,
+    },
     /// A record whose parts don't agree with its length.
     Parts {
         /// Its opcode.
@@ -137,7 +144,11 @@ impl fmt::Display for Problem {
                 name.escape_debug()
             ),
             Self::Unpack { unpacked, error } => {
-                write!(formatter, "a chunk that can't be unpacked after {} bytes: {error}", Grouped(*unpacked))
+                write!(
+                    formatter,
+                    "a chunk that can't be unpacked after {} bytes: {error}",
+                    Grouped(*unpacked)
+                )
             }
             Self::ChunkSize { stated, found, is_more } => write!(
                 formatter,
@@ -166,6 +177,9 @@ impl fmt::Display for Malformed {
         match self {
             Self::Length { opcode, length } => {
                 write!(formatter, "{} can't have {} bytes", Kind(*opcode), Grouped(*length))
+            }
+            Self::Beyond { opcode, length } => {
+                write!(formatter, "{} of {} bytes, more than are left", Kind(*opcode), Grouped(*length))
             }
             Self::Parts { opcode } => {
                 write!(formatter, "{} whose parts don't agree with its length", Kind(*opcode))

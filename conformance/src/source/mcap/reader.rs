@@ -230,11 +230,12 @@ impl<R: Read> Reader<R> {
                     None
                 }
             }
-            _ => Some(Malformed::Length { opcode, length: length as u64 }),
+            _ => Some(Malformed::Beyond { opcode, length: length as u64 }),
         };
         if let Some(problem) = problem {
             let is_whole = ahead.len() >= end;
-            let next = (1..ahead.len().min(end)).find(|at| is_sound(&ahead[*at..], |id| self.declared.has(id)));
+            let next =
+                (1..ahead.len().min(end)).find(|at| is_sound(&ahead[*at..], |id| self.declared.has(id)));
             match (next, problem) {
                 (Some(next), _) => {
                     self.file.advance(next);
@@ -445,7 +446,7 @@ impl<R: Read> Reader<R> {
                     return self.pass(offset, left);
                 }
                 let (opcode, length) = sound::head(ahead).unwrap_or_default();
-                self.search(self.file.offset(), Malformed::Length { opcode, length })
+                self.search(self.file.offset(), Malformed::Beyond { opcode, length })
             }
         }
     }

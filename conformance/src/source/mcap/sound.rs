@@ -77,14 +77,22 @@ impl ChunkHead {
         let head = body.len() - parts.0.len();
         let added = length.checked_sub(head as u64)?.checked_sub(packed)?;
         let is_whole = !packing.is_empty() || packed == size;
-        (added <= MAX_ADDED && is_whole).then_some(Self { size, checksum, packing, length: head, packed, added })
+        (added <= MAX_ADDED && is_whole).then_some(Self {
+            size,
+            checksum,
+            packing,
+            length: head,
+            packed,
+            added,
+        })
     }
 }
 
 /// Whether the start of an attachment agrees with its length: its data and a checksum follow.
 pub(super) fn is_attachment(start: &[u8], length: u64) -> bool {
     let mut parts = Parts(start);
-    let data = parts.take(16).and_then(|_| parts.text()).and_then(|()| parts.text()).and_then(|()| parts.u64());
+    let data =
+        parts.take(16).and_then(|_| parts.text()).and_then(|()| parts.text()).and_then(|()| parts.u64());
     let head = (start.len() - parts.0.len()) as u64;
     data.and_then(|data| data.checked_add(head)?.checked_add(4)) == Some(length)
 }
@@ -129,7 +137,8 @@ pub(super) fn is_sound(ahead: &[u8], is_declared: impl Fn(u16) -> bool) -> bool 
     if opcode == op::CHUNK {
         return ChunkHead::read(body, length).is_some_and(|head| head.added == 0);
     }
-    let Some((body, rest)) = usize::try_from(length).ok().and_then(|length| body.split_at_checked(length)) else {
+    let Some((body, rest)) = usize::try_from(length).ok().and_then(|length| body.split_at_checked(length))
+    else {
         return false;
     };
     let channel = || body.first_chunk().map(|id| u16::from_le_bytes(*id));
