@@ -8,13 +8,12 @@ mod cdr;
 mod json_schema;
 mod named;
 mod open;
+mod schemas;
 mod stated;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{DefaultHasher, Hasher as _};
 use std::io::{self, Read};
-use std::rc::Rc;
-use std::sync::Arc;
 
 use serde::de::DeserializeSeed as _;
 use uavspec_codegen::schema::MessageId;
@@ -23,9 +22,9 @@ use self::cdr::CdrJudge;
 use self::named::{definition_of, is_same_type, topic_of};
 pub use self::open::{Basis, McapChannel, Standing};
 use self::open::{Open, Reading};
+use self::schemas::Schemas;
 use self::stated::Stated;
 use super::{Course, Judgement, Source};
-use crate::comparison::{Comparison, compare_declared};
 use crate::definitions::Definitions;
 use crate::finding::Findings;
 use crate::json::{Clean, Dialects, MessageSeed, Plans, Told, Tree};
@@ -35,12 +34,6 @@ use crate::source::mcap::{Event, Reader};
 
 /// The longest name of a topic or a schema that is kept; ROS 2 allows no longer ones either.
 const MAX_NAME: usize = 256;
-
-/// Most bytes of all schemas that are kept: those of five hundred types of ROS 2 with all that they nest take half.
-const MAX_SCHEMAS: usize = 8 << 20;
-
-/// Most bytes of one of them.
-const MAX_SCHEMA: usize = 1 << 20;
 
 /// Most steps of the plans of all channels: a thousand topics of PX4 have a fourth of that.
 const MAX_STEPS: usize = 1 << 18;
@@ -73,8 +66,14 @@ pub fn judge_mcap(input: impl Read, definitions: &Definitions) -> io::Result<Jud
     while let Some(item) = reader.next()? {
         let place = Place::Byte(item.offset);
         match item.event {
-            Event::Header { profile, library } => (judge.profile, judge.library) = (profile, library),
-            Event::Schema { id, name, encoding, text } => judge.schema(id, name, encoding, text, place),
+            Event::Header { profile, library } => {
+                (judge.profile, judge.library) = (shortened(&profile), shortened(&library));
+            }
+            Event::Schema { id, name, encoding, text } => {
+                if let Err(problem) = judge.schemas.add(id, name, encoding, text) {
+                    judge.course.damage(place, problem);
+                }
+            }
             Event::Channel { id, schema, topic, encoding, metadata } => {
                 judge.channel(id, &Declared { schema, topic, encoding, metadata }, place);
             }
@@ -94,29 +93,14 @@ struct Declared {
     metadata: BTreeMap<String, String>,
 }
 
-/// A schema that the file brings.
-struct FileSchema {
-    name: String,
-    encoding: String,
-    /// Nothing where it is too long to be kept.
-    text: Option<Vec<u8>>,
-    /// What tells it from another of the same id.
-    digest: u64,
-    /// What it is beside definitions, for those that channels asked for; whether they have JSON.
-    beside: BTreeMap<(MessageId, bool), Beside>,
-}
-
-/// What a schema is beside a definition; and the types that it states, where CDR has to be read by them.
-type Beside = (Basis, Option<Rc<Stated>>);
-
 struct McapJudge<'d> {
     course: Course<'d>,
     profile: String,
     library: String,
-    schemas: HashMap<u16, FileSchema>,
-    /// Bytes of all schemas that are kept.
-    kept: usize,
+    schemas: Schemas,
     channels: BTreeMap<u16, Open>,
+    /// Channels that were never declared, and have messages: they are told once.
+    undeclared: BTreeSet<u16>,
     /// Steps of the plans of all channels.
     steps: usize,
     /// Made with the first channel of JSON.
@@ -130,46 +114,13 @@ impl<'d> McapJudge<'d> {
             course: Course::new(definitions),
             profile: String::new(),
             library: String::new(),
-            schemas: HashMap::new(),
-            kept: 0,
+            schemas: Schemas::default(),
             channels: BTreeMap::new(),
+            undeclared: BTreeSet::new(),
             steps: 0,
             plans: None,
             dialects: Dialects::default(),
         }
-    }
-
-    fn schema(&mut self, id: u16, name: String, encoding: String, text: &[u8], place: Place) {
-        let digest = digest(&(&name, &encoding, text));
-        if id == 0 {
-            return self.course.damage(place, "a schema of the id 0, which stands for none".to_owned());
-        }
-        if let Some(known) = self.schemas.get(&id) {
-            // Summaries and chunks repeat what was said.
-            if known.digest != digest {
-                let text = format!("schema {id} is another than before; the first one is used");
-                self.course.damage(place, text);
-            }
-            return;
-        }
-        if name.len() > MAX_NAME || encoding.len() > MAX_NAME {
-            let text = format!("schema {id} has a name of more than {MAX_NAME} bytes");
-            return self.course.damage(place, text);
-        }
-        let fits = text.len() <= MAX_SCHEMA && self.kept + text.len() <= MAX_SCHEMAS;
-        let text = if fits {
-            self.kept += text.len();
-            Some(text.to_vec())
-        } else {
-            let text = format!(
-                "schema {id} has {} bytes; those of more than {MAX_SCHEMA}, or of more than {MAX_SCHEMAS} together, \
-                 aren't compared",
-                text.len()
-            );
-            self.course.damage(place, text);
-            None
-        };
-        self.schemas.insert(id, FileSchema { name, encoding, text, digest, beside: BTreeMap::new() });
     }
 
     fn channel(&mut self, id: u16, declared: &Declared, place: Place) {
@@ -185,16 +136,15 @@ impl<'d> McapJudge<'d> {
             let text = format!("channel {id} has a topic or an encoding of more than {MAX_NAME} bytes");
             return self.course.damage(place, text);
         }
-        let schema = self.schemas.get(&declared.schema);
+        let schema = self.schemas.get(declared.schema);
         if declared.schema != 0 && schema.is_none() {
             let text =
                 format!("channel {id} is of schema {}, which isn't declared before it", declared.schema);
             self.course.damage(place, text);
         }
         let definitions = self.course.definitions;
-        let named = schema.map(|schema| (schema.name.as_str(), schema.encoding.as_str()));
-        let definition = definition_of(&declared.topic, named, definitions);
-        let mut open = Open::new(declared, named, definition, place, digest, self.course.number_channel());
+        let definition = definition_of(&declared.topic, schema, definitions);
+        let mut open = Open::new(declared, schema, definition, place, digest, self.course.number_channel());
         if let (Some(of), true) = (definition, matches!(declared.encoding.as_str(), "cdr" | "json")) {
             self.course.opened(&open.identity.channel());
             self.read(&mut open, declared, of);
@@ -205,9 +155,10 @@ impl<'d> McapJudge<'d> {
     /// Finds out how the messages of a channel are read.
     fn read(&mut self, open: &mut Open, declared: &Declared, of: MessageId) {
         let definitions = self.course.definitions;
-        let (basis, stated) = self.beside(declared, of);
+        let is_json = declared.encoding == "json";
+        let (basis, stated) = self.schemas.beside(declared.schema, of, is_json, definitions);
         open.standing = Standing::Judged(basis);
-        if declared.encoding == "json" {
+        if is_json {
             self.plans.get_or_insert_with(|| Plans::new(&definitions.schema));
             open.reading = Reading::Json(of);
             return self.format(open);
@@ -233,21 +184,6 @@ impl<'d> McapJudge<'d> {
         open.reading = Reading::Cdr(Box::new(judge));
         self.hash(open, declared, of);
         self.format(open);
-    }
-
-    /// What the schema of a channel is beside the definition.
-    fn beside(&mut self, declared: &Declared, of: MessageId) -> Beside {
-        let Some(schema) = self.schemas.get_mut(&declared.schema) else { return (Basis::NoSchema, None) };
-        let Some(text) = &schema.text else { return (Basis::TooLong, None) };
-        let definitions = self.course.definitions;
-        let beside = schema.beside.entry((of, declared.encoding == "json"));
-        let beside = beside.or_insert_with(|| match (schema.encoding.as_str(), declared.encoding.as_str()) {
-            ("", _) if text.is_empty() => (Basis::NoSchema, None),
-            ("ros2msg", "cdr") => beside_types(&schema.name, text, of, definitions),
-            ("jsonschema", "json") => (beside_json(text, of, definitions), None),
-            (encoding, _) => (Basis::Encoding(encoding.escape_debug().to_string()), None),
-        });
-        beside.clone()
     }
 
     /// Compares the hash that a channel states with that of the definition.
@@ -290,6 +226,9 @@ impl<'d> McapJudge<'d> {
     fn message(&mut self, id: u16, payload: &[u8], place: Place) {
         self.course.records += 1;
         let Some(open) = self.channels.get_mut(&id) else {
+            if !self.undeclared.insert(id) {
+                return;
+            }
             return self
                 .course
                 .damage(place, format!("a message of channel {id}, which isn't declared before it"));
@@ -326,34 +265,9 @@ impl<'d> McapJudge<'d> {
             channels.push(open.close(self.plans.as_ref(), &mut self.course.findings));
         }
         channels.sort_by(|left, right| left.topic.cmp(&right.topic));
-        let source = McapSource {
-            profile: self.profile.escape_debug().to_string(),
-            library: self.library.escape_debug().to_string(),
-            channels,
-            dialects: self.dialects,
-        };
+        let source =
+            McapSource { profile: self.profile, library: self.library, channels, dialects: self.dialects };
         self.course.finish(bytes, Source::Mcap(source))
-    }
-}
-
-/// What the text of a schema as `ros2msg` is beside a definition.
-fn beside_types(name: &str, text: &[u8], of: MessageId, definitions: &Definitions) -> Beside {
-    match Stated::read(name, text) {
-        Err(error) => (Basis::Unreadable(error), None),
-        Ok(stated) => {
-            let comparison = compare_declared(stated.root(), definitions.types().get(of));
-            let differs = comparison != Comparison::Equal;
-            (Basis::Compared(Arc::new(comparison)), differs.then(|| Rc::new(stated)))
-        }
-    }
-}
-
-/// What the text of a JSON Schema is beside a definition.
-fn beside_json(text: &[u8], of: MessageId, definitions: &Definitions) -> Basis {
-    match json_schema::compare(text, of, &definitions.schema) {
-        Ok(Some(comparison)) => Basis::Compared(Arc::new(comparison)),
-        Ok(None) => Basis::NoSchema,
-        Err(error) => Basis::Unreadable(error),
     }
 }
 
@@ -375,6 +289,11 @@ fn judge_json(
     let tree = Tree::read(text).map_err(|error| error.to_string())?;
     let dialects = plans.explain(told, &tree, findings);
     Ok(Clean { timestamp: plans.timestamp(told.id, &tree), dialects })
+}
+
+/// A text of the file that is shown, harmless and not too long.
+fn shortened(text: &str) -> String {
+    text.chars().take(MAX_NAME).collect::<String>().escape_debug().to_string()
 }
 
 /// What tells contents apart, without keeping them.

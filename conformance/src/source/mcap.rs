@@ -32,6 +32,7 @@
 //! A chunk that is broken within is left, and what stands before the breakage was lent. Whether the CRC of a chunk
 //! is right is known only at its end; if it isn't, that is told, and its records have been lent by then.
 
+mod chunk;
 mod problem;
 mod reader;
 mod sound;

@@ -14,7 +14,7 @@ pub(super) fn definition_of(
     schema: Option<(&str, &str)>,
     definitions: &Definitions,
 ) -> Option<MessageId> {
-    let by_topic = || definitions.message_of_topic(topic_of(topic));
+    let by_topic = || message_of(topic_of(topic), definitions);
     let Some((name, encoding)) = schema.filter(|(name, _)| !name.is_empty()) else { return by_topic() };
     let name = plain(name);
     if let Some(id) = definitions.message_of_type(&name) {
@@ -25,7 +25,17 @@ pub(super) fn definition_of(
     if encoding.starts_with("ros2") {
         return by_topic().filter(is_called_so);
     }
-    definitions.message_of_topic(last).or_else(by_topic)
+    message_of(last, definitions).or_else(by_topic)
+}
+
+/// The definition of a topic of PX4, behind which programs that convert logs write an instance: `sensor_accel_1`,
+/// `sensor_accel.01`.
+fn message_of(topic: &str, definitions: &Definitions) -> Option<MessageId> {
+    definitions.message_of_topic(topic).or_else(|| {
+        let name = topic.trim_end_matches(|character: char| character.is_ascii_digit());
+        let name = name.strip_suffix(['_', '.']).filter(|_| name.len() < topic.len())?;
+        definitions.message_of_topic(name)
+    })
 }
 
 /// The topic of PX4 in a name of ROS 2, `/fmu/out/failsafe_flags`; behind it may stand the number of an instance,
@@ -74,6 +84,8 @@ mod tests {
             ("/fmu/out/failsafe_flags", None),
             ("/fmu/out/failsafe_flags_v1", None),
             ("/failsafe_flags/0", None),
+            ("/failsafe_flags_1", None),
+            ("/failsafe_flags.01", None),
             ("failsafe_flags", ros("")),
             ("failsafe_flags", ros("my_msgs/msg/FailsafeFlags")),
             ("failsafe_flags", json("Anything")),
@@ -85,6 +97,9 @@ mod tests {
             ("", None),
             ("///", None),
             ("12", None),
+            ("/failsafe_flags_", None),
+            ("/failsafe_flags12", None),
+            ("_12", None),
             ("/failsafe_flags", ros("std_msgs/msg/String")),
             ("/any", json("Anything")),
         ] {

@@ -6,6 +6,7 @@ use std::mem;
 
 use mcap::records::{Record, op};
 
+use super::chunk::{Chunk, Next, Records, cut};
 use super::problem::Malformed;
 use super::sound::{
     self, ChunkHead, HEAD, MAX_CHUNK_HEAD, can_be, can_follow, has_its_parts, is_attachment, is_sound,
@@ -39,26 +40,6 @@ enum Stage {
     End,
 }
 
-/// A chunk that is being read.
-#[derive(Debug)]
-struct Chunk {
-    offset: u64,
-    size: u64,
-    checksum: u32,
-    /// Bytes behind its records.
-    added: u64,
-    records: Records,
-}
-
-/// Where the records of a chunk are.
-#[derive(Debug)]
-enum Records {
-    /// In the file, from this offset on.
-    Plain(u64),
-    /// Packed; whether the file ended before they did.
-    Packed(Box<Window<Unpacker>>, bool),
-}
-
 /// The channels that were declared, by id.
 #[derive(Debug)]
 struct Declared(Box<[u64; 1 << 10]>);
@@ -80,15 +61,6 @@ struct Found {
     opcode: u8,
     length: usize,
     is_packed: bool,
-}
-
-/// What comes next in a chunk.
-enum Next {
-    Record { opcode: u8, length: usize },
-    Passed,
-    TooLong { opcode: u8, length: u64 },
-    Broken,
-    End,
 }
 
 impl<R: Read> Reader<R> {
@@ -482,42 +454,4 @@ impl<R: Read> Reader<R> {
         }
         if self.stage == Stage::End { Ok(()) } else { self.pass(chunk.offset, chunk.added) }
     }
-}
-
-impl Chunk {
-    fn is_packed(&self) -> bool {
-        matches!(self.records, Records::Packed(..))
-    }
-}
-
-/// Takes the next record of a chunk of which so many bytes are left.
-fn cut<R: Read>(window: &mut Window<R>, left: u64) -> io::Result<Next> {
-    if left == 0 {
-        return Ok(Next::End);
-    }
-    window.require(HEAD)?;
-    let Some((opcode, length)) = sound::head(window.ahead()) else { return Ok(Next::Broken) };
-    let is_within = length.checked_add(HEAD as u64).is_some_and(|whole| whole <= left);
-    if opcode == 0 || !is_within {
-        return Ok(Next::Broken);
-    }
-    let is_wanted = matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE);
-    if !is_wanted || length > sound::MAX_RECORD {
-        let whole = HEAD as u64 + length;
-        let is_there = window.skip(whole)? == whole;
-        return Ok(match (is_there, is_wanted) {
-            (false, _) => Next::Broken,
-            (true, true) => Next::TooLong { opcode, length },
-            (true, false) => Next::Passed,
-        });
-    }
-    // No longer than the limit, which fits.
-    let length = usize::try_from(length).unwrap_or(usize::MAX - HEAD);
-    window.require(HEAD + length)?;
-    let Some(body) = window.ahead().get(HEAD..HEAD + length) else { return Ok(Next::Broken) };
-    if !can_be(opcode, length as u64) || !has_its_parts(opcode, body, false) {
-        return Ok(Next::Broken);
-    }
-    window.advance(HEAD + length);
-    Ok(Next::Record { opcode, length })
 }
