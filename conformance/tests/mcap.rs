@@ -7,6 +7,8 @@ mod file;
 #[path = "mcap/schemas.rs"]
 mod schemas;
 mod support;
+#[path = "mcap/varying.rs"]
+mod varying;
 
 use std::borrow::Cow;
 use std::fs;
@@ -396,6 +398,28 @@ fn json_that_conforms_breaks_nothing() {
     assert_eq!((broken(&judgement), damages(&judgement)), (vec![], vec![]));
     assert_eq!((judgement.records, judgement.judged, judgement.duration), (60, 60, 59 * PERIOD));
     assert_eq!(source(&judgement).channels[0].standing, Standing::Judged(Basis::NoSchema));
+}
+
+/// Foxglove writes bytes as base64, and what isn't JSON at all is damage.
+#[test]
+fn json_has_its_dialects_and_its_damage() {
+    let (name, _) = ros("Glider");
+    let mut numbers = good().json();
+    numbers["name"] = json!([68, 45, 49, 0]);
+    let records = [
+        schema(1, &name, "jsonschema", b"{}"),
+        channel(3, 1, "/glider", "json", &[]),
+        message(3, numbers.to_string().as_bytes()),
+        message(3, b"{\"timestamp\": "),
+        message(3, b"\xff"),
+        message(3, b""),
+    ];
+    let judgement = judged(&file(&records.concat()));
+    assert_eq!((broken(&judgement), judgement.records, judgement.judged), (vec![], 4, 1));
+    assert_eq!(damages(&judgement).len(), 3, "{:?}", judgement.damage);
+    let dialects: Vec<String> =
+        source(&judgement).dialects.iter().map(|dialect| dialect.to_string()).collect();
+    assert_eq!(dialects, ["numbers for char[N] (ROS 2)"]);
 }
 
 #[test]

@@ -163,7 +163,7 @@ fn declarations_that_contradict_each_other_are_told() {
         other,
         other_schema,
         none,
-        message(4, b"what"),
+        message(4, b"what").repeat(3),
         lost,
         large,
         long,

@@ -106,7 +106,8 @@ fn what_cannot_be_compared_is_judged_by_its_name() {
         ("ros2msg", b"Rope rope\n", "a schema that can't be read: "),
         ("ros2msg", b"uint64[4000000000] timestamp\n", "a schema that can't be read: "),
         ("", b"", "no schema that names fields"),
-        ("omgidl", b"", "a schema in `omgidl`, which isn't read"),
+        ("ros2msg", b"", "no schema that names fields"),
+        ("omgidl", b"module", "a schema in `omgidl`, which isn't read"),
     ] {
         let records = [
             schema(1, &name, encoding, text),
