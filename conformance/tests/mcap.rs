@@ -15,6 +15,7 @@ use std::fs;
 use std::io::Cursor;
 use std::sync::{Arc, LazyLock};
 
+use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use serde_json::{Value, json};
 use uavspec_codegen::schema::fingerprint::ros_name;
 use uavspec_conformance::comparison::Comparison;
@@ -398,6 +399,31 @@ fn json_that_conforms_breaks_nothing() {
     assert_eq!((broken(&judgement), damages(&judgement)), (vec![], vec![]));
     assert_eq!((judgement.records, judgement.judged, judgement.duration), (60, 60, 59 * PERIOD));
     assert_eq!(source(&judgement).channels[0].standing, Standing::Judged(Basis::NoSchema));
+}
+
+/// rosbag2 can pack each message by itself, of which the file says nothing.
+#[test]
+fn messages_that_are_packed_by_themselves_are_unpacked() {
+    let pack = |payload: &[u8]| compress_to_vec(payload, CompressionLevel::Fastest);
+    let odd = Glider { is_landed: 3, ..good() };
+    let packed = pack(&good().cdr());
+    // Blocks of 128 KiB, each of which is one byte repeated (RFC 8878).
+    let block = ((128_u32 << 10) << 3 | 1 << 1).to_le_bytes();
+    let bomb =
+        [&[0x28, 0xb5, 0x2f, 0xfd, 0, 0x38][..], &[block[0], block[1], block[2], 7].repeat(600)].concat();
+    let records = [
+        declarations(),
+        message(3, &packed),
+        message(3, &pack(&odd.cdr())),
+        message(3, &packed[..20]),
+        message(3, &bomb),
+    ];
+    let judgement = judged(&file(&records.concat()));
+    let expected = [("PX-BOOL-01", "glider.is_landed: 3 where a bool is 0 or 1".to_owned())];
+    assert_eq!((broken(&judgement), judgement.judged), (expected.to_vec(), 2));
+    let said = damages(&judgement);
+    assert!(said.len() == 2 && said[0].contains("that can't be unpacked: "), "{said:?}");
+    assert!(said[1].ends_with("a packed message of more than 67108864 bytes"), "{said:?}");
 }
 
 /// Foxglove writes bytes as base64, and what isn't JSON at all is damage.

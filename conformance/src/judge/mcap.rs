@@ -18,7 +18,7 @@ use std::io::{self, Read};
 use serde::de::DeserializeSeed as _;
 use uavspec_codegen::schema::MessageId;
 
-use self::cdr::CdrJudge;
+use self::cdr::{CdrJudge, unpacked};
 use self::named::{definition_of, is_same_type, topic_of};
 pub use self::open::{Basis, McapChannel, Standing};
 use self::open::{Open, Reading};
@@ -239,6 +239,10 @@ impl<'d> McapJudge<'d> {
         match &mut open.reading {
             Reading::Skipped => {}
             Reading::Cdr(judge) => {
+                let payload = &*match unpacked(payload) {
+                    Ok(payload) => payload,
+                    Err(problem) => return self.course.damage(place, problem),
+                };
                 let judged = judge.judge(payload, &channel, place, definitions, &mut self.course.findings);
                 if let Some(seen) = judged {
                     self.course.message(&channel, &Message { timestamp: seen.timestamp, payload, place });

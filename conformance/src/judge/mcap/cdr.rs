@@ -1,7 +1,10 @@
 //! Judges the messages of a channel as CDR.
 
+use std::borrow::Cow;
+use std::io::Read as _;
 use std::rc::Rc;
 
+use ruzstd::decoding::StreamingDecoder;
 use uavspec_codegen::dynamic::{
     DynamicMessage, Error, MessageType, Placed, PlacedElement, Reason, Violation,
 };
@@ -13,9 +16,14 @@ use uavspec_runtime::{Fault, Scalar};
 use super::Stated;
 use crate::definitions::Definitions;
 use crate::finding::Findings;
+use crate::input::ZSTD;
 use crate::plan::Plan;
 use crate::record::{Channel, Place};
 use crate::rule::rule;
+use crate::source::mcap::Reader;
+
+/// The most bytes of a message that was packed by itself: as many as one may have that wasn't.
+const MAX_UNPACKED: u64 = Reader::<&[u8]>::MAX_RECORD;
 
 /// A message that could be read.
 pub(super) struct Seen {
@@ -165,6 +173,25 @@ fn timestamp(ty: MessageType<'_>) -> Option<usize> {
             && field.shape == Shape::Single
     };
     ty.layout().find(is_timestamp).map(|field| field.offset)
+}
+
+/// A payload that rosbag2 packed by itself, unpacked; no encapsulation header begins as zstd does. An error says why it
+/// can't be unpacked.
+pub(super) fn unpacked(payload: &[u8]) -> Result<Cow<'_, [u8]>, String> {
+    if !payload.starts_with(&ZSTD) {
+        return Ok(Cow::Borrowed(payload));
+    }
+    let mut bytes = Vec::new();
+    let result = StreamingDecoder::new(payload).map_err(|error| error.to_string()).and_then(|decoder| {
+        decoder.take(MAX_UNPACKED + 1).read_to_end(&mut bytes).map_err(|error| error.to_string())
+    });
+    match result {
+        Ok(_) if bytes.len() as u64 > MAX_UNPACKED => {
+            Err(format!("a packed message of more than {MAX_UNPACKED} bytes"))
+        }
+        Ok(_) => Ok(Cow::Owned(bytes)),
+        Err(error) => Err(format!("a packed message that can't be unpacked: {error}")),
+    }
 }
 
 /// Reports the first `bool` of a message of varying size that is neither 0 nor 1.
