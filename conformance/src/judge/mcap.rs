@@ -167,13 +167,13 @@ impl<'d> McapJudge<'d> {
             open.standing = Standing::Judged(Basis::Unusable(defect.to_string()));
             return;
         }
-        let judge = CdrJudge::new(of, stated, definitions, &open.identity.name);
-        self.steps += judge.steps();
-        if self.steps > MAX_STEPS {
-            self.steps -= judge.steps();
+        // To make a plan takes time, too, so none is made only to be dropped.
+        if self.steps >= MAX_STEPS {
             open.standing = Standing::Judged(Basis::TooMany);
             return;
         }
+        let judge = CdrJudge::new(of, stated, definitions, &open.identity.name);
+        self.steps += judge.steps();
         if let (Some(lacks), Some(rule)) = (judge.lacks_timestamp(definitions), rule("PX-FMT-03")) {
             self.course.findings.exercise(rule, 1);
             if lacks {

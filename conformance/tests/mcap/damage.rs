@@ -2,6 +2,7 @@
 
 use std::io::{self, Read};
 
+use uavspec_conformance::judge::{Basis, Standing};
 use uavspec_conformance::record::Place;
 use uavspec_conformance::source::mcap::{Event, Problem, Reader};
 
@@ -366,4 +367,20 @@ fn memory_does_not_grow_with_what_is_passed_over() {
         assert_eq!(reader.bytes(), size as u64);
         assert!(input.largest_request <= largest, "{}", input.largest_request);
     }
+}
+
+/// Plans take room and time; beyond a limit, channels are told and not judged.
+#[test]
+fn channels_beyond_what_can_be_planned_are_not_judged() {
+    let marks = "Mark[3000] more\nMark[3] marks\nbool[3] flags\n";
+    let text = crate::ros2msg(marks).replace("int16 height", "int16 height\nbool is_there");
+    let (name, _) = crate::ros("Glider");
+    let mut records = schema(1, &name, "ros2msg", text.as_bytes());
+    for id in 0..2_000 {
+        records.extend(channel(id, 1, &format!("/tow/{id}/rope"), "cdr", &[]));
+    }
+    let judgement = judged(&file(&records));
+    let standings = crate::source(&judgement).channels.iter().map(|channel| &channel.standing);
+    let refused = standings.filter(|standing| **standing == Standing::Judged(Basis::TooMany)).count();
+    assert!((1_500..2_000).contains(&refused), "{refused}");
 }
