@@ -321,6 +321,11 @@ impl<'t> DynamicMessage<'t> {
         self.view().validate()
     }
 
+    /// Its bytes in memory, as [`MessageType::layout`] places its fields; a `bool` is the byte that was read.
+    pub fn memory(&self) -> &[u8] {
+        &self.buffer
+    }
+
     /// How many bytes it takes in memory.
     pub fn size_in_memory(&self) -> usize {
         self.buffer.len()

@@ -60,7 +60,7 @@ enum Command {
   uavspec check flight.ulg
   uavspec check --definitions ../px4_msgs/msg logs/*.ulg
   uavspec check --format json flight.ulg > report.json
-  uavspec check rosbridge.jsonl
+  uavspec check rosbridge.jsonl bag/bag_0.mcap
   zcat flight.ulg.gz | uavspec check - archive/
   uavspec check --type px4/FailsafeFlags flags.jsonl
   uavspec check --known known.toml archive/
@@ -82,8 +82,8 @@ A list of known failures is TOML:
 Exit status: 0 conforms, 1 does not, 2 wrong usage, definitions or list, 3 a file can't be read, 4 a list of known
 failures no longer holds true, 5 nothing was checked.")]
 struct CheckArgs {
-    /// Logs of PX4 in the format `ULog`, or messages as JSON or JSON Lines, also packed with gzip or zstd; which,
-    /// is seen by the content. Folders are searched; `-` is standard input.
+    /// Logs of PX4 in the format `ULog`, MCAP, or messages as JSON or JSON Lines, also packed with gzip or zstd;
+    /// which, is seen by the content. Folders are searched; `-` is standard input.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// What to judge by: a uavspec.toml, a folder with one, or a folder of .msg files; those of this program,

@@ -50,22 +50,36 @@ pub enum Verdict {
 }
 
 /// All findings of a run.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Findings {
     groups: BTreeMap<(&'static str, String), Group>,
-    /// How many groups each rule has.
-    kept: [usize; RULES.len()],
-    /// How often each rule was exercised, by its place in the list.
-    exercised: [u64; RULES.len()],
-    /// How many findings each rule has that belong to no group, as there are too many.
-    dropped: [u64; RULES.len()],
+    /// Of each rule, by its place in the list.
+    counts: [Counts; RULES.len()],
+}
+
+/// What is counted of a rule.
+#[derive(Clone, Copy, Debug)]
+struct Counts {
+    /// How many groups it has.
+    kept: usize,
+    /// How often it was exercised.
+    exercised: u64,
+    /// How many findings belong to no group, as there are too many.
+    dropped: u64,
+}
+
+impl Default for Findings {
+    fn default() -> Self {
+        let none = Counts { kept: 0, exercised: 0, dropped: 0 };
+        Self { groups: BTreeMap::new(), counts: [none; RULES.len()] }
+    }
 }
 
 impl Findings {
     /// A rule was exercised so often.
     pub fn exercise(&mut self, rule: &Rule, times: u64) {
         if let Some(at) = index(rule) {
-            self.exercised[at] += times;
+            self.counts[at].exercised += times;
         }
     }
 
@@ -80,14 +94,14 @@ impl Findings {
     ) {
         let Some(at) = index(rule) else { return };
         // A finding says that there was something to judge.
-        self.exercised[at] = self.exercised[at].max(1);
+        self.counts[at].exercised = self.counts[at].exercised.max(1);
         let key = (rule.id, subject.to_owned());
         if !self.groups.contains_key(&key) {
-            if self.kept[at] >= MAX_GROUPS {
-                self.dropped[at] += 1;
+            if self.counts[at].kept >= MAX_GROUPS {
+                self.counts[at].dropped += 1;
                 return;
             }
-            self.kept[at] += 1;
+            self.counts[at].kept += 1;
         }
         let group = self.groups.entry(key).or_insert_with(|| Group {
             rule,
@@ -116,12 +130,12 @@ impl Findings {
 
     /// How many findings of a rule are in no group.
     pub fn dropped(&self, rule: &Rule) -> u64 {
-        index(rule).map_or(0, |at| self.dropped[at])
+        index(rule).map_or(0, |at| self.counts[at].dropped)
     }
 
     /// How often a rule was exercised.
     pub fn exercised(&self, rule: &Rule) -> u64 {
-        index(rule).map_or(0, |at| self.exercised[at])
+        index(rule).map_or(0, |at| self.counts[at].exercised)
     }
 
     /// Notes at each group why it is let stand, where `excuse` says so.
@@ -145,8 +159,8 @@ impl Findings {
     /// Adds the findings of another source.
     pub fn absorb(&mut self, other: Self) {
         for at in 0..RULES.len() {
-            self.exercised[at] += other.exercised[at];
-            self.dropped[at] += other.dropped[at];
+            self.counts[at].exercised += other.counts[at].exercised;
+            self.counts[at].dropped += other.counts[at].dropped;
         }
         for (key, group) in other.groups {
             if let Some(known) = self.groups.get_mut(&key) {
@@ -155,7 +169,7 @@ impl Findings {
                 known.examples.extend(group.examples.into_iter().take(room));
             } else {
                 if let Some(at) = index(group.rule) {
-                    self.kept[at] += 1;
+                    self.counts[at].kept += 1;
                 }
                 self.groups.insert(key, group);
             }

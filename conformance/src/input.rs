@@ -16,13 +16,13 @@ pub const STANDARD_INPUT: &str = "-";
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 
 /// How zstd begins (RFC 8878).
-const ZSTD: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
+pub(crate) const ZSTD: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 
 /// Extensions of files that are looked for in folders; behind them may stand those of packers.
-const EXTENSIONS: [&str; 4] = ["ulg", "json", "jsonl", "ndjson"];
+const EXTENSIONS: [&str; 5] = ["ulg", "mcap", "json", "jsonl", "ndjson"];
 
-/// Extensions of packed files.
-const PACKED: [&str; 2] = ["gz", "zst"];
+/// Extensions of packed files; the last is that of rosbag2.
+const PACKED: [&str; 3] = ["gz", "zst", "zstd"];
 
 /// What makes a path a pattern.
 const WILDCARDS: [char; 3] = ['*', '?', '['];
@@ -159,7 +159,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let below = folder.path().join("day/one");
         fs::create_dir_all(&below).expect("a folder");
-        for name in ["b.ulg", "a.ULG.gz", "notes.txt", "c.jsonl.zst", "d.gz"] {
+        for name in ["b.ulg", "a.ULG.gz", "notes.txt", "c.jsonl.zst", "d.gz", "e.mcap", "f.mcap.zstd"] {
             fs::write(below.join(name), "").expect("a file");
         }
         let names = |files: Vec<PathBuf>| -> Vec<String> {
@@ -167,7 +167,7 @@ mod tests {
             files.iter().filter_map(name).collect()
         };
         let found = files(&[folder.path().to_path_buf()]).expect("files");
-        assert_eq!(names(found), ["a.ULG.gz", "b.ulg", "c.jsonl.zst"]);
+        assert_eq!(names(found), ["a.ULG.gz", "b.ulg", "c.jsonl.zst", "e.mcap", "f.mcap.zstd"]);
         let given = files(&[below.join("notes.txt"), PathBuf::from("-")]).expect("files");
         assert_eq!(names(given), ["notes.txt", "-"], "what is named is taken as it is");
         let matched = files(&[folder.path().join("**/*.ulg*"), below.join("[bc].*")]).expect("files");

@@ -2,6 +2,7 @@
 
 mod json;
 mod log;
+mod mcap;
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -11,11 +12,12 @@ use uavspec_codegen::schema::MessageId;
 
 pub use self::json::{JsonSource, judge_json};
 pub use self::log::{LogSource, judge_ulog};
+pub use self::mcap::{Basis, McapChannel, McapSource, Standing, judge_mcap};
 use crate::definitions::Definitions;
 use crate::finding::Findings;
 use crate::record::{Channel, Grouped, Message, Place};
 use crate::rule::{Check, Checker, Interest, Judged, RULES, Rule};
-use crate::source::ULOG_MAGIC;
+use crate::source::{MCAP_MAGIC, ULOG_MAGIC};
 
 /// How many kinds of damage are kept.
 const MAX_DAMAGE: usize = 100;
@@ -48,10 +50,12 @@ pub enum Source {
     Log(LogSource),
     /// Messages as JSON.
     Json(JsonSource),
+    /// A file of MCAP.
+    Mcap(McapSource),
 }
 
-/// Judges a source of any kind, which is seen by how it begins: a log of PX4, or else JSON. Where `of` names a
-/// message, the JSON is messages of that type and nothing around them.
+/// Judges a source of any kind, which is seen by how it begins: a log of PX4, MCAP, or else JSON. Where `of` names
+/// a message, the JSON is messages of that type and nothing around them.
 ///
 /// An error is one of reading its first bytes. What is wrong with the source later on, and that it can't be read any
 /// further, is part of the judgement.
@@ -61,10 +65,14 @@ pub fn judge(
     definitions: &Definitions,
 ) -> io::Result<Judgement> {
     let mut start = Vec::new();
-    input.by_ref().take(ULOG_MAGIC.len() as u64).read_to_end(&mut start)?;
-    let is_log = start == ULOG_MAGIC;
+    input.by_ref().take(MCAP_MAGIC.len() as u64).read_to_end(&mut start)?;
+    let (is_log, is_mcap) = (start.starts_with(&ULOG_MAGIC), start == MCAP_MAGIC);
     let whole = io::Cursor::new(start).chain(input);
-    Ok(if is_log { judge_ulog(whole, definitions) } else { judge_json(whole, of, definitions) })
+    Ok(match (is_log, is_mcap) {
+        (true, _) => judge_ulog(whole, definitions),
+        (_, true) => judge_mcap(whole, definitions),
+        _ => judge_json(whole, of, definitions),
+    })
 }
 
 /// What all kinds of sources have in common: messages that come on channels, and the rules that follow them.
@@ -78,9 +86,16 @@ struct Course<'d> {
     judged: u64,
     first: Option<u64>,
     last: u64,
-    /// By what is told, which is told once: where first, and how often.
-    damage: HashMap<String, (Place, u64)>,
+    /// By what is told, which is told once.
+    damage: HashMap<String, Told>,
     more_damage: u64,
+}
+
+/// Damage: where it was first, and how often it was.
+struct Told {
+    number: usize,
+    place: Place,
+    times: u64,
 }
 
 /// A rule that follows the records.
@@ -175,10 +190,10 @@ impl<'d> Course<'d> {
     }
 
     fn damage(&mut self, place: Place, text: String) {
-        let has_room = self.damage.len() < MAX_DAMAGE;
+        let number = self.damage.len();
         match self.damage.entry(text) {
-            Entry::Occupied(mut known) => known.get_mut().1 += 1,
-            Entry::Vacant(new) if has_room => _ = new.insert((place, 1)),
+            Entry::Occupied(mut known) => known.get_mut().times += 1,
+            Entry::Vacant(new) if number < MAX_DAMAGE => _ = new.insert(Told { number, place, times: 1 }),
             Entry::Vacant(_) => self.more_damage += 1,
         }
     }
@@ -193,19 +208,19 @@ impl<'d> Course<'d> {
             follower.judge(self.definitions, &mut self.findings, |checker, judged| checker.end(judged));
             self.findings.exercise(follower.rule, follower.exercised);
         }
-        let told = |(text, (place, times)): (String, (Place, u64))| match times {
-            1 => (place, text),
-            _ => (place, format!("{text} ({} times)", Grouped(times))),
+        let mut damage: Vec<(String, Told)> = self.damage.into_iter().collect();
+        damage.sort_by_key(|(_, told)| told.number);
+        let told = |(text, told): (String, Told)| match told.times {
+            1 => (told.place, text),
+            times => (told.place, format!("{text} ({} times)", Grouped(times))),
         };
-        let mut damage: Vec<(Place, String)> = self.damage.into_iter().map(told).collect();
-        damage.sort();
         Judgement {
             source,
             bytes,
             duration: self.first.map_or(0, |first| self.last - first),
             records: self.records,
             judged: self.judged,
-            damage,
+            damage: damage.into_iter().map(told).collect(),
             more_damage: self.more_damage,
             findings: self.findings,
         }

@@ -1,5 +1,5 @@
 //! Judges outputs of implementations by the definitions that `uavspec-codegen` reads: now logs of PX4
-//! (`ULog`), messages as JSON, and codecs ([`testee`]); other captures and live servers are to follow.
+//! (`ULog`), MCAP, messages as JSON, and codecs ([`testee`]); other captures and live servers are to follow.
 //!
 //! ```text
 //!  bytes ──source──▶ records ──plan, rule──▶ findings ──▶ verdicts ──report──▶ terminal, JSON, SARIF, JUnit

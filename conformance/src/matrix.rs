@@ -35,6 +35,7 @@ pub fn conforming(definitions: &Definitions) -> Vec<(&'static str, Judgement)> {
     let flight = Flight::new(definitions);
     let sources = [
         ("log", flight.log().to_bytes()),
+        ("MCAP", flight.bag().to_bytes()),
         ("JSON Lines", flight.lines().to_bytes()),
         ("rosbridge", flight.rosbridge().to_bytes()),
     ];

@@ -5,7 +5,9 @@
 //! healthy it is worked out what is wrong where.
 
 use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
-use uavspec_codegen::schema::{Element, Field, Message, MessageId, Restriction, Schema, Shape};
+use uavspec_codegen::schema::{
+    Dialect, Element, Field, Form, Message, MessageId, Restriction, Schema, Shape,
+};
 use uavspec_codegen::source::Span;
 use uavspec_runtime::{Number, Scalar};
 
@@ -111,9 +113,19 @@ impl Plan {
             for index in 0..count(placed.shape) {
                 let is_single = placed.shape == Shape::Single;
                 let path = if is_single { path.clone() } else { format!("{path}[{index}]") };
+                let before = self.steps.len();
                 self.add(nested, id, schema, offset + index * placed.stride, (&path, &subject));
+                // All elements are alike, and there can be millions of them.
+                if self.steps.len() == before {
+                    break;
+                }
             }
         }
+    }
+
+    /// How much room it takes, in steps: one for each field that is checked.
+    pub fn steps(&self) -> usize {
+        self.steps.len()
     }
 
     /// Checks a payload, which has all fields of its format.
@@ -168,7 +180,12 @@ impl Step {
         field: Option<(&Field, &Message)>,
         schema: &Schema,
     ) -> Option<Self> {
+        let is_text = |message| schema.package_of(message).form == Form::Msg(Dialect::Px4);
         let kind = match placed.element {
+            // What comes from ROS 2 doesn't tell text from numbers.
+            PlacedElement::Scalar(Scalar::Char) if field.is_some_and(|(_, message)| is_text(message)) => {
+                Kind::Text(count(placed.shape))
+            }
             PlacedElement::Scalar(Scalar::Bool) => Kind::Bool,
             PlacedElement::Text(length) => Kind::Text(length as usize),
             PlacedElement::Scalar(scalar) => {
@@ -180,7 +197,7 @@ impl Step {
         };
         let (path, subject) = names();
         let definition = field.map(|(field, _)| field.span);
-        let count = count(placed.shape);
+        let count = if matches!(kind, Kind::Text(_)) { 1 } else { count(placed.shape) };
         Some(Self { path, subject, offset, count, stride: placed.stride, kind, definition })
     }
 

@@ -5,6 +5,8 @@
 
 mod px_arr_01;
 mod px_bool_01;
+mod px_cdr_01;
+mod px_cdr_02;
 mod px_data_01;
 mod px_data_02;
 mod px_data_03;
@@ -12,6 +14,7 @@ mod px_enum_01;
 mod px_fmt_01;
 mod px_fmt_02;
 mod px_fmt_03;
+mod px_hash_01;
 mod px_json_01;
 mod px_json_02;
 mod px_len_01;
@@ -32,9 +35,11 @@ use crate::record::{Channel, Message, Place};
 use crate::sample::Flight;
 
 /// Every rule, by id.
-pub static RULES: [&Rule; 19] = [
+pub static RULES: [&Rule; 22] = [
     &px_arr_01::RULE,
     &px_bool_01::RULE,
+    &px_cdr_01::RULE,
+    &px_cdr_02::RULE,
     &px_data_01::RULE,
     &px_data_02::RULE,
     &px_data_03::RULE,
@@ -42,6 +47,7 @@ pub static RULES: [&Rule; 19] = [
     &px_fmt_01::RULE,
     &px_fmt_02::RULE,
     &px_fmt_03::RULE,
+    &px_hash_01::RULE,
     &px_json_01::RULE,
     &px_json_02::RULE,
     &px_len_01::RULE,

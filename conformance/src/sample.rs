@@ -5,6 +5,7 @@
 //! and nothing is zero by chance; time, and the talk between flight controller and external component, are as they
 //! would be.
 
+mod bag;
 mod lines;
 mod log;
 
@@ -17,6 +18,7 @@ use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::{Element, Field, Form, Message, MessageId, Restriction, Shape};
 use uavspec_runtime::{Number, Rule};
 
+pub use self::bag::{Bag, BagChannel};
 pub use self::lines::Lines;
 pub use self::log::{Entry, Log};
 use crate::definitions::Definitions;
@@ -170,6 +172,11 @@ impl<'d> Flight<'d> {
     /// As a log of PX4.
     pub fn log(&self) -> Log {
         Log::of(self)
+    }
+
+    /// As MCAP.
+    pub fn bag(&self) -> Bag {
+        Bag::of(self)
     }
 
     /// As JSON Lines that name the type of each message.

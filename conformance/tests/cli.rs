@@ -168,3 +168,69 @@ fn rules_and_help_are_printed() {
     assert_eq!(status, Some(0));
     assert!(printed.contains("Examples:") && printed.contains("uavspec check flight.ulg"), "{printed}");
 }
+
+/// A record of MCAP: its kind, its length, and what it holds.
+fn mcap_record(opcode: u8, parts: &[&[u8]]) -> Vec<u8> {
+    let body = parts.concat();
+    [&[opcode][..], &(body.len() as u64).to_le_bytes(), &body].concat()
+}
+
+#[test]
+fn mcap_is_judged_and_says_what_by() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text =
+        |text: &str| [&u32::try_from(text.len()).expect("short").to_le_bytes()[..], text.as_bytes()].concat();
+    let channel = |id: u8, topic: &str, encoding: &str| {
+        mcap_record(4, &[&[id, 0, 0, 0], &text(topic), &text(encoding), &text("")])
+    };
+    let message = |id: u8, payload: &[u8]| mcap_record(5, &[&[id, 0], &[0; 20], payload]);
+    let request = [&[0, 1, 0, 0][..], &9_u64.to_le_bytes(), &[3, 0, 0, 0], &[0; 4]].concat();
+    let magic = b"\x89MCAP0\r\n".to_vec();
+    let file = [
+        magic.clone(),
+        mcap_record(1, &[&text("ros2"), &text("hand")]),
+        channel(1, "/fmu/out/arming_check_request", "cdr"),
+        channel(2, "/picture", "protobuf"),
+        channel(3, "/talk", "cdr"),
+        message(1, &request),
+        message(2, b"what"),
+        message(3, b"what"),
+        mcap_record(15, &[&[0; 4]]),
+        mcap_record(2, &[&[0; 20]]),
+        magic,
+    ]
+    .concat();
+    fs::create_dir(folder.path().join("bag")).expect("a folder");
+    fs::write(folder.path().join("bag/bag_0.mcap"), &file).expect("a file");
+    let (status, printed, said) = uavspec(folder.path(), &["check", "bag"]);
+    assert_eq!(status, Some(0), "{printed}{said}");
+    assert!(
+        printed.starts_with("bag/bag_0.mcap  ros2 (hand), 0 min 0 s, 3 channels, 3 messages ("),
+        "{printed}"
+    );
+    for line in [
+        "definitions  0 of 3 channels equal, 0 differ, 1 without a schema that can be compared, 1 not defined\n",
+        "  by name    /fmu/out/arming_check_request: no schema that names fields\n",
+        "  not read   /picture: messages as `protobuf`\n",
+        "  undefined  /talk: no schema\n",
+        "\nconforms\n",
+    ] {
+        assert!(printed.contains(line), "{line}{printed}");
+    }
+    fs::write(folder.path().join("cut.mcap.zst"), compress_to_vec(&file[..300], CompressionLevel::Fastest))
+        .expect("a file");
+    let (status, printed, _) = uavspec(folder.path(), &["check", "--format", "json", "cut.mcap.zst"]);
+    assert_eq!(status, Some(0), "{printed}");
+    let report: Value = serde_json::from_str(&printed).expect("JSON");
+    let source = &report["sources"][0];
+    assert_eq!((&source["kind"], &source["profile"]), (&"mcap".into(), &"ros2".into()));
+    let channel = &source["channels"][0];
+    assert_eq!(
+        (&channel["result"], &channel["message"]),
+        (&"by name".into(), &"no schema that names fields".into()),
+        "{channel}"
+    );
+    assert_eq!((&channel["encoding"], &channel["messages"]), (&"cdr".into(), &1.into()), "{channel}");
+    assert_eq!(source["channels"][1]["result"], "unsupported");
+    assert_eq!(source["damage"][0]["byte"], 298, "{source}");
+}

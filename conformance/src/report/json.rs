@@ -6,7 +6,7 @@ use super::Judged;
 use crate::comparison::Comparison;
 use crate::definitions::Definitions;
 use crate::finding::{Group, Verdict};
-use crate::judge::Source;
+use crate::judge::{Basis, McapChannel, Source, Standing};
 use crate::known::Excuse;
 use crate::record::Place;
 use crate::rule::RULES;
@@ -64,7 +64,35 @@ fn source(judged: &Judged, definitions: &Definitions) -> Value {
             members["undefined"] = json!(found.undefined);
             members["dialects"] = dialects.into();
         }
+        Source::Mcap(found) => {
+            let dialects: Vec<String> = found.dialects.iter().map(|dialect| dialect.to_string()).collect();
+            let channels: Vec<Value> = found.channels.iter().map(channel).collect();
+            members["kind"] = "mcap".into();
+            members["profile"] = json!(found.profile);
+            members["library"] = json!(found.library);
+            members["channels"] = channels.into();
+            members["dialects"] = dialects.into();
+        }
     }
+    members
+}
+
+/// A channel of MCAP, with what it was judged by.
+fn channel(channel: &McapChannel) -> Value {
+    let mut members = match &channel.standing {
+        Standing::Judged(Basis::Compared(comparison)) => format(&channel.topic, comparison),
+        Standing::Judged(basis) => {
+            json!({ "topic": channel.topic, "result": "by name", "message": basis.problem() })
+        }
+        Standing::Undefined => format(&channel.topic, &Comparison::Undefined),
+        Standing::Unsupported => json!({ "topic": channel.topic, "result": "unsupported" }),
+    };
+    members["encoding"] = json!(channel.encoding);
+    members["schema"] = json!(channel.schema.as_ref().map(|(name, _)| name));
+    members["schema_encoding"] = json!(channel.schema.as_ref().map(|(_, encoding)| encoding));
+    members["has_other_hash"] = channel.has_other_hash.into();
+    members["messages"] = channel.messages.into();
+    members["unsupported_cdr"] = channel.other_cdr.into();
     members
 }
 

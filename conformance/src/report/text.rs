@@ -1,5 +1,7 @@
 //! For people, at a terminal.
 
+mod mcap;
+
 use std::fmt::Write as _;
 
 use anstyle::{AnsiColor, Style};
@@ -27,6 +29,7 @@ pub fn write(judged: &Judged, definitions: &Definitions) -> String {
     let _ = match &judged.judgement.source {
         Source::Log(log) => head(judged, log, &mut text).and_then(|()| formats(&log.formats, &mut text)),
         Source::Json(found) => json(judged, found, &mut text),
+        Source::Mcap(found) => mcap::write(judged, found, &mut text),
     };
     let _ = damage(judged, &mut text);
     for level in [Level::Must, Level::Should, Level::Info] {
@@ -166,6 +169,7 @@ fn verdicts(judged: &Judged, text: &mut String) -> std::fmt::Result {
         _ if judged.judgement.damage.is_empty() => "",
         Source::Log(_) => ", and the log is damaged",
         Source::Json(_) => ", and not all can be read",
+        Source::Mcap(_) => ", and the file is damaged",
     };
     match (failed, warned) {
         (0, _) if judged.judgement.judged == 0 => writeln!(text, "nothing was judged{damaged}"),

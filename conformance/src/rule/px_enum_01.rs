@@ -22,5 +22,10 @@ pub(super) static RULE: Rule = Rule {
             make: |flight| Some(flight.breaking(Broken::Enum)?.lines().to_bytes()),
             also: &[],
         },
+        Mutant {
+            name: "a value that is not documented, in MCAP",
+            make: |flight| Some(flight.breaking(Broken::Enum)?.bag().to_bytes()),
+            also: &[],
+        },
     ],
 };

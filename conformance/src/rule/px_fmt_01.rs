@@ -10,16 +10,30 @@ pub(super) static RULE: Rule = Rule {
     source: "the definition",
     applies_to: "logs",
     check: Check::Source,
-    mutants: &[Mutant {
-        name: "a field has another name",
-        make: |flight| {
-            let topic = flight.regular(|message| message.fields.len() > 2)?;
-            let name = flight.type_of(topic).field_names().nth(1)?.to_owned();
-            let mut log = flight.log();
-            let fields = log.format_mut(&flight.topics[topic].name)?;
-            *fields = fields.replace(&format!(" {name};"), &format!(" {name}_before;"));
-            Some(log.to_bytes())
+    mutants: &[
+        Mutant {
+            name: "a field has another name",
+            make: |flight| {
+                let topic = flight.regular(|message| message.fields.len() > 2)?;
+                let name = flight.type_of(topic).field_names().nth(1)?.to_owned();
+                let mut log = flight.log();
+                let fields = log.format_mut(&flight.topics[topic].name)?;
+                *fields = fields.replace(&format!(" {name};"), &format!(" {name}_before;"));
+                Some(log.to_bytes())
+            },
+            also: &[],
         },
-        also: &[],
-    }],
+        Mutant {
+            name: "a schema with another name of a field",
+            make: |flight| {
+                let topic = flight.regular(|message| message.fields.len() > 2)?;
+                let name = flight.type_of(topic).field_names().nth(1)?.to_owned();
+                let mut bag = flight.bag();
+                let text = &mut bag.channels[topic].text;
+                *text = text.replacen(&format!(" {name}\n"), &format!(" {name}_before\n"), 1);
+                Some(bag.to_bytes())
+            },
+            also: &[],
+        },
+    ],
 };

@@ -22,5 +22,10 @@ pub(super) static RULE: Rule = Rule {
             make: |flight| Some(flight.breaking(Broken::Count)?.lines().to_bytes()),
             also: &[],
         },
+        Mutant {
+            name: "one entry more in use than the array has, in MCAP",
+            make: |flight| Some(flight.breaking(Broken::Count)?.bag().to_bytes()),
+            also: &[],
+        },
     ],
 };

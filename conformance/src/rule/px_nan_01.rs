@@ -22,5 +22,10 @@ pub(super) static RULE: Rule = Rule {
             make: |flight| Some(flight.breaking(Broken::Nan)?.lines().to_bytes()),
             also: &[],
         },
+        Mutant {
+            name: "NaN without a meaning, in MCAP",
+            make: |flight| Some(flight.breaking(Broken::Nan)?.bag().to_bytes()),
+            also: &[],
+        },
     ],
 };

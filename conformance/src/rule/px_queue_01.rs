@@ -26,6 +26,11 @@ pub(super) static RULE: Rule = Rule {
             make: |flight| Some(burst(flight)?.lines().to_bytes()),
             also: &[],
         },
+        Mutant {
+            name: "more messages at one time than the queue holds, in MCAP",
+            make: |flight| Some(burst(flight)?.bag().to_bytes()),
+            also: &[],
+        },
     ],
 };
 

@@ -22,5 +22,10 @@ pub(super) static RULE: Rule = Rule {
             make: |flight| Some(flight.breaking(Broken::Range)?.lines().to_bytes()),
             also: &[],
         },
+        Mutant {
+            name: "a value out of its range, in MCAP",
+            make: |flight| Some(flight.breaking(Broken::Range)?.bag().to_bytes()),
+            also: &[],
+        },
     ],
 };

@@ -25,6 +25,11 @@ pub(super) static RULE: Rule = Rule {
             make: |flight| Some(back(flight)?.rosbridge().to_bytes()),
             also: &[],
         },
+        Mutant {
+            name: "the last message is older than those before, in MCAP",
+            make: |flight| Some(back(flight)?.bag().to_bytes()),
+            also: &[],
+        },
     ],
 };
 

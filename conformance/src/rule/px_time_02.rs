@@ -25,6 +25,11 @@ pub(super) static RULE: Rule = Rule {
             make: |flight| Some(pause(flight)?.lines().to_bytes()),
             also: &[],
         },
+        Mutant {
+            name: "a topic pauses, in MCAP",
+            make: |flight| Some(pause(flight)?.bag().to_bytes()),
+            also: &[],
+        },
     ],
 };
 

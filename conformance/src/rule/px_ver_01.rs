@@ -31,6 +31,16 @@ pub(super) static RULE: Rule = Rule {
             },
             also: &[],
         },
+        Mutant {
+            name: "a topic of another version, in MCAP",
+            make: |flight| {
+                let topic = flight.regular(|message| message.version.is_some())?;
+                let mut bag = flight.bag();
+                bag.channels[topic].topic += "_v9999";
+                Some(bag.to_bytes())
+            },
+            also: &[],
+        },
     ],
 };
 

@@ -1,0 +1,194 @@
+//! The types that a file brings with it, as `ros2msg` writes them.
+//!
+//! The text of the type itself comes first. That of each type that it nests follows a line of `=` and one with
+//! its name, `MSG: package/Name`.
+//!
+//! Comments don't belong to types. They are left away before the text is read, as they may hold annotations that refer
+//! to messages which the file doesn't bring.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use uavspec_codegen::diagnostic::{Level, Problem};
+use uavspec_codegen::dynamic::{MessageType, Types};
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::{Form, MessageId};
+use uavspec_codegen::{PackageInput, SourceMap, read};
+
+/// The package of a type whose name tells none.
+const NO_PACKAGE: &str = "unnamed";
+
+/// A line of fewer `=` belongs to the text; all writers put 80.
+const SEPARATOR: usize = 40;
+
+/// A type with all that it nests.
+#[derive(Debug)]
+pub(super) struct Stated {
+    types: Types,
+    root: MessageId,
+}
+
+impl Stated {
+    /// Reads the text of the schema `name`. An error says what is wrong with it, in one line.
+    pub(super) fn read(name: &str, text: &[u8]) -> Result<Self, String> {
+        let text = std::str::from_utf8(text)
+            .map_err(|error| format!("no UTF-8 from its byte {} on", error.valid_up_to()))?;
+        let root = parts_of(name).ok_or("its name isn't that of a type")?;
+        let mut sources = SourceMap::default();
+        let mut packages: BTreeMap<&str, PackageInput> = BTreeMap::new();
+        let mut names = BTreeSet::new();
+        for (name, text) in definitions(text) {
+            let (package, name) = match name {
+                None => root,
+                Some(name) => {
+                    parts_of(name).ok_or_else(|| format!("`{}` is no type", name.escape_debug()))?
+                }
+            };
+            // Some writers repeat what is nested twice.
+            if !names.insert((package, name)) {
+                continue;
+            }
+            let path = format!("{package}/{name}.msg");
+            let source = sources
+                .add(path, without_comments(text).into_bytes())
+                .map_err(|diagnostic| diagnostic.problem.to_string())?;
+            let form = Form::Msg(Dialect::Ros2);
+            let input = packages.entry(package);
+            input.or_insert_with(|| PackageInput::new(package, form, Vec::new())).sources.push(source);
+        }
+        let packages: Vec<PackageInput> = packages.into_values().collect();
+        let (schema, diagnostics) = read(&sources, &packages);
+        // Names that ROS 2 refuses are read all the same.
+        let is_grave = |problem: &Problem| {
+            problem.level() == Level::Error && !matches!(problem, Problem::NameStyleRos { .. })
+        };
+        if let Some(diagnostic) = diagnostics.iter().find(|diagnostic| is_grave(&diagnostic.problem)) {
+            let source = sources.source_of(diagnostic.span);
+            let line = sources.position(diagnostic.span).line;
+            return Err(format!("{}:{line}: {}", sources.path(source), diagnostic.problem));
+        }
+        let is_root = |id: &&MessageId| schema.message(**id).name == root.1;
+        let messages = schema.packages.iter().filter(|package| package.name == root.0);
+        let found = messages.flat_map(|package| &package.messages).find(is_root).copied();
+        let stated =
+            Self { root: found.ok_or("it doesn't define its own type")?, types: Types::new(&schema) };
+        match stated.root().defect() {
+            Some(defect) => Err(format!("it {defect}")),
+            None => Ok(stated),
+        }
+    }
+
+    /// The type itself.
+    pub(super) fn root(&self) -> MessageType<'_> {
+        self.types.get(self.root)
+    }
+}
+
+/// A text with nothing from each `#` on that doesn't stand in a string.
+fn without_comments(text: &str) -> String {
+    let mut bare = String::with_capacity(text.len());
+    for line in text.split_inclusive('\n') {
+        let mut quote = None;
+        let end = line.char_indices().find(|(_, character)| {
+            match (quote, character) {
+                (None, '#') => return true,
+                (None, '"' | '\'') => quote = Some(*character),
+                (Some(open), _) if open == *character => quote = None,
+                _ => {}
+            }
+            false
+        });
+        bare.push_str(end.map_or(line, |(at, _)| &line[..at]));
+        if end.is_some() {
+            bare.push('\n');
+        }
+    }
+    bare
+}
+
+/// The texts of all types; the first has no name.
+fn definitions(text: &str) -> Vec<(Option<&str>, &str)> {
+    let mut found = Vec::new();
+    let (mut name, mut start, mut at) = (None, 0, 0);
+    let mut lines = text.split_inclusive('\n').peekable();
+    while let Some(line) = lines.next() {
+        let end = at + line.len();
+        let bare = line.trim();
+        let is_separator = bare.len() >= SEPARATOR && bare.bytes().all(|byte| byte == b'=');
+        let next = lines.peek().and_then(|line| line.trim().strip_prefix("MSG: "));
+        if let (true, Some(next)) = (is_separator, next) {
+            found.push((name, &text[start..at]));
+            let heading = lines.next().map_or(0, str::len);
+            (name, start, at) = (Some(next.trim()), end + heading, end + heading);
+        } else {
+            at = end;
+        }
+    }
+    found.push((name, &text[start..]));
+    found
+}
+
+/// The package and the name in `package/msg/Name`, `package/Name` or `Name`.
+fn parts_of(name: &str) -> Option<(&str, &str)> {
+    let (package, name) = name.rsplit_once('/').unwrap_or((NO_PACKAGE, name));
+    let package = package.strip_suffix("/msg").unwrap_or(package);
+    let is_word = |word: &str| {
+        word.starts_with(|first: char| first.is_ascii_alphabetic())
+            && word.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+    };
+    (is_word(package) && is_word(name)).then_some((package, name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GLIDER: &str =
+        "uint64 timestamp  # [@enum Other.KIND] it isn't there\nMark[2] marks\nair_msgs/Wind wind\n";
+    const MARK: &str = "int16 height\n# ====\n";
+    const WIND: &str = "float32[3] speed\n";
+
+    fn line() -> String {
+        "=".repeat(80)
+    }
+
+    #[test]
+    fn types_of_several_packages_are_read() {
+        let line = line();
+        let text = format!(
+            "{GLIDER}{line}\nMSG: sky_msgs/Mark\n{MARK}\r\n{line}\r\nMSG: air_msgs/msg/Wind\r\n{WIND}{line}\n\
+             MSG: sky_msgs/Mark\nthis is not read\n"
+        );
+        let stated = Stated::read("sky_msgs/msg/Glider", text.as_bytes()).expect("a type");
+        let root = stated.root();
+        assert_eq!((root.package(), root.name()), ("sky_msgs", "Glider"));
+        assert_eq!(root.field_names().collect::<Vec<_>>(), ["timestamp", "marks", "wind"]);
+        let alone = Stated::read("Wind", WIND.as_bytes()).expect("a type");
+        assert_eq!(alone.root().name(), "Wind");
+    }
+
+    #[test]
+    fn comments_are_left_away_and_strings_kept() {
+        let text = "string NAME='a # b' # 'c\nint8 a#b\nstring s \"it's # so\"\n# all";
+        assert_eq!(without_comments(text), "string NAME='a # b' \nint8 a\nstring s \"it's # so\"\n\n");
+    }
+
+    #[test]
+    fn what_is_no_definition_is_told() {
+        let missing =
+            Stated::read("sky_msgs/msg/Glider", GLIDER.as_bytes()).expect_err("what it nests is missing");
+        assert!(missing.starts_with("sky_msgs/Glider.msg:2: "), "{missing}");
+        for (name, text) in [
+            ("sky_msgs/msg/Mark", &b"int16 height\n\xff"[..]),
+            ("sky msgs/Mark", b"int16 height\n"),
+            ("", b"int16 height\n"),
+            ("sky_msgs/Mark", b"module sky { struct Mark { short height; }; };"),
+            ("sky_msgs/Mark", b"uint8[4000000000] all\n"),
+            ("sky_msgs/Mark", b"Mark deeper\n"),
+            ("sky_msgs/Mark", b"\0\x01\x02\x03"),
+        ] {
+            assert!(Stated::read(name, text).is_err(), "{name} {:?}", String::from_utf8_lossy(text));
+        }
+        let odd = format!("{WIND}{}\nMSG: no type\n{MARK}", line());
+        assert_eq!(Stated::read("Wind", odd.as_bytes()).expect_err("a name"), "`no type` is no type");
+    }
+}

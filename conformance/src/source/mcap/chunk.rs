@@ -1,0 +1,76 @@
+//! A chunk, and the records in it.
+
+use std::io::{self, Read};
+
+use mcap::records::op;
+
+use super::sound::{self, HEAD, MAX_RECORD, can_be, has_its_parts};
+use super::unpack::Unpacker;
+use super::window::Window;
+
+/// A chunk that is being read.
+#[derive(Debug)]
+pub(super) struct Chunk {
+    pub(super) offset: u64,
+    pub(super) size: u64,
+    pub(super) checksum: u32,
+    /// Bytes behind its records.
+    pub(super) added: u64,
+    pub(super) records: Records,
+}
+
+/// Where the records of a chunk are.
+#[derive(Debug)]
+pub(super) enum Records {
+    /// In the file, from this offset on.
+    Plain(u64),
+    /// Packed; whether the file ended before they did.
+    Packed(Box<Window<Unpacker>>, bool),
+}
+
+impl Chunk {
+    pub(super) fn is_packed(&self) -> bool {
+        matches!(self.records, Records::Packed(..))
+    }
+}
+
+/// What comes next in a chunk.
+pub(super) enum Next {
+    Record { opcode: u8, length: usize },
+    Passed,
+    TooLong { opcode: u8, length: u64 },
+    Broken,
+    End,
+}
+
+/// Takes the next record of a chunk of which so many bytes are left.
+pub(super) fn cut<R: Read>(window: &mut Window<R>, left: u64) -> io::Result<Next> {
+    if left == 0 {
+        return Ok(Next::End);
+    }
+    window.require(HEAD)?;
+    let Some((opcode, length)) = sound::head(window.ahead()) else { return Ok(Next::Broken) };
+    let is_within = length.checked_add(HEAD as u64).is_some_and(|whole| whole <= left);
+    if opcode == 0 || !is_within {
+        return Ok(Next::Broken);
+    }
+    let is_wanted = matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE);
+    if !is_wanted || length > MAX_RECORD {
+        let whole = HEAD as u64 + length;
+        let is_there = window.skip(whole)? == whole;
+        return Ok(match (is_there, is_wanted) {
+            (false, _) => Next::Broken,
+            (true, true) => Next::TooLong { opcode, length },
+            (true, false) => Next::Passed,
+        });
+    }
+    // No longer than the limit, which fits.
+    let length = usize::try_from(length).unwrap_or(usize::MAX - HEAD);
+    window.require(HEAD + length)?;
+    let Some(body) = window.ahead().get(HEAD..HEAD + length) else { return Ok(Next::Broken) };
+    if !can_be(opcode, length as u64) || !has_its_parts(opcode, body, false) {
+        return Ok(Next::Broken);
+    }
+    window.advance(HEAD + length);
+    Ok(Next::Record { opcode, length })
+}

@@ -1,0 +1,457 @@
+//! Goes through a file, record by record.
+
+use std::collections::VecDeque;
+use std::io::{self, Read};
+use std::mem;
+
+use mcap::records::{Record, op};
+
+use super::chunk::{Chunk, Next, Records, cut};
+use super::problem::Malformed;
+use super::sound::{
+    self, ChunkHead, HEAD, MAX_CHUNK_HEAD, can_be, can_follow, has_its_parts, is_attachment, is_sound,
+};
+use super::unpack::{Packing, Unpacker};
+use super::window::Window;
+use super::{Event, Item, MAGIC, Problem};
+
+/// How far the next sound record is looked for at a time: messages that are longer are no places to go on from.
+const LOOKAHEAD: usize = 64 * 1024;
+
+/// Reads a file from its start to its end.
+#[derive(Debug)]
+pub struct Reader<R> {
+    file: Window<R>,
+    stage: Stage,
+    /// The chunk in which the cursor is.
+    chunk: Option<Chunk>,
+    /// What is to be told before anything else.
+    problems: VecDeque<(u64, Problem)>,
+    declared: Declared,
+    /// Room for packed chunks.
+    room: Vec<u8>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    Start,
+    Header,
+    Records,
+    End,
+}
+
+/// The channels that were declared, by id.
+#[derive(Debug)]
+struct Declared(Box<[u64; 1 << 10]>);
+
+impl Declared {
+    fn insert(&mut self, id: u16) {
+        self.0[usize::from(id / 64)] |= 1 << (id % 64);
+    }
+
+    fn has(&self, id: u16) -> bool {
+        self.0[usize::from(id / 64)] & 1 << (id % 64) != 0
+    }
+}
+
+/// A record, the last thing before a cursor.
+#[derive(Clone, Copy, Debug)]
+struct Found {
+    offset: u64,
+    opcode: u8,
+    length: usize,
+    is_packed: bool,
+}
+
+impl<R: Read> Reader<R> {
+    /// The longest record that is lent, in bytes.
+    pub const MAX_RECORD: u64 = sound::MAX_RECORD;
+
+    /// The most bytes of a packed chunk.
+    pub const MAX_PACKED: u64 = 256 << 20;
+
+    /// A reader of what `input` holds, from its first byte on.
+    pub fn new(input: R) -> Self {
+        Self {
+            file: Window::new(input),
+            stage: Stage::Start,
+            chunk: None,
+            problems: VecDeque::new(),
+            declared: Declared(Box::new([0; 1 << 10])),
+            room: Vec::new(),
+        }
+    }
+
+    /// How many bytes were read.
+    pub fn bytes(&self) -> u64 {
+        self.file.offset()
+    }
+
+    /// The next record that says something of messages or is one, or the next problem; nothing at the end.
+    ///
+    /// An error is one of reading; the reader may be asked again after it.
+    #[allow(clippy::should_implement_trait)] // an iterator lends nothing
+    pub fn next(&mut self) -> io::Result<Option<Item<'_>>> {
+        loop {
+            if let Some((offset, problem)) = self.problems.pop_front() {
+                return Ok(Some(Item { offset, event: Event::Problem(problem) }));
+            }
+            let found = match (&self.chunk, self.stage) {
+                (Some(_), _) => self.in_chunk()?,
+                (None, Stage::End) => return Ok(None),
+                (None, Stage::Start) => self.start()?,
+                (None, Stage::Header | Stage::Records) => self.in_file()?,
+            };
+            if let Some(found) = found {
+                return Ok(Some(self.lend(found)));
+            }
+        }
+    }
+
+    fn lend(&mut self, found: Found) -> Item<'_> {
+        let Found { offset, opcode, length, is_packed } = found;
+        let body = match &self.chunk {
+            Some(Chunk { records: Records::Packed(window, _), .. }) if is_packed => window.behind(length),
+            _ => self.file.behind(length),
+        };
+        let unreadable = Item { offset, event: Event::Problem(Problem::Unreadable { opcode }) };
+        let event = match mcap::parse_record(opcode, body) {
+            Ok(Record::Header(header)) => Event::Header { profile: header.profile, library: header.library },
+            // The text of a schema is borrowed from the record, which is borrowed from here.
+            Ok(Record::Schema { header, data: std::borrow::Cow::Borrowed(text) }) => {
+                Event::Schema { id: header.id, name: header.name, encoding: header.encoding, text }
+            }
+            Ok(Record::Channel(channel)) => {
+                self.declared.insert(channel.id);
+                Event::Channel {
+                    id: channel.id,
+                    schema: channel.schema_id,
+                    topic: channel.topic,
+                    encoding: channel.message_encoding,
+                    metadata: channel.metadata,
+                }
+            }
+            Ok(Record::Message { header, data: std::borrow::Cow::Borrowed(payload) }) => {
+                Event::Message { channel: header.channel_id, payload }
+            }
+            _ => return unreadable,
+        };
+        Item { offset, event }
+    }
+
+    fn tell(&mut self, offset: u64, problem: Problem) {
+        self.problems.push_back((offset, problem));
+    }
+
+    fn start(&mut self) -> io::Result<Option<Found>> {
+        self.stage = Stage::Header;
+        self.file.require(MAGIC.len())?;
+        if self.file.ahead().starts_with(&MAGIC) {
+            self.file.advance(MAGIC.len());
+        } else {
+            self.tell(0, Problem::NoMagic);
+        }
+        Ok(None)
+    }
+
+    /// The next record of the file itself.
+    fn in_file(&mut self) -> io::Result<Option<Found>> {
+        self.file.require(HEAD)?;
+        let offset = self.file.offset();
+        let Some((opcode, length)) = sound::head(self.file.ahead()) else {
+            self.ends_early(offset)?;
+            return Ok(None);
+        };
+        if mem::replace(&mut self.stage, Stage::Records) == Stage::Header && opcode != op::HEADER {
+            self.tell(offset, Problem::NoHeader);
+        }
+        if !can_be(opcode, length) {
+            self.search(offset, Malformed::Length { opcode, length })?;
+            return Ok(None);
+        }
+        match opcode {
+            op::CHUNK => self.open(offset, length)?,
+            op::ATTACHMENT => {
+                self.file.require(LOOKAHEAD)?;
+                if !is_attachment(&self.file.ahead()[HEAD..], length) {
+                    self.search(offset, Malformed::Parts { opcode })?;
+                    return Ok(None);
+                }
+                self.pass(offset, HEAD as u64 + length)?;
+            }
+            // It is as long as it can be, so there is nothing to overflow.
+            _ => return self.whole(offset, opcode, usize::try_from(length).unwrap_or(usize::MAX - HEAD)),
+        }
+        Ok(None)
+    }
+
+    /// A record that is held whole, so that what follows it can be looked at.
+    fn whole(&mut self, offset: u64, opcode: u8, length: usize) -> io::Result<Option<Found>> {
+        let end = HEAD + length;
+        self.file.require(end + HEAD)?;
+        let ahead = self.file.ahead();
+        let problem = match (ahead.get(HEAD..end), ahead.get(end..)) {
+            (Some(body), Some(rest)) => {
+                let is_lost_footer =
+                    opcode == op::FOOTER && rest.len() >= MAGIC.len() && !rest.starts_with(&MAGIC);
+                if is_lost_footer || !has_its_parts(opcode, body, false) {
+                    Some(Malformed::Parts { opcode })
+                } else if opcode != op::FOOTER && !can_follow(rest) {
+                    Some(Malformed::Follower { opcode })
+                } else {
+                    None
+                }
+            }
+            _ => Some(Malformed::Beyond { opcode, length: length as u64 }),
+        };
+        if let Some(problem) = problem {
+            let is_whole = ahead.len() >= end;
+            let next =
+                (1..ahead.len().min(end)).find(|at| is_sound(&ahead[*at..], |id| self.declared.has(id)));
+            match (next, problem) {
+                (Some(next), _) => {
+                    self.file.advance(next);
+                    self.tell(offset, Problem::Skipped { found: problem, length: next as u64 });
+                    return Ok(None);
+                }
+                // The doubt goes to what follows.
+                (None, Malformed::Follower { .. }) => {}
+                (None, _) if is_whole => {
+                    self.search(offset, problem)?;
+                    return Ok(None);
+                }
+                (None, _) => {
+                    self.pass(offset, end as u64)?;
+                    return Ok(None);
+                }
+            }
+        }
+        match opcode {
+            op::DATA_END => self.check_data(offset),
+            op::FOOTER => {
+                self.file.advance(end);
+                self.end()?;
+                return Ok(None);
+            }
+            _ => {}
+        }
+        self.file.advance(end);
+        let is_wanted = matches!(opcode, op::HEADER | op::SCHEMA | op::CHANNEL | op::MESSAGE);
+        Ok(is_wanted.then_some(Found { offset, opcode, length, is_packed: false }))
+    }
+
+    /// Compares the checksum of all before the end of the data; 0 says nothing.
+    fn check_data(&mut self, offset: u64) {
+        let stated = self.file.ahead()[HEAD..].first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
+        let found = self.file.checksum();
+        if stated != 0 && stated != found {
+            self.tell(offset, Problem::DataChecksum { stated, found });
+        }
+    }
+
+    /// The file ends where a record could begin.
+    fn ends_early(&mut self, offset: u64) -> io::Result<()> {
+        let left = self.file.skip(u64::MAX)?;
+        if left > 0 {
+            self.tell(offset, Problem::CutOff { missing: HEAD as u64 - left });
+        } else {
+            self.tell(offset, Problem::NoEnd);
+        }
+        self.stage = Stage::End;
+        Ok(())
+    }
+
+    /// Behind the footer.
+    fn end(&mut self) -> io::Result<()> {
+        self.file.require(MAGIC.len())?;
+        let offset = self.file.offset();
+        if self.file.ahead().starts_with(&MAGIC) {
+            self.file.advance(MAGIC.len());
+        } else {
+            self.tell(offset, Problem::NoEnd);
+        }
+        let offset = self.file.offset();
+        let length = self.file.skip(u64::MAX)?;
+        if length > 0 {
+            self.tell(offset, Problem::AfterEnd { length });
+        }
+        self.stage = Stage::End;
+        Ok(())
+    }
+
+    /// Passes over bytes that belong to the record at `offset`.
+    fn pass(&mut self, offset: u64, length: u64) -> io::Result<()> {
+        let passed = self.file.skip(length)?;
+        if passed < length {
+            self.tell(offset, Problem::CutOff { missing: length - passed });
+            self.stage = Stage::End;
+        }
+        Ok(())
+    }
+
+    /// Passes over bytes up to the next record that is sound, or to the end.
+    fn search(&mut self, offset: u64, found: Malformed) -> io::Result<()> {
+        let start = self.file.offset();
+        self.file.require(1)?;
+        // What stands here isn't sound.
+        let mut from = self.file.ahead().len().min(1);
+        loop {
+            self.file.require(LOOKAHEAD)?;
+            let ahead = self.file.ahead();
+            // So much is kept that what begins there can be looked at, unless nothing more comes.
+            let until = if self.file.is_at_end() { ahead.len() } else { ahead.len() - LOOKAHEAD / 2 };
+            let next = (from..until).find(|at| is_sound(&ahead[*at..], |id| self.declared.has(id)));
+            let (is_over, passed) = (self.file.is_at_end(), next.unwrap_or(until));
+            self.file.advance(passed);
+            from = 0;
+            if next.is_some() || is_over {
+                break;
+            }
+        }
+        let length = self.file.offset() - start;
+        self.tell(offset, Problem::Skipped { found, length });
+        Ok(())
+    }
+
+    /// Goes into a chunk of so many bytes.
+    fn open(&mut self, offset: u64, length: u64) -> io::Result<()> {
+        self.file.require(HEAD + MAX_CHUNK_HEAD)?;
+        let body = &self.file.ahead()[HEAD..];
+        let Some(head) = ChunkHead::read(body, length) else {
+            if self.file.is_at_end() && (self.file.ahead().len() as u64) < HEAD as u64 + length {
+                return self.pass(offset, HEAD as u64 + length);
+            }
+            return self.search(offset, Malformed::Parts { opcode: op::CHUNK });
+        };
+        let packing = Packing::of(&head.packing);
+        if packing.is_some() && head.packed > Self::MAX_PACKED {
+            return self.search(offset, Malformed::Length { opcode: op::CHUNK, length });
+        }
+        if packing.is_none() && !head.packing.is_empty() {
+            let name = String::from_utf8_lossy(&head.packing).into_owned();
+            self.tell(offset, Problem::Packing { name });
+            return self.pass(offset, HEAD as u64 + length);
+        }
+        self.file.advance(HEAD + head.length);
+        self.file.start_part();
+        let ChunkHead { size, checksum, added, packed, .. } = head;
+        let records = match packing {
+            None => Records::Plain(self.file.offset()),
+            Some(packing) => {
+                // No more than the limit, which fits.
+                let packed = usize::try_from(packed).unwrap_or(usize::MAX);
+                let mut room = mem::take(&mut self.room);
+                let taken = self.file.take(packed, &mut room)?;
+                if taken < packed {
+                    self.tell(offset, Problem::CutOff { missing: (packed - taken) as u64 + added });
+                    self.stage = Stage::End;
+                }
+                Records::Packed(Box::new(Window::new(Unpacker::new(packing, room))), taken < packed)
+            }
+        };
+        self.chunk = Some(Chunk { offset, size, checksum, added, records });
+        Ok(())
+    }
+
+    /// The next record of the chunk in which the cursor is.
+    fn in_chunk(&mut self) -> io::Result<Option<Found>> {
+        let Some(chunk) = &mut self.chunk else { return Ok(None) };
+        let (chunk_offset, size, is_packed) = (chunk.offset, chunk.size, chunk.is_packed());
+        let (next, record_offset) = match &mut chunk.records {
+            Records::Plain(start) => {
+                let offset = self.file.offset();
+                (cut(&mut self.file, size - (offset - *start))?, offset)
+            }
+            Records::Packed(window, is_cut_off) => {
+                let left = size - window.offset();
+                match cut(window, left) {
+                    Ok(next) => (next, chunk_offset),
+                    Err(error) => {
+                        let unpacked = window.offset() + window.ahead().len() as u64;
+                        // What is missing was told already.
+                        if !*is_cut_off {
+                            let error = error.to_string();
+                            self.problems.push_back((chunk_offset, Problem::Unpack { unpacked, error }));
+                        }
+                        self.leave()?;
+                        return Ok(None);
+                    }
+                }
+            }
+        };
+        match next {
+            Next::Record { opcode, length } => {
+                return Ok(Some(Found { offset: record_offset, opcode, length, is_packed }));
+            }
+            Next::Passed => {}
+            Next::TooLong { opcode, length } => self.tell(record_offset, Problem::TooLong { opcode, length }),
+            Next::Broken => self.broken()?,
+            Next::End => self.close()?,
+        }
+        Ok(None)
+    }
+
+    /// No record comes next in the chunk, although something should.
+    fn broken(&mut self) -> io::Result<()> {
+        let Some(chunk) = &mut self.chunk else { return Ok(()) };
+        let (offset, size) = (chunk.offset, chunk.size);
+        match &mut chunk.records {
+            Records::Packed(window, is_cut_off) => {
+                let at = window.offset();
+                let problem = if window.is_at_end() && window.ahead().is_empty() {
+                    Problem::ChunkSize { stated: size, found: at, is_more: false }
+                } else {
+                    Problem::InChunk { at }
+                };
+                if !*is_cut_off {
+                    self.tell(offset, problem);
+                }
+                self.leave()
+            }
+            Records::Plain(start) => {
+                let left = size - (self.file.offset() - *start);
+                self.chunk = None;
+                let ahead = self.file.ahead();
+                let is_cut_off = self.file.is_at_end() && (ahead.len() as u64) < left;
+                let is_next = |at: &usize| is_sound(&ahead[*at..], |id| self.declared.has(id));
+                if is_cut_off && !(1..ahead.len()).any(|at| is_next(&at)) {
+                    return self.pass(offset, left);
+                }
+                let (opcode, length) = sound::head(ahead).unwrap_or_default();
+                self.search(self.file.offset(), Malformed::Beyond { opcode, length })
+            }
+        }
+    }
+
+    /// Goes behind a chunk that was read to its end.
+    fn close(&mut self) -> io::Result<()> {
+        let Some(chunk) = &mut self.chunk else { return Ok(()) };
+        let (offset, stated) = (chunk.offset, chunk.checksum);
+        let found = match &mut chunk.records {
+            Records::Plain(_) => self.file.part_checksum(),
+            Records::Packed(window, _) => {
+                let found = window.part_checksum();
+                // What doesn't unpack behind the last record holds no record.
+                if window.require(1).is_ok() && !window.ahead().is_empty() {
+                    let size = chunk.size;
+                    let problem = Problem::ChunkSize { stated: size, found: size, is_more: true };
+                    self.problems.push_back((offset, problem));
+                }
+                found
+            }
+        };
+        if stated != 0 && stated != found {
+            self.tell(offset, Problem::ChunkChecksum { stated, found });
+        }
+        self.leave()
+    }
+
+    /// Goes behind the records of a chunk, and keeps its room.
+    fn leave(&mut self) -> io::Result<()> {
+        let Some(chunk) = self.chunk.take() else { return Ok(()) };
+        if let Records::Packed(window, _) = chunk.records {
+            self.room = window.into_input().into_room();
+        }
+        if self.stage == Stage::End { Ok(()) } else { self.pass(chunk.offset, chunk.added) }
+    }
+}

@@ -1,0 +1,212 @@
+//! A buffer that slides over what is read, and grows for records that are longer.
+
+use std::io::{self, ErrorKind, Read};
+
+use crc32fast::Hasher;
+
+/// Bytes of the buffer at first: more than most records take.
+const CAPACITY: usize = 64 * 1024;
+
+#[derive(Debug)]
+pub(super) struct Window<R> {
+    input: R,
+    buffer: Vec<u8>,
+    /// Where in the buffer the cursor is.
+    start: usize,
+    /// Where in the buffer the bytes end that were read.
+    end: usize,
+    /// Where in the input the cursor is.
+    offset: u64,
+    is_at_end: bool,
+    /// The checksum of all before the cursor.
+    whole: Hasher,
+    /// The checksum of what lies between a call of [`start_part`](Self::start_part) and the cursor.
+    part: Hasher,
+}
+
+impl<R: Read> Window<R> {
+    pub(super) fn new(input: R) -> Self {
+        Self {
+            input,
+            buffer: vec![0; CAPACITY],
+            start: 0,
+            end: 0,
+            offset: 0,
+            is_at_end: false,
+            whole: Hasher::new(),
+            part: Hasher::new(),
+        }
+    }
+
+    /// Reads until `count` bytes are behind the cursor, if there are so many.
+    ///
+    /// The buffer grows with what comes, not with what is asked for.
+    pub(super) fn require(&mut self, count: usize) -> io::Result<()> {
+        while self.end - self.start < count && !self.is_at_end {
+            if self.end == self.buffer.len() {
+                self.make_room(count);
+            }
+            match self.input.read(&mut self.buffer[self.end..]) {
+                Ok(0) => self.is_at_end = true,
+                // No implementation should claim more than the room that it had; none is believed.
+                Ok(read) => self.end = self.buffer.len().min(self.end + read),
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(())
+    }
+
+    /// Moves what is kept to the front where that is worth it, else takes more room: so bytes are moved no more
+    /// often than they are read.
+    fn make_room(&mut self, count: usize) {
+        if self.start > self.buffer.len() / 2 {
+            self.buffer.copy_within(self.start..self.end, 0);
+            self.end -= self.start;
+            self.start = 0;
+        } else {
+            let enough = self.start.saturating_add(count).max(self.buffer.len() + CAPACITY);
+            self.buffer.resize(enough.min(self.buffer.len() * 2), 0);
+        }
+    }
+
+    /// Passes over bytes, without holding them; how many there were.
+    pub(super) fn skip(&mut self, count: u64) -> io::Result<u64> {
+        let mut left = count;
+        while left > 0 {
+            self.require(1)?;
+            let here = usize::try_from(left).unwrap_or(usize::MAX).min(self.ahead().len());
+            if here == 0 {
+                break;
+            }
+            self.advance(here);
+            left -= here as u64;
+        }
+        Ok(count - left)
+    }
+
+    /// Takes bytes out into `out`; how many there were.
+    pub(super) fn take(&mut self, count: usize, out: &mut Vec<u8>) -> io::Result<usize> {
+        out.clear();
+        while out.len() < count {
+            self.require(1)?;
+            let here = (count - out.len()).min(self.ahead().len());
+            if here == 0 {
+                break;
+            }
+            out.extend_from_slice(&self.ahead()[..here]);
+            self.advance(here);
+        }
+        Ok(out.len())
+    }
+}
+
+impl<R> Window<R> {
+    /// What was read and is behind the cursor.
+    pub(super) fn ahead(&self) -> &[u8] {
+        &self.buffer[self.start..self.end]
+    }
+
+    /// The last `count` bytes before the cursor, since the last call of [`require`](Self::require).
+    pub(super) fn behind(&self, count: usize) -> &[u8] {
+        &self.buffer[self.start - count..self.start]
+    }
+
+    /// Moves the cursor over bytes that were read.
+    pub(super) fn advance(&mut self, count: usize) {
+        let passed = &self.buffer[self.start..self.start + count];
+        self.whole.update(passed);
+        self.part.update(passed);
+        self.start += count;
+        self.offset += count as u64;
+    }
+
+    /// What was read from, without what was read of it.
+    pub(super) fn into_input(self) -> R {
+        self.input
+    }
+
+    /// Where in the input the cursor is.
+    pub(super) fn offset(&self) -> u64 {
+        self.offset
+    }
+
+    /// Whether nothing follows what was read.
+    pub(super) fn is_at_end(&self) -> bool {
+        self.is_at_end
+    }
+
+    /// The checksum of all before the cursor.
+    pub(super) fn checksum(&self) -> u32 {
+        self.whole.clone().finalize()
+    }
+
+    /// Lets the checksum of a part begin at the cursor.
+    pub(super) fn start_part(&mut self) {
+        self.part = Hasher::new();
+    }
+
+    /// The checksum of the part up to the cursor.
+    pub(super) fn part_checksum(&self) -> u32 {
+        self.part.clone().finalize()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lends a few bytes at a time.
+    struct Slow<'b>(&'b [u8]);
+
+    impl Read for Slow<'_> {
+        fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+            let end = out.len().min(777);
+            self.0.read(&mut out[..end])
+        }
+    }
+
+    #[test]
+    fn bytes_keep_their_order_while_the_window_slides_and_grows() {
+        let bytes: Vec<u8> = (0..=250).cycle().take(10 * CAPACITY).collect();
+        let mut window = Window::new(Slow(&bytes));
+        let mut position = 0;
+        for count in [1, 1_000, CAPACITY - 5, 100, 3 * CAPACITY, 7, CAPACITY].into_iter().cycle() {
+            window.require(count).expect("a slice");
+            let count = count.min(bytes.len() - position);
+            assert_eq!(window.ahead()[..count], bytes[position..position + count]);
+            window.advance(count);
+            assert_eq!(window.behind(count), &bytes[position..position + count]);
+            position += count;
+            assert_eq!(window.offset(), position as u64);
+            if count == 0 {
+                break;
+            }
+        }
+        assert!(window.is_at_end());
+        assert_eq!((position, window.checksum()), (bytes.len(), crc32fast::hash(&bytes)));
+        assert!(window.buffer.len() <= 8 * CAPACITY, "{}", window.buffer.len());
+    }
+
+    #[test]
+    fn what_is_passed_over_or_taken_counts() {
+        let bytes: Vec<u8> = (0..=250).cycle().take(5 * CAPACITY).collect();
+        let mut window = Window::new(Slow(&bytes));
+        let mut out = Vec::new();
+        assert_eq!(window.skip(2 * CAPACITY as u64).expect("a slice"), 2 * CAPACITY as u64);
+        window.start_part();
+        assert_eq!(window.take(CAPACITY, &mut out).expect("a slice"), CAPACITY);
+        assert_eq!(out, bytes[2 * CAPACITY..3 * CAPACITY]);
+        assert_eq!(window.part_checksum(), crc32fast::hash(&out));
+        assert_eq!(window.skip(u64::MAX).expect("a slice"), 2 * CAPACITY as u64);
+        assert_eq!(window.take(usize::MAX, &mut out).expect("a slice"), 0);
+        assert_eq!(window.checksum(), crc32fast::hash(&bytes));
+    }
+
+    #[test]
+    fn asking_for_much_takes_no_room() {
+        let mut window = Window::new(&b"short"[..]);
+        window.require(usize::MAX).expect("a slice");
+        assert_eq!((window.ahead(), window.buffer.len()), (&b"short"[..], CAPACITY));
+    }
+}

@@ -1,0 +1,93 @@
+//! Writes files of MCAP, also such as nobody should write.
+
+use std::io::Write as _;
+
+use lz4_flex::frame::FrameEncoder;
+use ruzstd::encoding::{CompressionLevel, compress_to_vec};
+
+pub(crate) const MAGIC: &[u8] = b"\x89MCAP0\r\n";
+
+/// A record: its kind, its length, and what it holds.
+pub(crate) fn record(opcode: u8, parts: &[&[u8]]) -> Vec<u8> {
+    let body = parts.concat();
+    [&[opcode][..], &(body.len() as u64).to_le_bytes(), &body].concat()
+}
+
+pub(crate) fn text(text: &[u8]) -> Vec<u8> {
+    [&u32::try_from(text.len()).expect("a length").to_le_bytes()[..], text].concat()
+}
+
+pub(crate) fn header(profile: &str) -> Vec<u8> {
+    record(1, &[&text(profile.as_bytes()), &text(b"glider club")])
+}
+
+pub(crate) fn schema(id: u16, name: &str, encoding: &str, data: &[u8]) -> Vec<u8> {
+    record(3, &[&id.to_le_bytes(), &text(name.as_bytes()), &text(encoding.as_bytes()), &text(data)])
+}
+
+pub(crate) fn channel(
+    id: u16,
+    schema: u16,
+    topic: &str,
+    encoding: &str,
+    metadata: &[(&str, &str)],
+) -> Vec<u8> {
+    let pairs = metadata.iter().flat_map(|(key, value)| [text(key.as_bytes()), text(value.as_bytes())]);
+    let pairs: Vec<u8> = pairs.flatten().collect();
+    let names = [text(topic.as_bytes()), text(encoding.as_bytes()), text(&pairs)].concat();
+    record(4, &[&id.to_le_bytes(), &schema.to_le_bytes(), &names])
+}
+
+pub(crate) fn message(channel: u16, payload: &[u8]) -> Vec<u8> {
+    record(5, &[&channel.to_le_bytes(), &[0; 4], &7_u64.to_le_bytes(), &7_u64.to_le_bytes(), payload])
+}
+
+/// How records are put into a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Form {
+    Unchunked,
+    Plain,
+    Zstd,
+    Lz4,
+}
+
+pub(crate) const FORMS: [Form; 4] = [Form::Unchunked, Form::Plain, Form::Zstd, Form::Lz4];
+
+/// Records in a form: each chunk holds those of one element.
+pub(crate) fn chunked(form: Form, chunks: &[Vec<u8>]) -> Vec<u8> {
+    chunks
+        .iter()
+        .flat_map(|records| if form == Form::Unchunked { records.clone() } else { chunk(form, records) })
+        .collect()
+}
+
+pub(crate) fn chunk(form: Form, records: &[u8]) -> Vec<u8> {
+    let (name, packed) = match form {
+        Form::Unchunked | Form::Plain => ("", records.to_vec()),
+        Form::Zstd => ("zstd", compress_to_vec(records, CompressionLevel::Fastest)),
+        Form::Lz4 => {
+            let mut encoder = FrameEncoder::new(Vec::new());
+            encoder.write_all(records).expect("memory");
+            ("lz4", encoder.finish().expect("memory"))
+        }
+    };
+    raw_chunk(name, records.len() as u64, crc32fast::hash(records), packed.len() as u64, &packed)
+}
+
+pub(crate) fn raw_chunk(packing: &str, size: u64, checksum: u32, packed_size: u64, packed: &[u8]) -> Vec<u8> {
+    let head = [&[0; 16][..], &size.to_le_bytes(), &checksum.to_le_bytes()].concat();
+    record(6, &[&head, &text(packing.as_bytes()), &packed_size.to_le_bytes(), packed])
+}
+
+/// A whole file around records.
+pub(crate) fn file(records: &[u8]) -> Vec<u8> {
+    [start(), records.to_vec(), end()].concat()
+}
+
+pub(crate) fn start() -> Vec<u8> {
+    [MAGIC.to_vec(), header("ros2")].concat()
+}
+
+pub(crate) fn end() -> Vec<u8> {
+    [record(15, &[&[0; 4]]), record(2, &[&[0; 20]]), MAGIC.to_vec()].concat()
+}
