@@ -171,6 +171,7 @@ impl<'d> Course<'d> {
     }
 
     fn damage(&mut self, place: Place, text: String) {
+        self.followers.iter_mut().for_each(|follower| follower.checker.damage(place));
         if self.damage.len() < MAX_DAMAGE {
             self.damage.push((place, text));
         } else {
