@@ -299,7 +299,7 @@ fn request_id(round: u64) -> Value {
 
 /// What a component says in a round: it refuses now and then.
 fn answer(typical: &Value, round: u64) -> Value {
-    let is_agreed = round % REFUSED != 0;
+    let is_agreed = !round.is_multiple_of(REFUSED);
     let events = if is_agreed { 0 } else { 2 };
     let fields = [
         ("request_id", request_id(round)),
