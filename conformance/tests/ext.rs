@@ -488,20 +488,29 @@ fn components_that_come_or_go_need_not_answer() {
 
 #[test]
 fn a_flight_controller_that_starts_again_begins_anew() {
-    let mut script = Script::new();
-    script.talk(100, 106, &[3]);
-    script.request(106 * PERIOD, 106, &[3]);
-    // Numbers may go on by chance.
-    script.talk(7, 8, &[5]);
-    script.flight.messages[12..].iter_mut().for_each(|sent| sent.value["timestamp"] = 1_000.into());
-    script.flight.messages[12].value["request_id"] = 106.into();
-    let next = script.flight.messages.len();
-    script.talk(107, 112, &[3]);
-    for sent in &mut script.flight.messages[next..] {
-        let timestamp = sent.value["timestamp"].as_u64().expect("a time");
-        sent.value["timestamp"] = (timestamp - 106 * PERIOD * 1000).into();
+    for (ms, is_wrong) in [(105 * PERIOD, true), (50, false)] {
+        let mut script = Script::new();
+        script.register(10, 3);
+        script.talk(100, 105, &[3]);
+        // Numbers may go on by chance.
+        script.request(ms, 105, &[3]);
+        script.reply(ms + 5, 105, 3);
+        script.reply(ms + 6, 105, 9);
+        script.request(ms + PERIOD, 106, &[3]);
+        assert_eq!(script.found().len(), usize::from(is_wrong), "{ms}");
     }
-    assert_eq!(script.found(), NOTHING);
+}
+
+#[test]
+fn who_answers_too_early_does_not_answer() {
+    let mut script = Script::new();
+    script.talk(100, 105, &[3]);
+    script.reply(104 * PERIOD + 9, 105, 3);
+    script.request(105 * PERIOD, 105, &[3]);
+    script.talk(106, 110, &[3]);
+    let found = script.found();
+    assert_eq!(found.len(), 2, "{found:?}");
+    assert!(found[0].starts_with("PX-EXT-01") && found[1].starts_with("PX-EXT-03"), "{found:?}");
 }
 
 #[test]
@@ -601,6 +610,8 @@ fn without_masks_registrations_say_who_is_asked() {
     let said = "request 105: registration 3 doesn't answer it";
     let expected = [format!("PX-EXT-03 arming_check_request 1: {said}")];
     assert_eq!(script.found(), expected, "nobody knows of 5, which was there before, or wasn't");
+    // Those from 100 to 108, of which one has no answer; who has left isn't asked.
+    assert_eq!(script.exercised("PX-EXT-03"), 9);
     script.reply(113 * PERIOD + 5, 113, 3);
     assert_eq!(script.found().len(), 2);
 }

@@ -102,14 +102,15 @@ impl Listener for Silence {
         answers.insert(reply.registration_id);
     }
 
+    /// Who comes isn't the one that had this id before; who goes needn't have answered.
     fn registered(&mut self, id: u8, _: Option<u64>) {
         self.registered.insert(id);
-        self.excuse(id);
+        self.in_a_row[usize::from(id)] = 0;
     }
 
     fn unregistered(&mut self, id: u8, _: Option<u64>) {
         self.registered.remove(id);
-        self.excuse(id);
+        self.in_a_row[usize::from(id)] = 0;
     }
 
     fn forget(&mut self) {
@@ -118,12 +119,6 @@ impl Listener for Silence {
 }
 
 impl Silence {
-    /// Who comes or goes needn't have answered, and isn't the one from before.
-    fn excuse(&mut self, id: u8) {
-        self.in_a_row[usize::from(id)] = 0;
-        self.asked.iter_mut().for_each(|asked| asked.who.remove(id));
-    }
-
     /// Judges the oldest request: two more have come.
     fn judge(&mut self, topic: &str, judged: &mut Judged<'_>) {
         let Some(oldest) = self.asked.pop_front() else { return };
