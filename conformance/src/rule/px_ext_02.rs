@@ -162,7 +162,7 @@ impl Listener for Registrations {
     }
 
     fn forget(&mut self) {
-        *self = Self { whole: Whole::No, ..Self::default() };
+        *self = Self::default();
     }
 }
 
