@@ -190,6 +190,7 @@ impl<'d> Course<'d> {
     }
 
     fn damage(&mut self, place: Place, text: String) {
+        self.followers.iter_mut().for_each(|follower| follower.checker.damage(place));
         let number = self.damage.len();
         match self.damage.entry(text) {
             Entry::Occupied(mut known) => known.get_mut().times += 1,

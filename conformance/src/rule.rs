@@ -11,9 +11,16 @@ mod px_data_01;
 mod px_data_02;
 mod px_data_03;
 mod px_enum_01;
+mod px_ext;
+mod px_ext_01;
+mod px_ext_02;
+mod px_ext_03;
+mod px_ext_04;
+mod px_ext_05;
 mod px_fmt_01;
 mod px_fmt_02;
 mod px_fmt_03;
+mod px_fsf_03;
 mod px_hash_01;
 mod px_json_01;
 mod px_json_02;
@@ -35,7 +42,7 @@ use crate::record::{Channel, Message, Place};
 use crate::sample::Flight;
 
 /// Every rule, by id.
-pub static RULES: [&Rule; 22] = [
+pub static RULES: [&Rule; 28] = [
     &px_arr_01::RULE,
     &px_bool_01::RULE,
     &px_cdr_01::RULE,
@@ -44,9 +51,15 @@ pub static RULES: [&Rule; 22] = [
     &px_data_02::RULE,
     &px_data_03::RULE,
     &px_enum_01::RULE,
+    &px_ext_01::RULE,
+    &px_ext_02::RULE,
+    &px_ext_03::RULE,
+    &px_ext_04::RULE,
+    &px_ext_05::RULE,
     &px_fmt_01::RULE,
     &px_fmt_02::RULE,
     &px_fmt_03::RULE,
+    &px_fsf_03::RULE,
     &px_hash_01::RULE,
     &px_json_01::RULE,
     &px_json_02::RULE,
@@ -167,6 +180,9 @@ pub trait Checker {
 
     /// Records were lost, for so many milliseconds.
     fn dropout(&mut self, _milliseconds: u16, _place: Place) {}
+
+    /// Something can't be read, and records may be lost with it.
+    fn damage(&mut self, _place: Place) {}
 
     /// The source ends.
     fn end(&mut self, _judged: &mut Judged<'_>) {}

@@ -32,8 +32,11 @@ pub const PERIOD: u64 = 20_000;
 /// When the first round is, in µs since system start.
 pub const START: u64 = 1_000_000;
 
-/// The id that the external component gets for its arming checks.
-const REGISTRATION: u64 = 3;
+/// The external components: the id that each gets for its arming checks, and the last round in which it is there.
+const COMPONENTS: [(u64, u64); 2] = [(3, ROUNDS - 1), (5, 31)];
+
+/// Components refuse in each round of so many.
+const REFUSED: u64 = 4;
 
 /// A short flight: all messages of PX4 that the definitions have.
 #[derive(Clone, Debug)]
@@ -85,10 +88,8 @@ impl<'d> Flight<'d> {
         for round in 0..ROUNDS {
             for topic in flight.in_order() {
                 let name = &definitions.schema.message(flight.topics[topic].message).name;
-                let mut value = first[topic].clone();
-                if tell(name, round, &mut value) {
-                    flight.messages.push(Sent { topic, value });
-                }
+                let values = told(name, round, &first[topic]);
+                flight.messages.extend(values.into_iter().map(|value| Sent { topic, value }));
             }
         }
         flight
@@ -169,6 +170,33 @@ impl<'d> Flight<'d> {
         Some(changed)
     }
 
+    /// The index of a reply of an external component, some rounds before the end.
+    pub fn late_reply(&self) -> Option<usize> {
+        let topic = self.topic("ArmingCheckReply")?;
+        let time = START + (ROUNDS - REFUSED) * PERIOD;
+        self.messages.iter().position(|sent| sent.topic == topic && sent.value["timestamp"] == time)
+    }
+
+    /// Adds a reply of an external component like the one before it, with a change.
+    pub fn with_reply(&self, change: impl FnOnce(&mut Value)) -> Option<Self> {
+        let at = self.late_reply()?;
+        let mut changed = self.clone();
+        let mut reply = self.messages[at].clone();
+        change(&mut reply.value);
+        changed.messages.insert(at + 1, reply);
+        Some(changed)
+    }
+
+    /// Changes the last reply in which an external component refuses to arm.
+    pub fn with_refusal(&self, change: impl FnOnce(&mut Value)) -> Option<Self> {
+        let topic = self.topic("ArmingCheckReply")?;
+        let is_refused = |sent: &Sent| sent.topic == topic && sent.value["can_arm_and_run"] == false;
+        let last = self.messages.iter().rposition(is_refused)?;
+        let mut changed = self.clone();
+        change(&mut changed.messages[last].value);
+        Some(changed)
+    }
+
     /// As a log of PX4.
     pub fn log(&self) -> Log {
         Log::of(self)
@@ -239,36 +267,67 @@ const STORY: [&str; 5] = [
     "UnregisterExtComponent",
 ];
 
-/// Makes a typical message that of a round, and says whether the round has one.
-fn tell(message: &str, round: u64, value: &mut Value) -> bool {
-    let mut set = |field: &str, new: Value| {
-        // Not every release has every field.
-        if let Some(place) = value.get_mut(field) {
-            *place = new;
-        }
-    };
-    set("timestamp", (START + round * PERIOD).into());
+/// The messages that a round has of a topic, made of a typical one.
+fn told(message: &str, round: u64, typical: &Value) -> Vec<Value> {
+    let typical = with(typical, &[("timestamp", (START + round * PERIOD).into())]);
+    let there = || COMPONENTS.iter().filter(|(_, last)| round <= *last);
     match message {
-        "RegisterExtComponentRequest" => round == 0,
+        "RegisterExtComponentRequest" | "RegisterExtComponentReply" if round > 0 => Vec::new(),
+        "RegisterExtComponentRequest" => {
+            there().map(|(id, _)| with(&typical, &[("request_id", (*id).into())])).collect()
+        }
         "RegisterExtComponentReply" => {
-            set("success", true.into());
-            set("arming_check_id", REGISTRATION.into());
-            round == 0
+            let fields = |id: u64| {
+                [("request_id", id.into()), ("success", true.into()), ("arming_check_id", id.into())]
+            };
+            there().map(|(id, _)| with(&typical, &fields(*id))).collect()
         }
         "ArmingCheckRequest" => {
-            set("request_id", (round % 256).into());
-            set("valid_registrations_mask", (1 << REGISTRATION).into());
-            true
+            let mask: u64 = there().map(|(id, _)| 1 << id).sum();
+            let fields = [("request_id", request_id(round)), ("valid_registrations_mask", mask.into())];
+            vec![with(&typical, &fields)]
         }
         "ArmingCheckReply" => {
-            set("request_id", (round % 256).into());
-            set("registration_id", REGISTRATION.into());
-            true
+            let reply = answer(&typical, round);
+            there().map(|(id, _)| with(&reply, &[("registration_id", (*id).into())])).collect()
         }
-        "UnregisterExtComponent" => {
-            set("arming_check_id", REGISTRATION.into());
-            round == ROUNDS - 1
-        }
-        _ => true,
+        "UnregisterExtComponent" => there()
+            .filter(|(_, last)| round == *last)
+            .map(|(id, _)| with(&typical, &[("arming_check_id", (*id).into())]))
+            .collect(),
+        _ => vec![typical],
     }
+}
+
+/// The request of a round. The numbers begin anew during the flight.
+fn request_id(round: u64) -> Value {
+    ((240 + round) % 256).into()
+}
+
+/// What a component says in a round: it refuses now and then.
+fn answer(typical: &Value, round: u64) -> Value {
+    let is_agreed = !round.is_multiple_of(REFUSED);
+    let events = if is_agreed { 0 } else { 2 };
+    let fields = [
+        ("request_id", request_id(round)),
+        ("can_arm_and_run", is_agreed.into()),
+        ("num_events", events.into()),
+    ];
+    let mut answer = with(typical, &fields);
+    // It isn't in use.
+    if let Some(id) = answer.pointer_mut("/events/2/id") {
+        *id = 0.into();
+    }
+    answer
+}
+
+/// A message with other values in those of these fields that it has: not every release has every field.
+fn with(message: &Value, fields: &[(&str, Value)]) -> Value {
+    let mut message = message.clone();
+    for (field, new) in fields {
+        if let Some(place) = message.get_mut(field) {
+            *place = new.clone();
+        }
+    }
+    message
 }

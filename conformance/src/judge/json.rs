@@ -134,12 +134,20 @@ impl<'d> JsonJudge<'d> {
             Which::Type => self.course.definitions.message_of_type(name),
             Which::Topic => self.course.definitions.message_of_topic(last_segment(name)),
         };
-        let Some(at) = self.channels.get(which, name).or_else(|| {
+        let known = self.channels.get(which, name);
+        let Some(at) = known.or_else(|| {
             let definition = definition();
             self.open(which, name, definition, line)
         }) else {
             return self.course.damage(place, format!("more than {MAX_CHANNELS} topics and types"));
         };
+        // Now that its channel is open, a first message with which nothing is wrong is read as those that follow:
+        // rules want to know what it says, too.
+        if known.is_none()
+            && let Fast::Clean(at, clean) = read(text, &self.channels, &self.plans, &mut self.values)
+        {
+            return self.message(at, clean, place);
+        }
         self.judge(at, message, place, which == Which::Topic);
     }
 
