@@ -383,9 +383,10 @@ impl Plan {
             .map(|emitter| match emitter {
                 Emitter::Rust => ("rust", EmitterOptions::Rust(RustOptions::new(None, None))),
                 Emitter::JsonSchema => ("json_schema", EmitterOptions::JsonSchema(json_schema_options(None))),
-                Emitter::Docs => {
-                    ("docs", EmitterOptions::Docs(DocsOptions { options: docs_options(None), contents: None }))
-                }
+                Emitter::Docs => (
+                    "docs",
+                    EmitterOptions::Docs(DocsOptions { options: docs_options(None), contents: None }),
+                ),
                 Emitter::Vectors => ("vectors", EmitterOptions::Vectors(vectors_options(None))),
             })
             .map(|(folder, emitter)| PlannedOutput { path: out.join(folder), emitter })
