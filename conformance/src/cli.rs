@@ -3,24 +3,28 @@
 //! Exit status: 0 conforms; 1 doesn't; 2 wrong usage, or definitions that can't be read; 3 a source that can't be
 //! read, or a testee that broke; 5 nothing was checked.
 
+mod report;
+mod rules;
 mod test;
 
-use std::io::{self, Write as _};
+use std::io;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 use uavspec_codegen::schema::MessageId;
 
+use self::report::ReportArgs;
 use crate::definitions::Definitions;
-use crate::finding::Verdict;
 use crate::input;
 use crate::judge;
 use crate::parallel;
-use crate::report::{Judged, to_json, to_text};
-use crate::rule::{RULES, Rule, rule};
+use crate::report::{
+    Action, Judged, Kind, Outcome, Report, Settings, Subject, Unreadable, command_line, subject_text,
+};
+use crate::rule::rule;
 
 /// Judges outputs of drone software by the specification.
 #[derive(Debug, Parser)]
@@ -36,8 +40,8 @@ enum Command {
     Check(CheckArgs),
     /// Ask a codec or validator in any language, as a child process.
     Test(test::TestArgs),
-    /// List the rules.
-    Rules,
+    /// List the rules, or tell all of one.
+    Rules(rules::RulesArgs),
 }
 
 /// Arguments of `check`.
@@ -46,6 +50,7 @@ enum Command {
   uavspec check flight.ulg
   uavspec check --definitions ../px4_msgs/msg logs/*.ulg
   uavspec check --format json flight.ulg > report.json
+  uavspec check --report html=report.html,junit=report.xml flight.ulg
   uavspec check rosbridge.jsonl
   zcat flight.ulg.gz | uavspec check - archive/
   uavspec check --type px4/FailsafeFlags flags.jsonl
@@ -76,27 +81,31 @@ struct CheckArgs {
     /// How many files are read at the same time; as many as there are processors, where nothing is said.
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
-    /// How to report.
-    #[arg(long, default_value = "text")]
-    format: Format,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Format {
-    /// For people.
-    Text,
-    /// For programs.
-    Json,
+    #[command(flatten)]
+    report: ReportArgs,
 }
 
 /// What a run ends with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Status {
     Conforms = 0,
     Breaks = 1,
     Usage = 2,
     Unreadable = 3,
+    Stale = 4,
     Nothing = 5,
+}
+
+impl From<Outcome> for Status {
+    fn from(outcome: Outcome) -> Self {
+        match outcome {
+            Outcome::Conforms => Self::Conforms,
+            Outcome::Breaks => Self::Breaks,
+            Outcome::Broken => Self::Unreadable,
+            Outcome::Stale => Self::Stale,
+            Outcome::Nothing => Self::Nothing,
+        }
+    }
 }
 
 /// The whole program.
@@ -104,22 +113,16 @@ pub fn main() -> ExitCode {
     let status = match Cli::parse().command {
         Command::Check(args) => check(&args),
         Command::Test(args) => test::test(&args),
-        Command::Rules => {
-            rules();
-            Status::Conforms
-        }
+        Command::Rules(args) => rules::rules(&args),
     };
     ExitCode::from(status as u8)
 }
 
-fn rules() {
-    for rule in RULES {
-        anstream::println!("{:<12} {:<7} {}", rule.id, rule.level, rule.statement);
-        anstream::println!("                     by {}", rule.source);
-    }
-}
-
 fn check(args: &CheckArgs) -> Status {
+    if let Some(problem) = args.report.problem() {
+        anstream::eprintln!("error: {problem}");
+        return Status::Usage;
+    }
     let definitions = match definitions(args.definitions.as_deref()) {
         Ok(definitions) => definitions,
         Err(status) => return status,
@@ -145,39 +148,72 @@ fn check(args: &CheckArgs) -> Status {
             return Status::Unreadable;
         }
     };
-    let mut judged = Vec::new();
-    let mut is_unreadable = false;
+    let settings = settings(args);
+    let (mut subjects, mut unreadable) = (Vec::new(), Vec::new());
     parallel::each(
         &files,
         args.jobs,
         |path| judge(path, of, &definitions),
         |path, result| match result {
             Ok(found) => {
-                if args.format == Format::Text {
-                    // The stream drops the colours where they would not be shown.
-                    let _ = write!(anstream::stdout(), "{}", to_text(&found, &definitions));
+                let subject = Subject::of_source(found, &definitions, &settings);
+                if args.report.printed() == Kind::Text {
+                    report::print(&subject_text(&subject));
                 }
-                judged.push(found);
+                subjects.push(subject);
             }
             Err(error) => {
-                anstream::eprintln!("error: {}: {error}", path.display());
-                is_unreadable = true;
+                let path = path.display().to_string();
+                anstream::eprintln!("error: {path}: {error}");
+                unreadable.push(Unreadable { path, message: error.to_string() });
             }
         },
     );
-    if args.format == Format::Json {
-        // A reader that has seen enough closes the pipe: that is no failure.
-        let _ = io::stdout().write_all(to_json(&judged, &definitions).as_bytes());
+    let is_idle = |id: &str| {
+        let rules = subjects.iter().flat_map(|subject: &Subject| &subject.rules);
+        rules.filter(|rule| rule.id == id).all(|rule| rule.exercised == 0)
+    };
+    let idle = required.iter().filter(|rule| is_idle(rule.id));
+    let remarks: Vec<String> = idle
+        .map(|rule| format!("{} was required, and nothing was there that it could have judged", rule.id))
+        .collect();
+    for remark in &remarks {
+        anstream::eprintln!("error: {remark}");
     }
-    let status = status(&judged, is_unreadable, args.strict_formats);
-    let idle = |rule: &&&Rule| judged.iter().all(|judged| judged.judgement.findings.exercised(rule) == 0);
-    for rule in required.iter().filter(idle) {
-        anstream::eprintln!(
-            "error: {} was required, and nothing was there that it could have judged",
-            rule.id
-        );
+    let report = Report::new(Action::Check, command(), &definitions, subjects, unreadable, remarks);
+    deliver(&args.report, &report)
+}
+
+/// Prints and writes a report; the status that the run ends with.
+fn deliver(args: &ReportArgs, report: &Report) -> Status {
+    args.print(report);
+    let failures = args.write(report);
+    for (path, error) in &failures {
+        anstream::eprintln!("error: {}: the report can't be written: {error}", path.display());
     }
-    if required.iter().any(|rule| idle(&rule)) { status.max(Status::Breaks) } else { status }
+    if failures.is_empty() { report.conclusion.outcome.into() } else { Status::Unreadable }
+}
+
+/// The command line of this run.
+fn command() -> String {
+    let arguments: Vec<String> =
+        std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()).collect();
+    command_line(["uavspec"].into_iter().chain(arguments.iter().map(String::as_str)))
+}
+
+/// How sources are to be judged.
+fn settings(args: &CheckArgs) -> Settings {
+    let mut arguments = Vec::new();
+    if let Some(path) = &args.definitions {
+        arguments.extend(["--definitions".to_owned(), path.display().to_string()]);
+    }
+    if let Some(name) = &args.of {
+        arguments.extend(["--type".to_owned(), name.clone()]);
+    }
+    if args.strict_formats {
+        arguments.push("--strict-formats".to_owned());
+    }
+    Settings { are_formats_strict: args.strict_formats, arguments }
 }
 
 /// The definitions at a path, or those of this program; what is wrong with them has been told.
@@ -192,23 +228,4 @@ fn judge(path: &Path, of: Option<MessageId>, definitions: &Definitions) -> io::R
     let started = Instant::now();
     let judgement = judge::judge(input::open(path)?, of, definitions)?;
     Ok(Judged { path: path.display().to_string(), judgement, elapsed: started.elapsed().as_millis() })
-}
-
-fn status(judged: &[Judged], is_unreadable: bool, are_formats_strict: bool) -> Status {
-    let fails = |judged: &Judged| {
-        RULES.iter().any(|rule| match judged.judgement.findings.verdict(rule) {
-            Verdict::Fail => true,
-            Verdict::Shown => are_formats_strict && rule.id == "PX-FMT-01",
-            Verdict::Pass | Verdict::Warn | Verdict::NotExercised => false,
-        })
-    };
-    if is_unreadable {
-        Status::Unreadable
-    } else if judged.iter().any(fails) {
-        Status::Breaks
-    } else if judged.iter().all(|judged| judged.judgement.judged == 0) {
-        Status::Nothing
-    } else {
-        Status::Conforms
-    }
 }

@@ -1,7 +1,7 @@
 //! Codecs and validators in any language, asked over pipes.
 //!
 //! ```text
-//!  definitions ──vectors──▶ cases ──run──▶ process ──answers──▶ compare ──▶ verdicts ──report──▶ terminal, JSON
+//!  definitions ──vectors──▶ cases ──run──▶ process ──answers──▶ compare ──▶ verdicts ──▶ report
 //!                              └────────dump──▶ file ──▶ … ──▶ file ──replay──┘
 //! ```
 //!
@@ -13,6 +13,5 @@ pub mod file;
 pub mod outcome;
 mod process;
 pub mod protocol;
-pub mod report;
 pub mod run;
 pub mod wire;
