@@ -186,12 +186,25 @@ fn markdown_holds_the_input_as_text() {
     }
 }
 
+/// A report as readers of `JUnit` have it. Whatever they show tells what hides or feigns; only paths are as they are.
+fn read(report: &Report) -> Junit {
+    let text = report.to_text(Kind::Junit);
+    let junit = Junit::deserialize_from_str(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    for case in junit.test_suites.iter().flat_map(|suite| &suite.test_cases) {
+        let (message, description) = match &case.status {
+            TestCaseStatus::NonSuccess { message, description, .. }
+            | TestCaseStatus::Skipped { message, description, .. } => (message, description),
+            TestCaseStatus::Success { .. } => (&None, &None),
+        };
+        let shown = [message, description, &case.classname, &case.system_out, &case.system_err];
+        let shown: String = shown.into_iter().flatten().map(quick_junit::XmlString::as_str).collect();
+        assert!(!format!("{}{shown}", case.name.as_str()).contains('\u{202e}'), "{case:?}");
+    }
+    junit
+}
+
 #[test]
 fn junit_has_a_case_for_each_rule_or_question() {
-    let read = |report: &Report| {
-        let text = report.to_text(Kind::Junit);
-        Junit::deserialize_from_str(&text).unwrap_or_else(|error| panic!("{error}\n{text}"))
-    };
     let [checked, tested] = both();
     let junit = read(checked);
     assert_eq!(junit.test_suites.len(), checked.subjects.len() + 1, "a suite each, and what can't be read");

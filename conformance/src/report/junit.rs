@@ -8,6 +8,7 @@ use std::fmt::Write as _;
 use uavspec_codegen::report::junit::{self, Outcome, Reason, Suite};
 use uavspec_codegen::report::{Place, Region};
 
+use super::shown::shown;
 use super::{
     About, Action, Case, CaseVerdict, Finding, Report, RuleReport, RuleVerdict, Subject, Testee, Verdict,
 };
@@ -24,10 +25,10 @@ pub(super) fn write(report: &Report) -> String {
         report.subjects.iter().map(|subject| suite(subject, &report.rules)).collect();
     suites.extend(report.unreadable.iter().map(|unreadable| {
         let kind = "unreadable".to_owned();
-        let (message, text) = (unreadable.message.clone(), unreadable.message.clone());
-        let outcome = Outcome::Error(Reason { kind, message, text });
-        let case = junit::Case { outcome, ..junit::Case::passed(&unreadable.path, READABLE) };
-        Suite { name: unreadable.path.clone(), cases: vec![case] }
+        let (name, message) = (shown(&unreadable.path), shown(&unreadable.message));
+        let outcome = Outcome::Error(Reason { kind, message: message.clone(), text: message });
+        let case = junit::Case { outcome, ..junit::Case::passed(&name, READABLE) };
+        Suite { name, cases: vec![case] }
     }));
     junit::write(name, &suites)
 }
@@ -46,15 +47,15 @@ fn suite(subject: &Subject, rules: &[RuleReport]) -> Suite {
             std::iter::once(readable(subject)).chain(of_rules).collect()
         }
     };
-    Suite { name: subject.path.clone(), cases }
+    Suite { name: shown(&subject.path), cases }
 }
 
 /// Damage fails nothing: what can be read is judged, and what can't is told.
 fn readable(subject: &Subject) -> junit::Case {
-    let mut case = junit::Case::passed(&subject.path, READABLE);
+    let mut case = junit::Case::passed(shown(&subject.path), READABLE);
     for damage in &subject.damage {
         // Writing to a string can't fail.
-        let _ = writeln!(case.output, "{}: {}", damage.place, damage.message);
+        let _ = writeln!(case.output, "{}: {}", damage.place, shown(&damage.message));
     }
     if subject.more_damage > 0 {
         let _ = writeln!(case.output, "… and {} more", subject.more_damage);
@@ -63,7 +64,7 @@ fn readable(subject: &Subject) -> junit::Case {
 }
 
 fn of_rule(subject: &Subject, rule: &RuleReport, found: &RuleVerdict) -> junit::Case {
-    let mut case = junit::Case::passed(&subject.path, format!("{} {}", rule.id, rule.statement));
+    let mut case = junit::Case::passed(shown(&subject.path), format!("{} {}", rule.id, rule.statement));
     let findings: Vec<&Finding> = subject.findings.iter().filter(|finding| finding.rule == rule.id).collect();
     let text = told(&findings, found.findings);
     match found.verdict {
@@ -77,7 +78,7 @@ fn of_rule(subject: &Subject, rule: &RuleReport, found: &RuleVerdict) -> junit::
         }
         Verdict::Fail => {
             let message = findings.first().and_then(|finding| {
-                Some(format!("{}: {}", finding.subject, finding.examples.first()?.told()))
+                Some(shown(&format!("{}: {}", finding.subject, finding.examples.first()?.told())))
             });
             let message = message.unwrap_or_else(|| rule.statement.to_owned());
             case.outcome = Outcome::Failed(Reason { kind: rule.id.to_owned(), message, text });
@@ -101,11 +102,12 @@ fn told(findings: &[&Finding], count: u64) -> String {
     let mut line = |depth: usize, label: &str, value: &str| {
         if !value.is_empty() {
             // Writing to a string can't fail.
-            let _ = writeln!(text, "{:depth$}{label}{value}", "");
+            let _ = writeln!(text, "{:depth$}{label}{}", "", shown(value));
         }
     };
     for finding in findings.iter().take(MAX_FINDINGS) {
-        line(0, "", &format!("{} ({} times)", finding.subject, finding.count));
+        let times = if finding.count == 1 { "once".to_owned() } else { format!("{} times", finding.count) };
+        line(0, "", &format!("{}: {times}", finding.subject));
         for example in &finding.examples {
             line(2, "", &format!("{}: {}", example.place, example.told()));
             line(4, "expected: ", &example.expected);
@@ -132,8 +134,9 @@ fn told(findings: &[&Finding], count: u64) -> String {
 fn of_testee(subject: &Subject, testee: &Testee) -> Vec<junit::Case> {
     let mut cases: Vec<junit::Case> = testee.cases.iter().map(of_case).collect();
     let protocol = |name: &str, outcome| junit::Case { outcome, ..junit::Case::passed("protocol", name) };
-    let remarks = testee.manners.iter().map(|remark| format!("{} ({} times)", remark.message, remark.count));
-    let remarks: Vec<String> = remarks.collect();
+    let remarks = testee.manners.iter();
+    let remarks: Vec<String> =
+        remarks.map(|remark| format!("{} ({} times)", shown(&remark.message), remark.count)).collect();
     cases.push(match remarks.first() {
         None => junit::Case::passed("protocol", "keeps to it"),
         Some(first) => {
@@ -142,8 +145,8 @@ fn of_testee(subject: &Subject, testee: &Testee) -> Vec<junit::Case> {
         }
     });
     if let Some(why) = &testee.gave_up {
-        let (kind, message) = ("broken".to_owned(), why.clone());
-        let text = format!("{}: {why}", subject.path);
+        let (kind, message) = ("broken".to_owned(), shown(why));
+        let text = format!("{}: {message}", shown(&subject.path));
         cases.push(protocol("runs to the end", Outcome::Error(Reason { kind, message, text })));
     }
     cases
@@ -161,18 +164,18 @@ fn of_case(case: &Case) -> junit::Case {
     };
     junit::Case {
         outcome,
-        errors: case.stderr.clone(),
-        output: case.known.as_ref().map(|known| known.reason.clone()).unwrap_or_default(),
-        ..junit::Case::passed(format!("{}/{}", case.op, case.type_name), &case.name)
+        errors: case.stderr.lines().map(|line| shown(line) + "\n").collect(),
+        output: case.known.as_ref().map(|known| shown(&known.reason)).unwrap_or_default(),
+        ..junit::Case::passed(format!("{}/{}", case.op, case.type_name), shown(&case.name))
     }
 }
 
 fn reason(case: &Case) -> Reason {
     let message = match case.verdict {
-        CaseVerdict::Fail => format!("expected {}, got {}", case.expected, case.actual),
-        _ => case.message.clone(),
+        CaseVerdict::Fail => format!("expected {}, got {}", shown(&case.expected), shown(&case.actual)),
+        _ => shown(&case.message),
     };
-    let mut text = format!("{}\n", case.description);
+    let mut text = shown(&case.description) + "\n";
     for (label, value) in [
         ("at: ", &case.path),
         ("expected: ", &case.expected),
@@ -182,7 +185,7 @@ fn reason(case: &Case) -> Reason {
     ] {
         if !value.is_empty() {
             // Writing to a string can't fail.
-            let _ = writeln!(text, "{label}{value}");
+            let _ = writeln!(text, "{label}{}", shown(value));
         }
     }
     text.truncate(text.trim_end().len());

@@ -178,7 +178,7 @@ impl Table {
 
 /// A text of a definition on one line.
 ///
-/// Braces go beyond what [`prose`] escapes, for the templates of mdBook and of GitHub's pages, and
+/// Braces are escaped too, for the templates of mdBook and of GitHub's pages, and
 /// for the attributes that mdBook reads from headings.
 pub fn inline(text: &str) -> String {
     let escaped = prose::inline(text);
