@@ -1,7 +1,7 @@
 //! The command line of `uavspec`.
 //!
 //! Exit status: 0 conforms; 1 doesn't; 2 wrong usage, or definitions that can't be read; 3 a source that can't be
-//! read, or a testee that broke; 5 nothing was checked.
+//! read, a report that can't be written, or a testee that broke; 5 nothing was checked.
 
 mod report;
 mod rules;
@@ -59,7 +59,8 @@ JSON is an object a line, or an array of objects. Without --type each says what 
   {\"type\": \"px4/FailsafeFlags\", \"message\": {…}}
   {\"op\": \"publish\", \"topic\": \"/fmu/out/failsafe_flags\", \"msg\": {…}}   (rosbridge)
 
-Exit status: 0 conforms, 1 does not, 2 wrong usage or definitions, 3 a file can't be read, 5 nothing was checked.")]
+Exit status: 0 conforms, 1 does not, 2 wrong usage or definitions, 3 a file can't be read or a report
+can't be written, 5 nothing was checked.")]
 struct CheckArgs {
     /// Logs of PX4 in the format `ULog`, or messages as JSON or JSON Lines, also packed with gzip or zstd; which,
     /// is seen by the content. Folders are searched; `-` is standard input.

@@ -34,7 +34,8 @@ A testee reads a line of JSON for each question and writes one for each answer, 
   ← {\"id\":17,\"ok\":{…}}   or \"rejected\":\"reason\"   or \"unsupported\":true   or \"error\":\"…\"
 Integers beyond ±2^53 are {\"$u64\":\"…\"} or {\"$i64\":\"…\"}, and NaN is {\"$f\":\"NaN\"}, both ways.
 
-Exit status: 0 conforms, 1 does not, 2 wrong usage or definitions, 3 the testee broke, 5 nothing was checked.")]
+Exit status: 0 conforms, 1 does not, 2 wrong usage or definitions, 3 the testee broke or a report can't be
+written, 5 nothing was checked.")]
 pub(super) struct TestArgs {
     /// The testee: a program and its arguments. A script that starts another program should `exec` it.
     #[arg(last = true, value_name = "COMMAND", required_unless_present_any = ["dump_cases", "replay"])]
