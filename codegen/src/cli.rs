@@ -343,7 +343,7 @@ fn emit_all(plan: &Plan, schema: &Schema, sources: &SourceMap) -> Result<Vec<Fol
         let files = match &output.emitter {
             EmitterOptions::Rust(options) => emit_rust(schema, sources, options)?,
             EmitterOptions::JsonSchema(options) => emit::json_schema::emit(schema, options),
-            EmitterOptions::Docs(options) => emit::docs::emit(schema, sources, options),
+            EmitterOptions::Docs(options) => emit::docs::emit(schema, sources, &options.read()?),
             EmitterOptions::Vectors(options) => emit::vectors::emit(schema, options),
         };
         Ok(Folder { path: output.path.clone(), files })

@@ -6,12 +6,14 @@
 mod github;
 mod json;
 #[cfg(feature = "junit")]
-mod junit;
+pub mod junit;
 mod sarif;
 #[cfg(test)]
 mod tests;
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
+use std::fmt;
 
 use crate::diagnostic::{Level, Problem, ProblemKind};
 use crate::finding::Finding;
@@ -30,7 +32,7 @@ pub const READING_PAGE: &str = "reading";
 /// What was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
-    /// What judged: `lint`, `breaking`.
+    /// What judged: `lint`, `breaking`, `check`.
     pub command: &'static str,
     /// All rules that were applied, by id.
     pub rules: Vec<RuleInfo>,
@@ -42,18 +44,20 @@ pub struct Report {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RuleInfo {
     /// Its id.
-    pub id: &'static str,
+    pub id: Cow<'static, str>,
     /// What it demands, in Markdown.
-    pub purpose: &'static str,
+    pub purpose: Cow<'static, str>,
     /// How grave a breach is.
     pub level: Level,
+    /// A page that says more; empty where there is none.
+    pub url: String,
 }
 
 /// Something that a rule found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
     /// The id of the rule.
-    pub rule: &'static str,
+    pub rule: Cow<'static, str>,
     /// Whom it breaks, where rules tell that.
     pub category: Option<&'static str>,
     /// How grave it is.
@@ -70,17 +74,65 @@ pub struct Entry {
     pub related: Vec<(Place, String)>,
     /// Whether it can be mended without a person.
     pub is_fixable: bool,
+    /// A page that says more of its rule; empty where there is none.
+    pub url: String,
 }
 
-/// A range in a file.
+/// A file, or a part of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
     /// The file, with `/` on every system.
     pub path: String,
-    /// Its first character.
-    pub start: Position,
-    /// The position after its last character.
-    pub end: Position,
+    /// Which part.
+    pub region: Region,
+}
+
+/// A part of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Region {
+    /// All of it.
+    Whole,
+    /// A range of characters.
+    Text {
+        /// The first character.
+        start: Position,
+        /// The position after the last character.
+        end: Position,
+    },
+    /// A line, from 1.
+    Line(u64),
+    /// What starts at a byte, from 0; how long it is isn't known.
+    Byte(u64),
+}
+
+impl Region {
+    /// The line where it starts; none where lines mean nothing.
+    pub fn line(self) -> Option<u64> {
+        match self {
+            Self::Text { start, .. } => Some(start.line as u64),
+            Self::Line(line) => Some(line),
+            Self::Whole | Self::Byte(_) => None,
+        }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.path)?;
+        match self.region {
+            Region::Whole => Ok(()),
+            Region::Text { start, .. } => write!(formatter, ":{}:{}", start.line, start.column),
+            Region::Line(line) => write!(formatter, ":{line}"),
+            Region::Byte(offset) => write!(formatter, ": byte {offset}"),
+        }
+    }
+}
+
+impl RuleInfo {
+    /// Of a rule that the documentation has a page of.
+    pub fn new(id: &'static str, purpose: &'static str, level: Level) -> Self {
+        Self { id: id.into(), purpose: purpose.into(), level, url: rule_url(id) }
+    }
 }
 
 /// A format of reports.
@@ -102,7 +154,8 @@ impl Place {
     pub fn of(span: Span, sources: &SourceMap) -> Self {
         let path = sources.path(sources.source_of(span)).to_owned();
         let end = Span { start: span.end, end: span.end };
-        Self { path, start: sources.position(span), end: sources.position(end) }
+        let region = Region::Text { start: sources.position(span), end: sources.position(end) };
+        Self { path, region }
     }
 }
 
@@ -111,7 +164,7 @@ impl Entry {
     pub fn of(finding: &Finding, sources: &SourceMap) -> Self {
         let place = |span: Span| Place::of(span, sources);
         Self {
-            rule: finding.rule,
+            rule: finding.rule.into(),
             category: finding.category,
             level: finding.level,
             message: finding.message.clone(),
@@ -120,12 +173,8 @@ impl Entry {
             sides: finding.sides.map(|sides| (sides.old.map(place), sides.new.map(place))),
             related: finding.related.iter().map(|(span, label)| (place(*span), label.clone())).collect(),
             is_fixable: !finding.fix.is_empty(),
+            url: rule_url(finding.rule),
         }
-    }
-
-    /// The page of the documentation on its rule.
-    pub fn url(&self) -> String {
-        rule_url(self.rule)
     }
 }
 
@@ -151,18 +200,23 @@ impl Report {
             Format::Github => github::write(self),
             Format::Sarif => sarif::write(self),
             #[cfg(feature = "junit")]
-            Format::Junit => junit::write(self),
+            Format::Junit => junit::of_findings(self),
         }
     }
 
     /// The rules that were applied, and after them those that entries name beside: errors of the readers.
     fn all_rules(&self) -> Vec<RuleInfo> {
         let mut rules = self.rules.clone();
-        let mut known: BTreeSet<&str> = rules.iter().map(|rule| rule.id).collect();
+        let mut known: BTreeSet<&str> = self.rules.iter().map(|rule| &*rule.id).collect();
         for entry in &self.entries {
-            if known.insert(entry.rule) {
-                let purpose = reader_kind(entry.rule).map_or("", |kind| kind.message);
-                rules.push(RuleInfo { id: entry.rule, purpose, level: entry.level });
+            if known.insert(&entry.rule) {
+                let purpose = reader_kind(&entry.rule).map_or("", |kind| kind.message);
+                rules.push(RuleInfo {
+                    id: entry.rule.clone(),
+                    purpose: purpose.into(),
+                    level: entry.level,
+                    url: entry.url.clone(),
+                });
             }
         }
         rules

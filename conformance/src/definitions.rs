@@ -1,7 +1,7 @@
 //! What implementations are judged by.
 
 use std::collections::HashMap;
-use std::fmt::Write as _;
+use std::fmt;
 use std::path::Path;
 use std::sync::OnceLock;
 
@@ -19,11 +19,30 @@ static BUILT_IN: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../definitions");
 /// Definitions, with what is looked up in them for each record.
 #[derive(Debug)]
 pub struct Definitions {
+    /// What they are called: a path, or that the program carries them along.
+    pub name: String,
     sources: SourceMap,
     /// What they say.
     pub schema: Schema,
     by_topic: HashMap<String, MessageId>,
     types: OnceLock<Types>,
+}
+
+/// A line of a definition; shown as `file:number`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Line<'d> {
+    /// The file.
+    pub file: &'d str,
+    /// Which line, from 1.
+    pub number: usize,
+    /// What it says.
+    pub text: &'d str,
+}
+
+impl fmt::Display for Line<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{}:{}", self.file, self.number)
+    }
 }
 
 impl Definitions {
@@ -42,23 +61,23 @@ impl Definitions {
         let packages = [package("px4", Form::Msg(Dialect::Px4)), package("flockwave", Form::Table)];
         // They are read without a mistake whenever this repository is tested.
         let (schema, _) = read(&sources, &packages);
-        Self::new(sources, schema)
+        Self::new(format!("the definitions of uavspec {}", env!("CARGO_PKG_VERSION")), sources, schema)
     }
 
     /// Those at a path: a `uavspec.toml`, a folder with one, or files and folders of PX4's messages.
     pub fn load(path: &Path) -> Result<Self, Failure> {
         let (sources, schema) = read_definitions(path)?;
-        Ok(Self::new(sources, schema))
+        Ok(Self::new(path.display().to_string(), sources, schema))
     }
 
-    fn new(sources: SourceMap, schema: Schema) -> Self {
+    fn new(name: String, sources: SourceMap, schema: Schema) -> Self {
         let mut by_topic = HashMap::new();
         for id in schema.packages.iter().flat_map(|package| &package.messages) {
             for topic in &schema.message(*id).topics {
                 by_topic.entry(topic.clone()).or_insert(*id);
             }
         }
-        Self { sources, schema, by_topic, types: OnceLock::new() }
+        Self { name, sources, schema, by_topic, types: OnceLock::new() }
     }
 
     /// The message that a topic of PX4 carries. A versioned one may have its version behind its name.
@@ -88,12 +107,12 @@ impl Definitions {
         self.types.get_or_init(|| Types::new(&self.schema))
     }
 
-    /// Where something is defined, as `file:line`.
-    pub fn place(&self, span: Span) -> String {
-        let mut place = self.sources.path(self.sources.source_of(span)).to_owned();
-        // Writing to a string can't fail.
-        let _ = write!(place, ":{}", self.sources.position(span).line);
-        place
+    /// Where something is defined.
+    pub fn line(&self, span: Span) -> Line<'_> {
+        let id = self.sources.source_of(span);
+        let number = self.sources.position(span).line;
+        let text = self.sources.text(id).lines().nth(number - 1).unwrap_or_default();
+        Line { file: self.sources.path(id), number, text }
     }
 }
 
@@ -109,7 +128,7 @@ mod tests {
         assert_eq!(definitions.message_of_topic("battery_status_v1"), Some(battery));
         assert_eq!(definitions.message_of_topic("battery_status_vx"), None);
         assert_eq!(
-            definitions.place(definitions.schema.message(battery).span),
+            definitions.line(definitions.schema.message(battery).span).to_string(),
             "definitions/px4/BatteryStatus.msg:1"
         );
         for ty in ["px4/BatteryStatus", "px4_msgs/msg/BatteryStatus"] {

@@ -2,13 +2,14 @@
 //! (`ULog`), MCAP, messages as JSON, and codecs ([`testee`]); other captures and live servers are to follow.
 //!
 //! ```text
-//!  bytes ──source──▶ records ──plan, rule──▶ findings ──▶ verdicts ──report──▶ terminal, JSON, SARIF, JUnit
+//!  bytes ──source──▶ records ──plan, rule──▶ findings ──▶ verdicts ──report──▶ terminal, JSON, HTML, SARIF, JUnit
 //! ```
 //!
 //! Sources lend their records one by one, so memory doesn't grow with the length of the input. Values are
 //! judged by a plan that is made once for each format; what happens over time is judged by rules that keep a
 //! small state for each channel.
 
+pub mod catalogue;
 pub mod cli;
 pub mod comparison;
 pub mod definitions;

@@ -2,11 +2,14 @@
 
 use std::fmt;
 
+use serde::Serialize;
 use uavspec_codegen::dynamic::DynamicView;
 use uavspec_codegen::schema::MessageId;
 
 /// Where in its source a record stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
 pub enum Place {
     /// At a byte, from 0.
     Byte(u64),

@@ -1,21 +1,670 @@
-//! What came of judging, for people and for programs.
+//! What came of a run: one value, from which everything is rendered that is said of it.
+//!
+//! ```text
+//!  judgements of `check` ──source──┐
+//!                                  ├──▶ Report ──▶ text, JSON, JUnit, SARIF, HTML, Markdown
+//!  outcome of `test` ─────testee───┘
+//! ```
+//!
+//! The JSON form is the value itself, so that nothing can be said elsewhere that programs don't get. Whatever
+//! comes from the input stands in it as it is; each format escapes it in its own way.
 
+mod conclusion;
+mod html;
 mod json;
+mod junit;
+mod kind;
+mod markdown;
+mod sarif;
+#[cfg(test)]
+mod schema;
+mod shown;
+mod source;
+mod testee;
 mod text;
 
-pub(crate) use json::excuse as excuse_to_json;
-pub use json::write as to_json;
-pub use text::write as to_text;
+use serde::Serialize;
 
-use crate::judge::Judgement;
+pub use self::conclusion::{Conclusion, Outcome};
+pub use self::kind::Kind;
+pub(crate) use self::shown::command_line;
+pub use self::source::{Judged, Settings};
+pub use self::text::subject as subject_text;
+use crate::definitions::Definitions;
+use crate::known::Excuse;
+use crate::record::Place;
+use crate::rule::{Level, RULES, Rule, Status};
 
-/// A source that was judged.
-#[derive(Debug)]
-pub struct Judged {
+/// The version of the form; it rises when a member changes its meaning or goes.
+const VERSION: u32 = 1;
+
+/// What came of a run.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Report {
+    /// The version of this form. It rises when a member changes its meaning or goes; new ones may come.
+    pub version: u32,
+    /// The version of uavspec.
+    pub uavspec: String,
+    /// What was done.
+    pub action: Action,
+    /// The command line, which gives the same report again.
+    pub command: String,
+    /// What was judged by: a path, or the definitions that the program carries along.
+    pub definitions: String,
+    /// What it comes to.
+    pub conclusion: Conclusion,
+    /// The rules that were applied, by id, with what came of them in all subjects.
+    pub rules: Vec<RuleReport>,
+    /// What was judged.
+    pub subjects: Vec<Subject>,
+    /// What couldn't be read.
+    pub unreadable: Vec<Unreadable>,
+}
+
+/// What was done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum Action {
+    /// Sources were judged.
+    Check,
+    /// A testee was asked.
+    Test,
+}
+
+/// A rule, and what came of it in all subjects.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct RuleReport {
+    /// The id, which is permanent.
+    pub id: &'static str,
+    /// How much the rule binds.
+    pub level: Level,
+    /// Whether it is beyond doubt: normative, disputed or advisory.
+    pub status: String,
+    /// How the specification contradicts itself, where the rule is disputed.
+    pub dispute: Option<&'static str>,
+    /// What has to hold.
+    pub statement: &'static str,
+    /// What lays it down.
+    pub source: &'static str,
+    /// What it is about.
+    pub applies_to: &'static str,
+    /// A page that says more.
+    pub url: String,
+    /// The worst that came of it in any subject.
+    pub verdict: Verdict,
+    /// How often there was something that it could judge.
+    pub exercised: u64,
+    /// How often it was broken.
+    pub findings: u64,
+}
+
+/// What came of a rule; in the order of how much each weighs where there are several.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// Nothing was there that it could have judged. That is no pass.
+    #[serde(rename = "not exercised")]
+    NotExercised,
+    /// The testee doesn't do what it is about. That is no failure, and no pass.
+    Unsupported,
+    /// Nothing breaks it.
+    Pass,
+    /// It is broken, or rather shown: it judges nothing.
+    Shown,
+    /// All that breaks it is known, and let stand.
+    Known,
+    /// It could not be judged to the end.
+    Inconclusive,
+    /// Something breaks it, and should be looked at.
+    Warn,
+    /// Something breaks it that must not.
+    Fail,
+}
+
+/// Something that was judged: a file, or a testee.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Subject {
+    /// The path of a file as it was given, or the name of a testee.
+    pub path: String,
+    /// What it is.
+    #[serde(flatten)]
+    pub about: About,
+    /// How many messages it has, or for a testee, cases there are.
+    pub records: u64,
+    /// How many of them were judged: those that have a type and can be read as it, or that were answered.
+    pub judged: u64,
+    /// From the first to the last timestamp, in µs.
+    pub duration_us: u64,
+    /// What it comes to.
+    pub conclusion: Conclusion,
+    /// What came of each rule, by id.
+    pub rules: Vec<RuleVerdict>,
+    /// What breaks rules, by rule and subject.
+    pub findings: Vec<Finding>,
+    /// How many other findings there are; only a thousand different ones are kept of each rule.
+    pub more_findings: u64,
+    /// What can't be read, and where; the first of it.
+    pub damage: Vec<Damage>,
+    /// How much more of that there is.
+    pub more_damage: u64,
+    /// How long judging took, in milliseconds; no part of what is written for programs, as it differs from run to
+    /// run.
+    #[serde(skip)]
+    pub elapsed: u128,
+}
+
+/// What a subject is, and what it says of itself.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub enum About {
+    /// A log of PX4.
+    Ulog(Ulog),
+    /// Messages as JSON.
+    Json(Json),
+    /// MCAP.
+    Mcap(Mcap),
+    /// A codec or validator that was asked.
+    Testee(Testee),
+}
+
+/// What a log says of itself.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Ulog {
+    /// The firmware, such as its version.
+    pub firmware: Option<String>,
+    /// How many dropouts the log tells of.
+    pub dropouts: u64,
+    /// The formats of its topics beside the definitions, by name.
+    pub formats: Vec<Format>,
+}
+
+/// The format of a topic beside its definition.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Format {
+    /// The topic.
+    pub topic: String,
+    /// How the two stand to each other.
+    pub result: FormatResult,
+    /// What differs; empty where nothing does.
+    pub message: String,
+}
+
+/// How a format stands to the definition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum FormatResult {
+    /// The same fields of the same types at the same places.
+    Equal,
+    /// Something differs.
+    Differs,
+    /// No definition is known for it.
+    Undefined,
+}
+
+/// What JSON says of itself.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Json {
+    /// How many lines it has.
+    pub lines: u64,
+    /// How many types its messages have.
+    pub types: u64,
+    /// How many messages of rosbridge say something else than that a message is published.
+    pub skipped: u64,
+    /// The topics or types without a definition, by name.
+    pub undefined: Vec<String>,
+    /// How it differs from the published schemas in ways that are let pass.
+    pub dialects: Vec<String>,
+}
+
+/// What a file of MCAP says of itself.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Mcap {
+    /// What else holds of it, such as `ros2`.
+    pub profile: String,
+    /// What wrote it.
+    pub library: String,
+    /// Its channels, by topic.
+    pub channels: Vec<McapChannel>,
+    /// How its JSON differs from the published schemas in ways that are let pass.
+    pub dialects: Vec<String>,
+}
+
+/// A channel of MCAP, with what it was judged by.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct McapChannel {
+    /// The topic.
+    pub topic: String,
+    /// How its messages are written, such as `cdr`.
+    pub encoding: String,
+    /// The name of its schema.
+    pub schema: Option<String>,
+    /// In what its schema is written, such as `ros2msg`.
+    pub schema_encoding: Option<String>,
+    /// How many messages it has.
+    pub messages: u64,
+    /// How many of them are CDR that isn't judged: parameter lists, or version 2.
+    pub other_cdr: u64,
+    /// How its schema stands to the definition.
+    pub result: ChannelResult,
+    /// What differs, or why nothing could be compared; may be empty.
+    pub message: String,
+}
+
+/// How the schema of a channel stands to the definition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum ChannelResult {
+    /// The same fields of the same types in the same order.
+    Equal,
+    /// Something differs.
+    Differs,
+    /// There is no schema that could be compared: its name, or the topic, says what it is.
+    #[serde(rename = "by name")]
+    ByName,
+    /// No definition is known for it.
+    Undefined,
+    /// Its messages are neither CDR nor JSON.
+    Unsupported,
+}
+
+/// Who was asked, and what it answered.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Testee {
+    /// What it calls its version; empty where it says none.
+    pub version: String,
+    /// How many cases came to what.
+    pub counts: Counts,
+    /// The same for each op with its form, and type.
+    pub table: Vec<Row>,
+    /// The cases; those that passed are counted only.
+    #[serde(serialize_with = "testee::not_passed")]
+    pub cases: Vec<Case>,
+    /// What was against the protocol.
+    pub manners: Vec<Remark>,
+    /// How many other remarks there are on that.
+    pub more_manners: u64,
+    /// How often the process had to be started again.
+    pub restarts: u32,
+    /// Why the run ended early.
+    pub gave_up: Option<String>,
+}
+
+/// How many cases came to what.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Counts {
+    /// Right answers.
+    pub pass: u64,
+    /// Wrong answers, crashes and hangs.
+    pub fail: u64,
+    /// Those that are known, and let stand.
+    pub known: u64,
+    /// What the testee doesn't do.
+    pub unsupported: u64,
+    /// What it wasn't asked.
+    pub not_run: u64,
+}
+
+/// The counts of an op and a type.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Row {
+    /// The op with its form, such as `decode-uorb`.
+    pub op: String,
+    /// The type, such as `px4/Event`.
+    #[serde(rename = "type")]
+    pub type_name: String,
+    /// What its cases came to.
+    pub counts: Counts,
+}
+
+/// What came of a case.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Case {
+    /// Its name, such as `decode-uorb/px4/Event/typical`.
+    #[serde(rename = "case")]
+    pub name: String,
+    /// The op with its form.
+    pub op: String,
+    /// The type.
+    #[serde(rename = "type")]
+    pub type_name: String,
+    /// What is tried, in words.
+    pub description: String,
+    /// The id of the rule that the input breaks.
+    pub rule: Option<String>,
+    /// What came of it.
+    pub verdict: CaseVerdict,
+    /// Where in the answer it is wrong, as a JSON pointer; empty for the whole.
+    pub path: String,
+    /// What should be there.
+    pub expected: String,
+    /// What is there.
+    pub actual: String,
+    /// How the process ended, or how long was waited; empty where an answer came.
+    pub message: String,
+    /// What the process said last on standard error.
+    pub stderr: String,
+    /// Where the type is defined.
+    pub definition: Option<Definition>,
+    /// The command that asks this alone again.
+    pub reproduce: String,
+    /// Why it is let stand, where a list says so.
+    pub known: Option<Known>,
+}
+
+/// What came of a case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum CaseVerdict {
+    /// The answer was right.
+    Pass,
+    /// The answer was wrong.
+    Fail,
+    /// The testee doesn't do this. That is no failure, and no pass.
+    Unsupported,
+    /// The process ended over it.
+    Crashed,
+    /// No answer came in time.
+    #[serde(rename = "timed out")]
+    TimedOut,
+    /// It was not asked: the run ended before, or the answer is absent from a file.
+    #[serde(rename = "not run")]
+    NotRun,
+}
+
+/// Something against the protocol.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Remark {
+    /// What.
+    pub message: String,
+    /// How often.
+    pub count: u64,
+}
+
+/// What came of a rule in a subject.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct RuleVerdict {
+    /// The id of the rule.
+    pub id: &'static str,
+    /// How much it binds.
+    pub level: Level,
+    /// What came of it.
+    pub verdict: Verdict,
+    /// How often there was something that it could judge.
+    pub exercised: u64,
+    /// How often it was broken.
+    pub findings: u64,
+}
+
+/// Equal findings: of one rule, in one topic or field.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Finding {
+    /// The id of the rule.
+    pub rule: &'static str,
+    /// How much it binds.
+    pub level: Level,
+    /// Whether it is beyond doubt: normative, disputed or advisory.
+    pub status: String,
+    /// What has to hold.
+    pub statement: &'static str,
+    /// A page that says more of the rule.
+    pub url: String,
+    /// What it comes to: fail, warn, known or shown.
+    pub verdict: Verdict,
+    /// What breaks the rule: a topic, or a field of one.
+    pub subject: String,
+    /// How often.
+    pub count: u64,
+    /// The first of them.
+    pub examples: Vec<Example>,
+    /// Where the definition says what should be.
+    pub definition: Option<Definition>,
+    /// The command that finds this again.
+    pub reproduce: String,
+    /// Why it is let stand, where a list says so.
+    pub known: Option<Known>,
+}
+
+/// A breach.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Example {
+    /// Where in the file.
+    #[serde(flatten)]
+    pub place: Place,
+    /// Which part of the subject, as `events[2].id`; empty where the subject says it all.
+    pub path: String,
+    /// What is the matter, in words.
+    pub message: String,
+    /// What should have been; empty where that can't be said alone.
+    pub expected: String,
+    /// What was found in its place; may be empty.
+    pub actual: String,
+    /// The bytes or the text that were judged, shortened; may be empty.
+    pub excerpt: String,
+}
+
+/// A line of a definition.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Definition {
+    /// The file.
+    pub file: String,
+    /// Which line, from 1.
+    pub line: u64,
+    /// What it says.
+    pub text: String,
+}
+
+/// Why something that is wrong is let stand.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Known {
+    /// Whether it always fails: `known`, or else `flaky`.
+    pub kind: String,
+    /// The reason.
+    pub reason: String,
+    /// A page on it.
+    pub link: Option<String>,
+    /// The last day that it is let stand, as `2027-06-30`.
+    pub expires: Option<String>,
+}
+
+/// Something that can't be read.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Damage {
+    /// Where in the file.
+    #[serde(flatten)]
+    pub place: Place,
+    /// What is the matter.
+    pub message: String,
+}
+
+/// A file that couldn't be read.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Unreadable {
     /// Its path, as it was given.
     pub path: String,
-    /// What came of it.
-    pub judgement: Judgement,
-    /// How long that took, in milliseconds.
-    pub elapsed: u128,
+    /// Why.
+    pub message: String,
+}
+
+impl Report {
+    /// Puts a report together.
+    ///
+    /// `remarks` are reasons not to conform that are no findings, such as a rule that had to be exercised.
+    pub fn new(
+        action: Action,
+        command: String,
+        definitions: &Definitions,
+        subjects: Vec<Subject>,
+        unreadable: Vec<Unreadable>,
+        remarks: Vec<String>,
+    ) -> Self {
+        Self {
+            version: VERSION,
+            uavspec: env!("CARGO_PKG_VERSION").to_owned(),
+            action,
+            command,
+            definitions: definitions.name.clone(),
+            conclusion: Conclusion::of_all(&subjects, &unreadable, remarks),
+            rules: rules(&subjects),
+            subjects,
+            unreadable,
+        }
+    }
+
+    /// The same, where a list of known failures doesn't hold true any more; that weighs less than what fails.
+    #[must_use]
+    pub fn with_stale_list(mut self, is_stale: bool) -> Self {
+        if is_stale && self.conclusion.outcome < Outcome::Stale {
+            let remarks = vec![self.conclusion.text];
+            let text = "A list of known failures no longer holds true";
+            self.conclusion = Conclusion { remarks, ..Conclusion::new(Outcome::Stale, text) };
+        }
+        self
+    }
+}
+
+impl From<&Excuse> for Known {
+    fn from(excuse: &Excuse) -> Self {
+        Self {
+            kind: excuse.kind.name().to_owned(),
+            reason: excuse.reason.clone(),
+            link: excuse.link.clone(),
+            expires: excuse.expires.map(|date| date.to_string()),
+        }
+    }
+}
+
+/// The rules of all subjects, each with the worst that came of it.
+fn rules(subjects: &[Subject]) -> Vec<RuleReport> {
+    let of = |rule: &&'static Rule| {
+        let verdicts = subjects.iter().flat_map(|subject| &subject.rules).filter(|found| found.id == rule.id);
+        let mut report = None;
+        for found in verdicts {
+            let report = report.get_or_insert_with(|| RuleReport::new(rule));
+            report.verdict = report.verdict.max(found.verdict);
+            report.exercised += found.exercised;
+            report.findings += found.findings;
+        }
+        report
+    };
+    RULES.iter().filter_map(of).collect()
+}
+
+impl RuleReport {
+    fn new(rule: &Rule) -> Self {
+        Self {
+            id: rule.id,
+            level: rule.level,
+            status: rule.status.to_string(),
+            dispute: match rule.status {
+                Status::Disputed(how) => Some(how),
+                Status::Normative | Status::Advisory => None,
+            },
+            statement: rule.statement,
+            source: rule.source,
+            applies_to: rule.applies_to,
+            url: uavspec_codegen::report::rule_url(rule.id),
+            verdict: Verdict::NotExercised,
+            exercised: 0,
+            findings: 0,
+        }
+    }
+}
+
+impl Verdict {
+    /// Its name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NotExercised => "not exercised",
+            Self::Unsupported => "unsupported",
+            Self::Pass => "pass",
+            Self::Shown => "shown",
+            Self::Known => "known",
+            Self::Inconclusive => "inconclusive",
+            Self::Warn => "warn",
+            Self::Fail => "fail",
+        }
+    }
+}
+
+impl CaseVerdict {
+    /// Its name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Pass => "pass",
+            Self::Fail => "fail",
+            Self::Unsupported => "unsupported",
+            Self::Crashed => "crashed",
+            Self::TimedOut => "timed out",
+            Self::NotRun => "not run",
+        }
+    }
+
+    /// Whether it counts against the testee.
+    pub const fn is_failure(self) -> bool {
+        matches!(self, Self::Fail | Self::Crashed | Self::TimedOut)
+    }
+}
+
+impl Subject {
+    /// How many of its rules came to a verdict.
+    pub fn count(&self, verdict: Verdict) -> usize {
+        self.rules.iter().filter(|rule| rule.verdict == verdict).count()
+    }
+
+    /// How many places of damage there are.
+    pub fn damages(&self) -> u64 {
+        self.damage.len() as u64 + self.more_damage
+    }
+}
+
+impl Report {
+    /// How many rules came to a verdict.
+    pub fn count(&self, verdict: Verdict) -> usize {
+        self.rules.iter().filter(|rule| rule.verdict == verdict).count()
+    }
+}
+
+impl Example {
+    /// What is the matter, and with what part.
+    pub fn told(&self) -> String {
+        if self.path.is_empty() { self.message.clone() } else { format!("{}: {}", self.path, self.message) }
+    }
+}
+
+impl Definition {
+    fn of(line: crate::definitions::Line<'_>) -> Self {
+        Self { file: line.file.to_owned(), line: line.number as u64, text: line.text.to_owned() }
+    }
+}
+
+impl std::fmt::Display for Definition {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "{}:{}", self.file, self.line)
+    }
 }

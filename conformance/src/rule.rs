@@ -35,6 +35,8 @@ mod px_ver_01;
 
 use std::fmt;
 
+use serde::Serialize;
+
 use crate::definitions::Definitions;
 use crate::detail::Detail;
 use crate::finding::Findings;
@@ -74,7 +76,9 @@ pub static RULES: [&Rule; 28] = [
 ];
 
 /// How much a rule binds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "UPPERCASE")]
 pub enum Level {
     /// Derived, and shown without being judged.
     Info,

@@ -1,7 +1,7 @@
 //! Codecs and validators in any language, asked over pipes or a connection.
 //!
 //! ```text
-//!  definitions ──vectors──▶ cases ──run──▶ link ──answers──▶ compare ──▶ verdicts ──report──▶ terminal, JSON
+//!  definitions ──vectors──▶ cases ──run──▶ link ──answers──▶ compare ──▶ verdicts ──▶ report
 //!                              └────────dump──▶ file ──▶ … ──▶ file ──replay──┘
 //! ```
 //!
@@ -16,7 +16,6 @@ pub mod lint;
 pub mod outcome;
 mod process;
 pub mod protocol;
-pub mod report;
 pub mod run;
 pub mod target;
 pub mod wire;

@@ -91,7 +91,7 @@ fn messages_as_json_are_judged_with_and_without_their_type() {
 
     let arguments = ["check", "--format", "json", "bare.jsonl", ty[0], ty[1]];
     let report: Value = serde_json::from_str(&uavspec(folder.path(), &arguments).1).expect("JSON");
-    let source = &report["sources"][0];
+    let source = &report["subjects"][0];
     assert_eq!((&source["kind"], &source["lines"], &source["types"]), (&"json".into(), &4.into(), &1.into()));
     let finding = &source["findings"][0];
     assert_eq!((&finding["rule"], &finding["examples"][0]["line"]), (&"PX-JSON-01".into(), &3.into()));
@@ -145,7 +145,7 @@ fn programs_get_json() {
     assert_eq!(status, Some(0));
     let report: Value = serde_json::from_str(&printed).expect("JSON");
     assert_eq!(report["version"], 1);
-    let source = &report["sources"][0];
+    let source = &report["subjects"][0];
     assert_eq!(
         (&source["path"], &source["records"], &source["judged"]),
         (&"flight.ulg".into(), &400.into(), &400.into())
@@ -157,8 +157,94 @@ fn programs_get_json() {
 }
 
 #[test]
+fn several_reports_come_of_one_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("flight.ulg"), typical(20)).expect("a file");
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).expect("a report");
+    let all = "--report=json=a.json,junit=a.xml,sarif=a.sarif";
+    let (status, printed, _) = uavspec(
+        folder.path(),
+        &["check", "flight.ulg", all, "--report", "html=a.html", "--report=markdown=a.md,text=a.txt"],
+    );
+    assert_eq!(status, Some(0), "{printed}");
+    assert!(printed.ends_with("conforms\n"), "text is printed beside: {printed}");
+    let report: Value = serde_json::from_str(&read("a.json")).expect("JSON");
+    assert_eq!(report["conclusion"]["text"], "Conforms");
+    assert!(
+        report["command"].as_str().is_some_and(|line| line.starts_with("uavspec check flight.ulg")),
+        "{report}"
+    );
+    for (name, start) in [
+        ("a.xml", "<?xml"),
+        ("a.sarif", "{"),
+        ("a.html", "<!DOCTYPE html>"),
+        ("a.md", "<!-- "),
+        ("a.txt", "flight.ulg"),
+    ] {
+        assert!(read(name).starts_with(start), "{name}");
+    }
+    // One of them may go to standard output, in place of text.
+    let (_, printed, _) =
+        uavspec(folder.path(), &["check", "flight.ulg", "--report", "markdown=-,json=b.json"]);
+    assert_eq!(printed.lines().nth(2), Some("# ✅ Conforms"), "{printed}");
+    assert_eq!(
+        uavspec(folder.path(), &["check", "flight.ulg", "--format", "markdown"]).1.lines().nth(2),
+        Some("# ✅ Conforms")
+    );
+    // All that can be written is, and what can't is an error of its own.
+    let (status, _, said) =
+        uavspec(folder.path(), &["check", "flight.ulg", "--report", "json=no/a.json,html=c.html"]);
+    assert_eq!(status, Some(3), "{said}");
+    assert!(said.contains("error: no/a.json: the report can't be written"), "{said}");
+    assert!(read("c.html").ends_with("</html>\n"));
+}
+
+#[test]
+fn reports_that_cannot_be_meant_are_refused() {
+    let here = Path::new(".");
+    for (arguments, wanted) in [
+        (&["--report", "pdf=a.pdf"][..], "kinds are text, json, junit, sarif, html, markdown"),
+        (&["--report", "html"], "KIND=PATH"),
+        (&["--report", "html=-,json=-"], "only one report can go to standard output"),
+        (&["--report", "html=-", "--format", "json"], "only one report can go to standard output"),
+        (&["--report", "html=a,json=a"], "two reports would go to a"),
+    ] {
+        for command in ["check", "test"] {
+            let rest: &[&str] = if command == "check" { &["absent.ulg"] } else { &["--", "absent"] };
+            let (status, _, said) = uavspec(here, &[&[command], arguments, rest].concat());
+            assert_eq!(status, Some(2), "{said}");
+            assert!(said.contains(wanted), "{said}");
+        }
+    }
+}
+
+#[test]
 fn rules_and_help_are_printed() {
     let here = Path::new(".");
+    let (status, printed, _) = uavspec(here, &["rules", "PX-RANGE-01"]);
+    assert_eq!(status, Some(0));
+    for wanted in
+        ["PX-RANGE-01  SHOULD, normative", "has to find", "https://uavspec.dev/docs/rules/PX-RANGE-01.html"]
+    {
+        assert!(printed.contains(wanted), "{wanted}: {printed}");
+    }
+    let (status, _, said) = uavspec(here, &["rules", "PX-NONE-01"]);
+    assert_eq!(status, Some(2));
+    assert!(said.contains("no such rule") && said.contains("help:"), "{said}");
+    let list: Value = serde_json::from_str(&uavspec(here, &["rules", "--format", "json"]).1).expect("JSON");
+    assert_eq!(list.as_array().map(Vec::len), Some(uavspec_conformance::rule::RULES.len()));
+    let (status, printed, _) = uavspec(here, &["rules", "--matrix"]);
+    assert_eq!(status, Some(0));
+    assert!(
+        printed.contains(", 0 of them not found as they should be") && !printed.contains("  !"),
+        "{printed}"
+    );
+    let rows: Value =
+        serde_json::from_str(&uavspec(here, &["rules", "--matrix", "--format", "json"]).1).expect("JSON");
+    assert!(
+        rows.as_array().is_some_and(|rows| rows.iter().all(|row| row["broken"] == row["expected"])),
+        "{rows}"
+    );
     let (status, printed, _) = uavspec(here, &["rules"]);
     assert_eq!(status, Some(0));
     for rule in uavspec_conformance::rule::RULES {

@@ -282,8 +282,8 @@ fn the_status_says_how_it_went() {
     assert!(printed.contains("expected NaN\n  got      0.0\n"), "{printed}");
     let (status, printed, _) = uavspec(here, &[filter, "--format", "json", "--", testee, "drop-nan"]);
     let report: Value = serde_json::from_str(&printed).expect("JSON");
-    assert_eq!((status, &report["testee"]["name"]), (Some(1), &"reference".into()));
-    assert_eq!(report["cases"][0]["verdict"], "fail");
+    assert_eq!((status, &report["subjects"][0]["path"]), (Some(1), &"reference".into()));
+    assert_eq!(report["subjects"][0]["cases"][0]["verdict"], "fail");
     let (status, printed, _) = uavspec(here, &[filter, "--", testee, "late"]);
     assert!(status == Some(1) && printed.contains("breaks the protocol"), "{printed}");
     for usage in [

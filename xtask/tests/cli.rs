@@ -367,6 +367,27 @@ fn pages_of_the_rules_are_written_where_they_are_asked_for() {
 }
 
 #[test]
+fn pages_that_others_write_stand_in_the_table_of_contents() {
+    let folder = workspace();
+    let docs = "docs = { path = \"out/docs\", contents = \"more.md\" }";
+    write(&folder, "uavspec.toml", &CONFIG.replace("docs = \"out/docs\"", docs));
+    let said = run(&folder, &["codegen"], 2);
+    assert!(said.contains("more.md") && said.contains("`output.docs.contents` names it"), "{said}");
+    // Commands that write no documentation don't need it.
+    run(&folder, &["lint"], 0);
+    write(&folder, "more.md", "- [Flights](flights.md)\n");
+    write(&folder, "out/docs/flights.md", "# Flights\n");
+    run(&folder, &["codegen"], 0);
+    let summary = fs::read_to_string(folder.path().join("out/docs/SUMMARY.md")).expect("a table of contents");
+    assert!(summary.ends_with("- [Flights](flights.md)\n"), "{summary}");
+    run(&folder, &["codegen", "--check"], 0);
+    assert!(folder.path().join("out/docs/flights.md").exists(), "what others write stays");
+    write(&folder, "more.md", "- [Winds](winds.md)\n");
+    let said = run(&folder, &["codegen", "--check"], 1);
+    assert!(said.contains("SUMMARY.md"), "{said}");
+}
+
+#[test]
 fn ros2_packages_beside_the_input_are_found() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     write(&folder, "std_msgs/msg/Header.msg", "builtin_interfaces/Time stamp\nstring frame_id\n");

@@ -68,7 +68,7 @@ struct Outputs {
 #[derive(Debug, Deserialize)]
 #[serde(
     untagged,
-    expecting = "expected a path, or a table of `path` and `root`, `readme` (rust), `base` (json_schema, vectors) or `title`, `rules` (docs)"
+    expecting = "expected a path, or a table of `path` and `root`, `readme` (rust), `base` (json_schema, vectors) or `title`, `rules`, `contents` (docs)"
 )]
 enum Output<T> {
     Path(PathBuf),
@@ -97,6 +97,8 @@ struct DocsTable {
     title: Option<String>,
     #[serde(default)]
     rules: bool,
+    /// A file with a part of the table of contents, as mdBook writes it.
+    contents: Option<PathBuf>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -178,8 +180,17 @@ pub(super) struct PlannedOutput {
 pub(super) enum EmitterOptions {
     Rust(RustOptions),
     JsonSchema(json_schema::Options),
-    Docs(docs::Options),
+    Docs(DocsOptions),
     Vectors(vectors::Options),
+}
+
+/// Options of the emitter of documentation.
+#[derive(Debug)]
+pub(super) struct DocsOptions {
+    options: docs::Options,
+    /// A file with a part of the table of contents, which is read when the documentation is made: commands that
+    /// make none don't need it.
+    contents: Option<PathBuf>,
 }
 
 /// Options of the Rust emitter, which may be absent from the build.
@@ -199,6 +210,18 @@ impl<T> Output<T> {
             Self::Path(path) => of_path(path),
             Self::Table(table) => table,
         }
+    }
+}
+
+impl DocsOptions {
+    /// All that the emitter wants to know.
+    pub(super) fn read(&self) -> Result<docs::Options, Failure> {
+        let Some(path) = &self.contents else { return Ok(self.options.clone()) };
+        let more_contents = std::fs::read_to_string(path).map_err(|error| {
+            Failure::new(format!("{}: {error}", path.display()))
+                .with_hint("`output.docs.contents` names it: make it first, or take the key out")
+        })?;
+        Ok(docs::Options { more_contents, ..self.options.clone() })
     }
 }
 
@@ -277,9 +300,11 @@ impl Config {
             plan(&path, EmitterOptions::JsonSchema(json_schema_options(base)));
         }
         if let Some(output) = outputs.docs {
-            let DocsTable { path, title, rules } =
-                output.table(|path| DocsTable { path, title: None, rules: false });
-            plan(&path, EmitterOptions::Docs(docs::Options { rules, ..docs_options(title) }));
+            let DocsTable { path, title, rules, contents } =
+                output.table(|path| DocsTable { path, title: None, rules: false, contents: None });
+            let contents = contents.map(|path| folder.join(path));
+            let options = docs::Options { rules, ..docs_options(title) };
+            plan(&path, EmitterOptions::Docs(DocsOptions { options, contents }));
         }
         if let Some(output) = outputs.vectors {
             let VectorsTable { path, base } = output.table(|path| VectorsTable { path, base: None });
@@ -358,7 +383,10 @@ impl Plan {
             .map(|emitter| match emitter {
                 Emitter::Rust => ("rust", EmitterOptions::Rust(RustOptions::new(None, None))),
                 Emitter::JsonSchema => ("json_schema", EmitterOptions::JsonSchema(json_schema_options(None))),
-                Emitter::Docs => ("docs", EmitterOptions::Docs(docs_options(None))),
+                Emitter::Docs => (
+                    "docs",
+                    EmitterOptions::Docs(DocsOptions { options: docs_options(None), contents: None }),
+                ),
                 Emitter::Vectors => ("vectors", EmitterOptions::Vectors(vectors_options(None))),
             })
             .map(|(folder, emitter)| PlannedOutput { path: out.join(folder), emitter })

@@ -19,7 +19,7 @@ mod error_codes;
 mod fields;
 mod index;
 mod interface;
-mod markdown;
+pub mod markdown;
 mod message;
 mod picture;
 mod rules;
@@ -41,11 +41,13 @@ pub struct Options {
     pub title: String,
     /// Whether the rules of uavspec itself are described, too.
     pub rules: bool,
+    /// What stands at the end of the table of contents: a Markdown list of pages that others write.
+    pub more_contents: String,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { title: "Interface definitions".to_owned(), rules: false }
+        Self { title: "Interface definitions".to_owned(), rules: false, more_contents: String::new() }
     }
 }
 
@@ -56,7 +58,7 @@ pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<Outp
     let mut files = vec![
         book::config(options),
         book::style(),
-        book::summary(&site, rules.as_ref()),
+        book::summary(&site, rules.as_ref(), &options.more_contents),
         index::overview(&site, options),
     ];
     for package in site.packages() {

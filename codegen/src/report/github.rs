@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use super::Report;
+use super::{Region, Report};
 use crate::diagnostic::Level;
 
 pub(super) fn write(report: &Report) -> String {
@@ -15,26 +15,31 @@ pub(super) fn write(report: &Report) -> String {
             Level::Warning => "warning",
             Level::Note => "notice",
         };
-        let (start, end) = (entry.place.start, entry.place.end);
-        // Columns mean something only within one line.
-        let columns = if start.line == end.line {
-            format!(",col={},endColumn={}", start.column, end.column)
-        } else {
-            String::new()
-        };
+        let region = region(entry.place.region);
         let category = entry.category.map(|category| format!(" ({category})")).unwrap_or_default();
-        let message = format!("{}\n{}\n{}", entry.message, entry.help, entry.url());
+        let message = format!("{}\n{}\n{}", entry.message, entry.help, entry.url);
         let _ = writeln!(
             text,
-            "::{command} file={},line={},endLine={}{columns},title={}::{}",
+            "::{command} file={}{region},title={}::{}",
             property(&entry.place.path),
-            start.line,
-            end.line,
             property(&format!("{}{category}", entry.rule)),
             data(&message),
         );
     }
     text
+}
+
+/// The properties of a part of a file; there are none for bytes.
+fn region(region: Region) -> String {
+    match region {
+        Region::Whole | Region::Byte(_) => String::new(),
+        Region::Line(line) => format!(",line={line}"),
+        // Columns mean something only within one line.
+        Region::Text { start, end } if start.line == end.line => {
+            format!(",line={0},endLine={0},col={1},endColumn={2}", start.line, start.column, end.column)
+        }
+        Region::Text { start, end } => format!(",line={},endLine={}", start.line, end.line),
+    }
 }
 
 /// Escapes what would end the message.

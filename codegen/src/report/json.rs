@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::{Entry, Place, Report};
+use super::{Entry, Place, Region, Report};
 use crate::source::Position;
 
 pub(super) fn write(report: &Report) -> String {
@@ -35,11 +35,19 @@ fn entry(entry: &Entry) -> Value {
         put("related", Value::Array(related));
     }
     put("fixable", json!(entry.is_fixable));
-    put("url", json!(entry.url()));
+    put("url", json!(entry.url));
     Value::Object(object)
 }
 
 fn place(place: &Place) -> Value {
     let position = |at: Position| json!({ "line": at.line, "column": at.column });
-    json!({ "file": place.path, "start": position(place.start), "end": position(place.end) })
+    let file = &place.path;
+    match place.region {
+        Region::Whole => json!({ "file": file }),
+        Region::Text { start, end } => {
+            json!({ "file": file, "start": position(start), "end": position(end) })
+        }
+        Region::Line(line) => json!({ "file": file, "line": line }),
+        Region::Byte(offset) => json!({ "file": file, "byte": offset }),
+    }
 }

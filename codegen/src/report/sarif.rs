@@ -13,7 +13,7 @@ use std::fmt::Write as _;
 use serde_json::{Map, Value, json};
 use sha2::{Digest as _, Sha256};
 
-use super::{Entry, PROJECT_URL, Place, Report, RuleInfo, rule_url};
+use super::{Entry, PROJECT_URL, Place, Region, Report, RuleInfo};
 use crate::diagnostic::Level;
 use crate::emit::prose::{gist, percent_encoded};
 
@@ -63,29 +63,33 @@ fn level(level: Level) -> &'static str {
 }
 
 fn rule(rule: &RuleInfo) -> Value {
-    let purpose = if rule.purpose.is_empty() { rule.id } else { rule.purpose };
-    let url = rule_url(rule.id);
-    json!({
-        "id": rule.id,
+    let RuleInfo { id, purpose, url, .. } = rule;
+    let purpose = if purpose.is_empty() { id } else { purpose };
+    let mut members = json!({
+        "id": id,
         "shortDescription": { "text": message(&gist(purpose, MAX_TITLE)) },
         "fullDescription": { "text": message(purpose) },
-        "help": {
+        "help": { "text": message(purpose) },
+        "defaultConfiguration": { "level": level(rule.level) },
+    });
+    if !url.is_empty() {
+        members["help"] = json!({
             "text": message(&format!("{purpose}\n{url}")),
             "markdown": format!("{purpose}\n\n[More on this rule]({url})"),
-        },
-        "helpUri": url,
-        "defaultConfiguration": { "level": level(rule.level) },
-    })
+        });
+        members["helpUri"] = json!(url);
+    }
+    members
 }
 
 fn results(report: &Report, rules: &[RuleInfo]) -> Vec<Value> {
     let indexes: BTreeMap<&str, usize> =
-        rules.iter().enumerate().map(|(index, rule)| (rule.id, index)).collect();
+        rules.iter().enumerate().map(|(index, rule)| (&*rule.id, index)).collect();
     let mut seen: BTreeMap<String, usize> = BTreeMap::new();
     let result = |entry: &Entry| {
         let fingerprint = fingerprint(entry);
         let count = seen.entry(fingerprint.clone()).and_modify(|count| *count += 1).or_insert(1);
-        result(entry, indexes.get(entry.rule).copied(), &format!("{fingerprint}:{count}"))
+        result(entry, indexes.get(&*entry.rule).copied(), &format!("{fingerprint}:{count}"))
     };
     report.entries.iter().map(result).collect()
 }
@@ -126,15 +130,19 @@ fn related(entry: &Entry) -> Vec<Value> {
 }
 
 fn place(place: &Place) -> Value {
-    json!({
-        "artifactLocation": { "uri": uri(&place.path) },
-        "region": {
-            "startLine": place.start.line,
-            "startColumn": place.start.column,
-            "endLine": place.end.line,
-            "endColumn": place.end.column,
-        },
-    })
+    let artifact = json!({ "uri": uri(&place.path) });
+    let region = match place.region {
+        Region::Whole => return json!({ "artifactLocation": artifact }),
+        Region::Text { start, end } => json!({
+            "startLine": start.line,
+            "startColumn": start.column,
+            "endLine": end.line,
+            "endColumn": end.column,
+        }),
+        Region::Line(line) => json!({ "startLine": line }),
+        Region::Byte(offset) => json!({ "byteOffset": offset }),
+    };
+    json!({ "artifactLocation": artifact, "region": region })
 }
 
 /// The address of a file: relative to whatever the reader takes for the root, where the path is.
@@ -155,7 +163,7 @@ fn message(text: &str) -> String {
 /// What stays of a finding when lines move.
 fn fingerprint(entry: &Entry) -> String {
     let mut hash = Sha256::new();
-    for part in [entry.rule, entry.category.unwrap_or_default(), &entry.place.path, &entry.message] {
+    for part in [&*entry.rule, entry.category.unwrap_or_default(), &entry.place.path, &entry.message] {
         // With its length, so that no two lists of parts are the same bytes.
         hash.update((part.len() as u64).to_le_bytes());
         hash.update(part);

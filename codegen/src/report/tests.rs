@@ -14,12 +14,13 @@ const PATH: &str = "msg/Flügel a%20b#1,2:3.msg";
 
 fn place(path: &str, line: usize, column: usize, end_column: usize) -> Place {
     let start = Position { line, column };
-    Place { path: path.to_owned(), start, end: Position { line, column: end_column } }
+    let region = Region::Text { start, end: Position { line, column: end_column } };
+    Place { path: path.to_owned(), region }
 }
 
 fn entry(rule: &'static str, level: Level, message: &str) -> Entry {
     Entry {
-        rule,
+        rule: rule.into(),
         category: None,
         level,
         message: message.to_owned(),
@@ -28,11 +29,12 @@ fn entry(rule: &'static str, level: Level, message: &str) -> Entry {
         sides: None,
         related: Vec::new(),
         is_fixable: false,
+        url: rule_url(rule),
     }
 }
 
 fn report(entries: Vec<Entry>) -> Report {
-    let info = |id, level| RuleInfo { id, purpose: "Say `x`. Since y.", level };
+    let info = |id, level| RuleInfo::new(id, "Say `x`. Since y.", level);
     let rules = vec![info("quiet", Level::Error), info("unit-missing", Level::Warning)];
     Report { command: "lint", rules, entries }
 }
@@ -110,7 +112,7 @@ fn fingerprints_outlast_moves_and_tell_findings_apart() {
     assert_eq!(before, fingerprints(&report(vec![moved(&first), moved(&twin)])));
     for other in [
         Entry { message: "b".to_owned(), ..first.clone() },
-        Entry { rule: "quiet", ..first.clone() },
+        Entry { rule: "quiet".into(), ..first.clone() },
         Entry { category: Some("wire"), ..first.clone() },
         Entry { place: place("other.msg", 3, 5, 9), ..first.clone() },
     ] {
@@ -161,6 +163,32 @@ fn json_holds_texts_as_they_are() {
     let list: Value = serde_json::from_str(&hostile().to_text(Format::Json)).expect("JSON");
     assert_eq!((&list[0]["message"], &list[0]["file"]), (&json!(HOSTILE), &json!(PATH)));
     assert_eq!(list[1]["url"], "https://uavspec.dev/docs/rules/reading.html#unknown-type");
+}
+
+#[test]
+fn places_are_lines_bytes_or_whole_files_too() {
+    let at = |region| {
+        let place = Place { path: "a.ulg".to_owned(), region };
+        let entry = Entry { place, url: String::new(), ..entry("quiet", Level::Error, "a") };
+        let rule = RuleInfo { url: String::new(), ..RuleInfo::new("quiet", "Say.", Level::Error) };
+        Report { command: "check", rules: vec![rule], entries: vec![entry] }
+    };
+    for (region, of_sarif, of_json, of_github) in [
+        (Region::Byte(7), json!({ "byteOffset": 7 }), json!({ "byte": 7 }), ""),
+        (Region::Line(7), json!({ "startLine": 7 }), json!({ "line": 7 }), ",line=7"),
+        (Region::Whole, Value::Null, json!({}), ""),
+    ] {
+        let report = at(region);
+        let log = sarif(&report);
+        let physical = &log["runs"][0]["results"][0]["locations"][0]["physicalLocation"];
+        assert_eq!(physical["region"], of_sarif);
+        let rule = &log["runs"][0]["tool"]["driver"]["rules"][0];
+        assert!(rule.get("helpUri").is_none() && rule["help"].get("markdown").is_none(), "{rule}");
+        let list: Value = serde_json::from_str(&report.to_text(Format::Json)).expect("JSON");
+        assert_eq!((&list[0]["line"], &list[0]["byte"]), (&of_json["line"], &of_json["byte"]));
+        let github = report.to_text(Format::Github);
+        assert!(github.starts_with(&format!("::error file=a.ulg{of_github},title=quiet::a")), "{github}");
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::ffi::OsString;
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter, Write as _};
+use std::io::{self, BufReader, BufWriter};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -10,13 +10,15 @@ use clap::Args;
 use globset::{Glob, GlobMatcher};
 use uavspec_codegen::dynamic::Types;
 
+use super::known::KnownArgs;
 use super::progress::Progress;
-use super::{Format, Status};
+use super::report::{self, ReportArgs};
+use super::{Status, deliver};
 use crate::known::{Scope, excuse_cases, of_cases};
+use crate::report::{Action, Kind, Report, Subject, command_line, subject_text};
 use crate::testee::case::{Case, cases};
 use crate::testee::file::{dump, replay};
 use crate::testee::outcome::Outcome;
-use crate::testee::report::{to_json, to_text};
 use crate::testee::run::{Options, run};
 use crate::testee::target::{Address, Target};
 
@@ -27,6 +29,7 @@ use crate::testee::target::{Address, Target};
   uavspec test --filter 'decode-*/px4/Event/*' -- python3 testee.py
   uavspec test --known known.toml -- ./my-codec --stdio
   uavspec test --attach localhost:7700
+  uavspec test --report html=report.html,junit=report.xml -- ./my-codec
   uavspec test --dump-cases questions.jsonl
   uavspec test --replay answers.jsonl
 
@@ -46,8 +49,8 @@ A list of known failures is TOML:
   link = \"https://example.org/issues/7\"
   expires = 2027-06-30
 
-Exit status: 0 conforms, 1 does not, 2 wrong usage, definitions or list, 3 the testee broke, 4 a list of known
-failures no longer holds true, 5 nothing was checked.")]
+Exit status: 0 conforms, 1 does not, 2 wrong usage, definitions or list, 3 the testee broke or a report
+can't be written, 4 a list of known failures no longer holds true, 5 nothing was checked.")]
 pub(super) struct TestArgs {
     /// The testee: a program and its arguments. A script that starts another program should `exec` it.
     #[arg(last = true, value_name = "COMMAND", required_unless_present_any = ["attach", "dump_cases", "replay"])]
@@ -75,9 +78,8 @@ pub(super) struct TestArgs {
     /// How many processes run at once.
     #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..=256))]
     jobs: u16,
-    /// How to report.
-    #[arg(long, default_value = "text")]
-    format: Format,
+    #[command(flatten)]
+    report: ReportArgs,
     /// Write the questions to a file, each with its right answers, and ask nobody; - is standard output.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["command", "replay"])]
     dump_cases: Option<PathBuf>,
@@ -85,7 +87,7 @@ pub(super) struct TestArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "command")]
     replay: Option<PathBuf>,
     #[command(flatten)]
-    known: super::known::KnownArgs,
+    known: KnownArgs,
 }
 
 /// Reads a time limit.
@@ -103,6 +105,10 @@ pub(super) fn target(command: &[OsString], attach: Option<&Address>) -> Target {
 }
 
 pub(super) fn test(args: &TestArgs) -> Status {
+    if let Some(problem) = args.report.problem() {
+        anstream::eprintln!("error: {problem}");
+        return Status::Usage;
+    }
     let definitions = match super::definitions(args.definitions.as_deref()) {
         Ok(definitions) => definitions,
         Err(status) => return status,
@@ -138,14 +144,34 @@ pub(super) fn test(args: &TestArgs) -> Status {
         },
     };
     let names: Vec<(&Case, String)> = cases.iter().map(|case| (case, case.name())).collect();
-    let settled = known.settle(Scope::Cases, &of_cases(&names, &outcome));
+    let is_stale = known.settle(Scope::Cases, &of_cases(&names, &outcome)) == Status::Stale;
     excuse_cases(&known.lists, &mut outcome);
-    // A reader that has seen enough closes the pipe: that is no failure. The stream drops colours where needed.
-    let _ = match args.format {
-        Format::Text => write!(anstream::stdout(), "{}", to_text(&outcome)),
-        Format::Json => io::stdout().write_all(to_json(&outcome).as_bytes()),
-    };
-    status(&outcome).max(settled)
+    let subject = Subject::of_testee(&outcome, &definitions, &|case| again(args, case));
+    if args.report.printed() == Kind::Text {
+        report::print(&subject_text(&subject));
+    }
+    let subjects = vec![subject];
+    let report = Report::new(Action::Test, super::command(), &definitions, subjects, Vec::new(), Vec::new());
+    deliver(&args.report, &report.with_stale_list(is_stale))
+}
+
+/// The command that asks one case alone.
+fn again(args: &TestArgs, case: &str) -> String {
+    let filter = globset::escape(case);
+    let mut words = vec!["uavspec".to_owned(), "test".to_owned(), "--filter".to_owned(), filter];
+    let mut add = |name: &str, path: &Path| words.extend([name.to_owned(), path.display().to_string()]);
+    if let Some(path) = &args.definitions {
+        add("--definitions", path);
+    }
+    if let Some(path) = &args.replay {
+        add("--replay", path);
+    } else if let Some(address) = &args.attach {
+        words.extend(["--attach".to_owned(), address.to_string()]);
+    } else {
+        words.push("--".to_owned());
+        words.extend(args.command.iter().map(|word| word.to_string_lossy().into_owned()));
+    }
+    command_line(words.iter().map(String::as_str))
 }
 
 /// The indices of the cases that a pattern matches; an error where there is none, as that must be a mistake.
@@ -201,17 +227,4 @@ fn said<T>(path: &Path, result: io::Result<T>) -> Result<T, Status> {
         anstream::eprintln!("error: {}: {error}", path.display());
         Status::Unreadable
     })
-}
-
-fn status(outcome: &Outcome<'_>) -> Status {
-    let counts = outcome.counts();
-    if outcome.gave_up.is_some() {
-        Status::Unreadable
-    } else if counts.failed > 0 || !outcome.manners.are_good() {
-        Status::Breaks
-    } else if counts.passed + counts.known == 0 {
-        Status::Nothing
-    } else {
-        Status::Conforms
-    }
 }

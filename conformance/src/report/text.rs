@@ -1,18 +1,16 @@
 //! For people, at a terminal.
 
 mod mcap;
+mod testee;
 
-use std::fmt::Write as _;
+use std::fmt::{self, Write as _};
 
 use anstyle::{AnsiColor, Style};
 
-use super::Judged;
-use crate::comparison::Comparison;
-use crate::definitions::Definitions;
-use crate::finding::{Group, Verdict};
-use crate::judge::{JsonSource, LogSource, Source};
+use super::shown::shown;
+use super::{About, Finding, FormatResult, Json, Known, Report, Subject, Ulog, Verdict};
 use crate::record::Grouped;
-use crate::rule::{Level, RULES};
+use crate::rule::Level;
 
 /// How many formats that differ are shown, and how many places of damage.
 const MAX_SHOWN: usize = 8;
@@ -22,157 +20,187 @@ const WARN: Style = AnsiColor::Yellow.on_default().bold();
 const PASS: Style = AnsiColor::Green.on_default().bold();
 const PLAIN: Style = Style::new();
 
-/// The judgement of a source, with colours; a stream that knows drops them where they would not be shown.
-pub fn write(judged: &Judged, definitions: &Definitions) -> String {
-    let mut text = String::new();
-    // Writing to a string can't fail.
-    let _ = match &judged.judgement.source {
-        Source::Log(log) => head(judged, log, &mut text).and_then(|()| formats(&log.formats, &mut text)),
-        Source::Json(found) => json(judged, found, &mut text),
-        Source::Mcap(found) => mcap::write(judged, found, &mut text),
-    };
-    let _ = damage(judged, &mut text);
-    for level in [Level::Must, Level::Should, Level::Info] {
-        // The formats that differ stand above already.
-        let is_of_level = |group: &&Group| group.rule.level == level && group.rule.id != "PX-FMT-01";
-        for group in judged.judgement.findings.groups().filter(is_of_level) {
-            let _ = finding(group, definitions, &mut text);
-        }
+/// A whole report, with colours; a stream that knows drops them where they would not be shown.
+pub(super) fn write(report: &Report) -> String {
+    let mut text: String = report.subjects.iter().map(subject).collect();
+    for unreadable in &report.unreadable {
+        // Writing to a string can't fail.
+        let _ = writeln!(
+            text,
+            "{FAIL}unreadable{FAIL:#}  {}: {}",
+            shown(&unreadable.path),
+            shown(&unreadable.message)
+        );
     }
-    let _ = verdicts(judged, &mut text);
     text
 }
 
-fn head(judged: &Judged, log: &LogSource, text: &mut String) -> std::fmt::Result {
-    let judgement = &judged.judgement;
-    let firmware = log.firmware.as_deref().unwrap_or("unknown firmware");
-    let seconds = judgement.duration / 1_000_000;
+/// What came of a subject, with colours.
+pub fn subject(subject: &Subject) -> String {
+    let mut text = String::new();
+    let _ = match &subject.about {
+        About::Ulog(log) => of_source(subject, &mut text, |text| {
+            head(subject, log, text)?;
+            formats(log, text)
+        }),
+        About::Json(found) => of_source(subject, &mut text, |text| json(subject, found, text)),
+        About::Mcap(found) => of_source(subject, &mut text, |text| mcap::write(subject, found, text)),
+        About::Testee(testee) => testee::write(subject, testee, &mut text),
+    };
+    text
+}
+
+fn of_source(
+    subject: &Subject,
+    text: &mut String,
+    head: impl FnOnce(&mut String) -> std::fmt::Result,
+) -> std::fmt::Result {
+    head(text)?;
+    damage(subject, text)?;
+    for level in [Level::Must, Level::Should, Level::Info] {
+        // The formats that differ stand above already.
+        let is_of_level = |found: &&Finding| found.level == level && found.rule != "PX-FMT-01";
+        for found in subject.findings.iter().filter(is_of_level) {
+            finding(found, text)?;
+        }
+    }
+    verdicts(subject, text)
+}
+
+fn head(subject: &Subject, log: &Ulog, text: &mut String) -> std::fmt::Result {
+    let firmware = log.firmware.as_deref().map_or_else(|| "unknown firmware".to_owned(), shown);
+    let seconds = subject.duration_us / 1_000_000;
     writeln!(
         text,
         "{}  {firmware}, {} min {} s, {} topics, {} records, {} dropouts ({} ms)\n",
-        judged.path,
+        shown(&subject.path),
         seconds / 60,
         seconds % 60,
         log.formats.len(),
-        Grouped(judgement.records),
+        Grouped(subject.records),
         log.dropouts,
-        judged.elapsed,
+        subject.elapsed,
     )
 }
 
-fn json(judged: &Judged, found: &JsonSource, text: &mut String) -> std::fmt::Result {
-    let records = judged.judgement.records;
+fn json(subject: &Subject, found: &Json, text: &mut String) -> std::fmt::Result {
     writeln!(
         text,
         "{}  {} {}, {} {} of {} {} ({} ms)\n",
-        judged.path,
+        shown(&subject.path),
         Grouped(found.lines),
         if found.lines == 1 { "line" } else { "lines" },
-        Grouped(records),
-        if records == 1 { "message" } else { "messages" },
+        Grouped(subject.records),
+        if subject.records == 1 { "message" } else { "messages" },
         found.types,
         if found.types == 1 { "type" } else { "types" },
-        judged.elapsed,
+        subject.elapsed,
     )?;
     let mut has_notes = false;
     let mut note = |word: &str, what: &dyn std::fmt::Display| {
         has_notes = true;
         writeln!(text, "{word:<12} {what}")
     };
-    for dialect in found.dialects.iter() {
-        note("dialect", &dialect)?;
+    for dialect in &found.dialects {
+        note("dialect", dialect)?;
     }
     if found.skipped > 0 {
         note("skipped", &format_args!("{} that publish nothing (rosbridge)", Grouped(found.skipped)))?;
     }
     if !found.undefined.is_empty() {
-        let shown: Vec<&str> = found.undefined.iter().take(MAX_SHOWN).map(String::as_str).collect();
-        let more = found.undefined.len() - shown.len();
+        let first: Vec<String> = found.undefined.iter().take(MAX_SHOWN).map(|name| shown(name)).collect();
+        let more = found.undefined.len() - first.len();
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        note("not defined", &format_args!("{}{more}", shown.join(", ")))?;
+        note("not defined", &format_args!("{}{more}", first.join(", ")))?;
     }
     if has_notes { writeln!(text) } else { Ok(()) }
 }
 
-fn formats(formats: &[(String, Comparison)], text: &mut String) -> std::fmt::Result {
-    let count = |wanted: fn(&Comparison) -> bool| formats.iter().filter(|(_, found)| wanted(found)).count();
-    let equal = count(|found| *found == Comparison::Equal);
-    let unknown = count(|found| *found == Comparison::Undefined);
-    let differing: Vec<_> = formats
-        .iter()
-        .filter_map(|(name, found)| match found {
-            Comparison::Differs(differences) => Some((name, differences)),
-            Comparison::Equal | Comparison::Undefined => None,
-        })
-        .collect();
+fn formats(log: &Ulog, text: &mut String) -> std::fmt::Result {
+    let of = |wanted| log.formats.iter().filter(move |format| format.result == wanted);
+    let differing = of(FormatResult::Differs).count();
     writeln!(
         text,
-        "definitions  {equal} of {} topics equal, {} differ, {unknown} not defined",
-        formats.len(),
-        differing.len()
+        "definitions  {} of {} topics equal, {differing} differ, {} not defined",
+        of(FormatResult::Equal).count(),
+        log.formats.len(),
+        of(FormatResult::Undefined).count(),
     )?;
-    for (name, differences) in differing.iter().take(MAX_SHOWN) {
-        writeln!(text, "  differs    {name}: {differences}")?;
+    for format in of(FormatResult::Differs).take(MAX_SHOWN) {
+        writeln!(text, "  differs    {}: {}", shown(&format.topic), shown(&format.message))?;
     }
-    if differing.len() > MAX_SHOWN {
-        writeln!(text, "             … and {} more", differing.len() - MAX_SHOWN)?;
+    if differing > MAX_SHOWN {
+        writeln!(text, "             … and {} more", differing - MAX_SHOWN)?;
     }
     writeln!(text)
 }
 
-fn damage(judged: &Judged, text: &mut String) -> std::fmt::Result {
-    let judgement = &judged.judgement;
-    for (place, what) in judgement.damage.iter().take(MAX_SHOWN) {
-        writeln!(text, "{WARN}damage{WARN:#}       {place}: {what}")?;
+fn damage(subject: &Subject, text: &mut String) -> std::fmt::Result {
+    for damage in subject.damage.iter().take(MAX_SHOWN) {
+        writeln!(text, "{WARN}damage{WARN:#}       {}: {}", damage.place, shown(&damage.message))?;
     }
-    let more = judgement.damage.len().saturating_sub(MAX_SHOWN) as u64 + judgement.more_damage;
+    let more = subject.damages().saturating_sub(MAX_SHOWN as u64);
     if more > 0 {
         writeln!(text, "             … and {} more", Grouped(more))?;
     }
-    if judgement.damage.is_empty() { Ok(()) } else { writeln!(text) }
+    if subject.damage.is_empty() { Ok(()) } else { writeln!(text) }
 }
 
-fn finding(group: &Group, definitions: &Definitions, text: &mut String) -> std::fmt::Result {
-    let (style, word) = match (&group.known, group.rule.level) {
-        (Some(known), _) => (PLAIN, known.kind.name()),
-        (None, Level::Must) => (FAIL, "FAIL "),
-        (None, Level::Should) => (WARN, "warn "),
-        (None, Level::Info) => (PLAIN, "info "),
+fn finding(finding: &Finding, text: &mut String) -> std::fmt::Result {
+    let (style, word) = match (&finding.known, finding.verdict) {
+        (Some(known), _) => (PLAIN, known.kind.as_str()),
+        (None, Verdict::Fail) => (FAIL, "FAIL"),
+        (None, Verdict::Warn) => (WARN, "warn"),
+        (None, _) => (PLAIN, "info"),
     };
-    let Some((place, first)) = group.examples.first() else { return Ok(()) };
-    let times = if group.count == 1 { "once".to_owned() } else { format!("{} times", Grouped(group.count)) };
+    let Some(first) = finding.examples.first() else { return Ok(()) };
+    let times =
+        if finding.count == 1 { "once".to_owned() } else { format!("{} times", Grouped(finding.count)) };
     writeln!(
         text,
-        "{style}{word}{style:#} {:<12} {:<6} {}: {first}",
-        group.rule.id, group.rule.level, group.subject
+        "{style}{word}{style:#}  {:<12} {:<6} {}: {}",
+        finding.rule,
+        finding.level,
+        shown(&finding.subject),
+        shown(&first.told())
     )?;
-    let defined = group.definition.map(|span| format!("   {}", definitions.place(span))).unwrap_or_default();
-    writeln!(text, "                           {times}, first at {place}{defined}")?;
-    let known = group.known.as_ref();
+    let defined = finding.definition.as_ref().map(|line| format!("   {line}")).unwrap_or_default();
+    writeln!(text, "                           {times}, first at {}{defined}", first.place)?;
+    let known = finding.known.as_ref();
     known.map_or(Ok(()), |known| writeln!(text, "                           {known}"))
 }
 
-fn verdicts(judged: &Judged, text: &mut String) -> std::fmt::Result {
-    let findings = &judged.judgement.findings;
-    let of = |verdict| RULES.iter().filter(move |rule| findings.verdict(rule) == verdict);
+/// Why something is let stand.
+impl fmt::Display for Known {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&shown(&self.reason))?;
+        if let Some(date) = &self.expires {
+            write!(formatter, " (until {date})")?;
+        }
+        self.link.as_ref().map_or(Ok(()), |link| write!(formatter, " {}", shown(link)))
+    }
+}
+
+fn verdicts(subject: &Subject, text: &mut String) -> std::fmt::Result {
+    let of = |verdict| subject.rules.iter().filter(move |rule| rule.verdict == verdict);
     let idle: Vec<&str> = of(Verdict::NotExercised).map(|rule| rule.id).collect();
     let idle = if idle.is_empty() {
         String::new()
     } else {
         format!("   not exercised {} ({})", idle.len(), idle.join(", "))
     };
-    writeln!(text, "{PASS}pass{PASS:#}  {} rules{idle}\n", of(Verdict::Pass).count())?;
-    let (failed, warned) = (of(Verdict::Fail).count(), of(Verdict::Warn).count());
-    let known = findings.groups().filter(|group| group.known.is_some()).count();
-    let known = if known > 0 { format!(", {known} known") } else { String::new() };
-    let damaged = match &judged.judgement.source {
-        _ if judged.judgement.damage.is_empty() => "",
-        Source::Log(_) => ", and the log is damaged",
-        Source::Json(_) => ", and not all can be read",
-        Source::Mcap(_) => ", and the file is damaged",
+    writeln!(text, "{PASS}pass{PASS:#}  {} rules{idle}\n", subject.count(Verdict::Pass))?;
+    let (failed, warned) = (subject.count(Verdict::Fail), subject.count(Verdict::Warn));
+    let damaged = match subject.about {
+        _ if subject.damage.is_empty() => "",
+        About::Ulog(_) => ", and the log is damaged",
+        About::Mcap(_) => ", and the file is damaged",
+        About::Json(_) | About::Testee(_) => ", and not all can be read",
     };
+    let known = subject.findings.iter().filter(|finding| finding.known.is_some()).count();
+    let known = if known > 0 { format!(", {known} known") } else { String::new() };
     match (failed, warned) {
-        (0, _) if judged.judgement.judged == 0 => writeln!(text, "nothing was judged{damaged}"),
+        (0, _) if subject.judged == 0 => writeln!(text, "nothing was judged{damaged}"),
         (0, 0) => writeln!(text, "conforms{known}{damaged}"),
         (0, _) => writeln!(text, "conforms, {warned} SHOULD to be looked at{known}{damaged}"),
         _ => writeln!(text, "does not conform: {failed} MUST, {warned} SHOULD{known}{damaged}"),

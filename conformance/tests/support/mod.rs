@@ -1,6 +1,8 @@
 //! What several tests need: the corpus, and logs of our own.
 #![allow(dead_code)] // each test uses its part
 
+pub(crate) mod hostile;
+
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};

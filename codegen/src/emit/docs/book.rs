@@ -85,8 +85,8 @@ pub(super) fn style() -> OutputFile {
     OutputFile { path: "book.css".to_owned(), text }
 }
 
-/// `SUMMARY.md`: every page, package by package, and after them the rules.
-pub(super) fn summary(site: &Site<'_>, rules: Option<&Rules>) -> OutputFile {
+/// `SUMMARY.md`: every page, package by package, after them the rules, and what others write.
+pub(super) fn summary(site: &Site<'_>, rules: Option<&Rules>, more: &str) -> OutputFile {
     let mut text = format!("<!-- {} -->\n\n# Summary\n\n[Overview](README.md)\n\n", notice());
     let mut item = |depth: usize, name: &str, path: &str| {
         text.push_str(&"  ".repeat(depth));
@@ -102,6 +102,7 @@ pub(super) fn summary(site: &Site<'_>, rules: Option<&Rules>) -> OutputFile {
         item(0, rules::TITLE, rules::OVERVIEW);
         rules.contents().iter().for_each(|(name, path)| item(1, name, path));
     }
+    text.push_str(more);
     OutputFile { path: SUMMARY.to_owned(), text }
 }
 

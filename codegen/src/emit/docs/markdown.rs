@@ -1,4 +1,6 @@
 //! The Markdown that pages are made of: headings, paragraphs, tables, links.
+//!
+//! Others who write pages use it, too, so that all look the same.
 
 use std::fmt::{self, Write as _};
 
@@ -9,7 +11,7 @@ use crate::emit::{OutputFile, prose};
 
 /// A page while it is written.
 #[derive(Debug)]
-pub(super) struct Page {
+pub struct Page {
     path: String,
     text: String,
 }
@@ -17,13 +19,18 @@ pub(super) struct Page {
 impl Page {
     /// A page with its first heading, which is given as Markdown.
     pub(super) fn new(path: &str, heading: &str) -> Self {
-        let mut page = Self { path: path.to_owned(), text: format!("<!-- {} -->\n", notice()) };
+        Self::with_notice(&notice(), path, heading)
+    }
+
+    /// A page that says in a comment what made it; its first heading is given as Markdown.
+    pub fn with_notice(notice: &str, path: &str, heading: &str) -> Self {
+        let mut page = Self { path: path.to_owned(), text: format!("<!-- {notice} -->\n") };
         page.heading(1, heading);
         page
     }
 
     /// A heading, given as Markdown.
-    pub(super) fn heading(&mut self, level: usize, heading: &str) {
+    pub fn heading(&mut self, level: usize, heading: &str) {
         // `#` at its end would be taken for a closing mark.
         let (heading, end) = heading.strip_suffix('#').map_or((heading, ""), |start| (start, "\\#"));
         self.put(format_args!("\n{:#<level$} {heading}{end}\n", ""));
@@ -36,14 +43,14 @@ impl Page {
     }
 
     /// A paragraph, or any other block, given as Markdown; nothing where it is empty.
-    pub(super) fn block(&mut self, markdown: &str) {
+    pub fn block(&mut self, markdown: &str) {
         if !markdown.is_empty() {
             self.put(format_args!("\n{markdown}\n"));
         }
     }
 
     /// Lines as they are, set apart from all others. What can't be seen or shown comes out as U+FFFD.
-    pub(super) fn listing(&mut self, text: &str) {
+    pub fn listing(&mut self, text: &str) {
         let longest = text.split(|character| character != '`').map(str::len).max().unwrap_or(0);
         let fence = "`".repeat(longest.max(2) + 1);
         self.put(format_args!("\n{fence}text\n"));
@@ -58,17 +65,17 @@ impl Page {
     }
 
     /// An item of a list, given as Markdown.
-    pub(super) fn item(&mut self, depth: usize, markdown: &str) {
+    pub fn item(&mut self, depth: usize, markdown: &str) {
         self.put(format_args!("{:depth$}- {markdown}\n", "", depth = 2 * depth));
     }
 
     /// A blank line, as before a list.
-    pub(super) fn gap(&mut self) {
+    pub fn gap(&mut self) {
         self.text.push('\n');
     }
 
     /// A table without the columns that have nothing to say; nothing where it has no rows.
-    pub(super) fn table(&mut self, table: &Table) {
+    pub fn table(&mut self, table: &Table) {
         if table.is_empty() {
             return;
         }
@@ -96,7 +103,7 @@ impl Page {
     }
 
     /// The file.
-    pub(super) fn finish(self) -> OutputFile {
+    pub fn finish(self) -> OutputFile {
         OutputFile { path: self.path, text: self.text }
     }
 }
@@ -109,7 +116,7 @@ pub(super) fn append(to: &mut String, text: fmt::Arguments<'_>) {
 
 /// A column of a table.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Column {
+pub struct Column {
     heading: &'static str,
     is_number: bool,
 }
@@ -121,33 +128,35 @@ impl Column {
 }
 
 /// A column of text.
-pub(super) const fn text_column(heading: &'static str) -> Column {
+pub const fn text_column(heading: &'static str) -> Column {
     Column { heading, is_number: false }
 }
 
 /// A column of numbers, which are aligned at their ends.
-pub(super) const fn number_column(heading: &'static str) -> Column {
+pub const fn number_column(heading: &'static str) -> Column {
     Column { heading, is_number: true }
 }
 
 /// A table; its cells are Markdown.
 #[derive(Clone, Debug)]
-pub(super) struct Table {
+pub struct Table {
     columns: Vec<Column>,
     rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    pub(super) fn new(columns: &[Column]) -> Self {
+    /// A table without rows.
+    pub fn new(columns: &[Column]) -> Self {
         Self { columns: columns.to_vec(), rows: Vec::new() }
     }
 
-    pub(super) fn row(&mut self, cells: impl IntoIterator<Item = String>) {
+    /// A row.
+    pub fn row(&mut self, cells: impl IntoIterator<Item = String>) {
         self.rows.push(cells.into_iter().collect());
     }
 
     /// Whether it has no rows.
-    pub(super) fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 
@@ -159,7 +168,7 @@ impl Table {
     }
 
     /// The same rows, `lengths` of them to each table.
-    pub(super) fn split(self, lengths: impl IntoIterator<Item = usize>) -> Vec<Self> {
+    pub fn split(self, lengths: impl IntoIterator<Item = usize>) -> Vec<Self> {
         let mut rows = self.rows.into_iter();
         let part =
             |length| Self { columns: self.columns.clone(), rows: rows.by_ref().take(length).collect() };
@@ -169,15 +178,15 @@ impl Table {
 
 /// A text of a definition on one line.
 ///
-/// Braces go beyond what [`prose`] escapes, for the templates of mdBook and of GitHub's pages, and
+/// Braces are escaped too, for the templates of mdBook and of GitHub's pages, and
 /// for the attributes that mdBook reads from headings.
-pub(super) fn inline(text: &str) -> String {
+pub fn inline(text: &str) -> String {
     let escaped = prose::inline(text);
     if escaped.contains('{') { escaped.replace('{', "&#123;") } else { escaped }
 }
 
 /// A text of uavspec's own on one line, in which code stands between backticks.
-pub(super) fn with_code(text: &str) -> String {
+pub fn with_code(text: &str) -> String {
     let parts: Vec<&str> = text.split('`').collect();
     if parts.len().is_multiple_of(2) {
         // A backtick without its partner is text.
@@ -204,7 +213,7 @@ pub(super) fn unbroken(markdown: &str) -> String {
 }
 
 /// A name or value as code, fit for a table.
-pub(super) fn code(text: &str) -> String {
+pub fn code(text: &str) -> String {
     // What means something to tables or templates keeps its meaning even between backticks.
     if !text.is_empty()
         && text.bytes().all(|byte| matches!(byte, b' '..=b'~') && !matches!(byte, b'`' | b'|' | b'{'))
@@ -224,7 +233,7 @@ pub(super) fn code(text: &str) -> String {
 }
 
 /// A link with text given as Markdown.
-pub(super) fn link(markdown: &str, href: &str) -> String {
+pub fn link(markdown: &str, href: &str) -> String {
     format!("[{markdown}]({href})")
 }
 
@@ -234,7 +243,7 @@ pub(super) fn anchor(id: &str) -> String {
 }
 
 /// The address of the page `to`, or of a place in it, as seen from the page `from`.
-pub(super) fn href(from: &str, to: &str, anchor: &str) -> String {
+pub fn href(from: &str, to: &str, anchor: &str) -> String {
     let mark = if anchor.is_empty() { "" } else { "#" };
     if from == to && !anchor.is_empty() {
         return format!("#{}", percent_encoded(anchor));
@@ -246,13 +255,13 @@ pub(super) fn href(from: &str, to: &str, anchor: &str) -> String {
 }
 
 /// A number of things, in words.
-pub(super) fn plural(count: u64, noun: &str) -> String {
+pub fn plural(count: u64, noun: &str) -> String {
     let ending = if count == 1 { "" } else { "s" };
     format!("{} {noun}{ending}", thousands(count))
 }
 
 /// A number with a comma after each three digits.
-pub(super) fn thousands(number: u64) -> String {
+pub fn thousands(number: u64) -> String {
     let digits = number.to_string();
     let mut grouped = String::with_capacity(digits.len() + digits.len() / 3);
     for (index, digit) in digits.chars().enumerate() {

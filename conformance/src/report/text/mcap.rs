@@ -2,72 +2,63 @@
 
 use std::fmt::{Result, Write as _};
 
-use super::{Grouped, Judged, MAX_SHOWN};
-use crate::judge::{Basis, McapChannel, McapSource, Standing};
+use super::MAX_SHOWN;
+use crate::record::Grouped;
+use crate::report::shown::shown;
+use crate::report::{ChannelResult, Mcap, McapChannel, Subject};
 
 /// Writes what the file is, and what its channels were judged by.
-pub(super) fn write(judged: &Judged, found: &McapSource, text: &mut String) -> Result {
-    head(judged, found, text)?;
+pub(super) fn write(subject: &Subject, found: &Mcap, text: &mut String) -> Result {
+    head(subject, found, text)?;
     let channels = &found.channels;
-    let count = |wanted: fn(&McapChannel) -> bool| channels.iter().filter(|channel| wanted(channel)).count();
+    let count = |wanted| channels.iter().filter(|channel| channel.result == wanted).count();
     writeln!(
         text,
         "definitions  {} of {} channels equal, {} differ, {} without a schema that can be compared, {} not defined",
-        count(|channel| is_compared(channel) && channel.standing.differences().is_none()),
+        count(ChannelResult::Equal),
         channels.len(),
-        count(|channel| channel.standing.differences().is_some()),
-        count(|channel| by_name(channel).is_some()),
-        count(|channel| channel.standing == Standing::Undefined),
+        count(ChannelResult::Differs),
+        count(ChannelResult::ByName),
+        count(ChannelResult::Undefined),
     )?;
-    list("differs", channels, text, |channel| {
-        let hash = if channel.has_other_hash { "; its hash is another, too" } else { "" };
-        channel.standing.differences().map(|differences| format!("{differences}{hash}"))
-    })?;
-    list("by name", channels, text, by_name)?;
-    list("not read", channels, text, |channel| match channel.standing {
-        Standing::Unsupported => Some(format!("messages as `{}`", channel.encoding)),
+    let of =
+        |wanted| move |channel: &McapChannel| (channel.result == wanted).then(|| shown(&channel.message));
+    list("differs", channels, text, of(ChannelResult::Differs))?;
+    list("by name", channels, text, of(ChannelResult::ByName))?;
+    list("not read", channels, text, |channel| match channel.result {
+        ChannelResult::Unsupported => Some(format!("messages as `{}`", shown(&channel.encoding))),
         _ if channel.other_cdr > 0 => {
             Some(format!("{} messages in CDR that isn't plain version 1", Grouped(channel.other_cdr)))
         }
         _ => None,
     })?;
     list("undefined", channels, text, |channel| {
-        let schema = || channel.schema.as_ref().map_or("no schema", |(name, _)| name).to_owned();
-        (channel.standing == Standing::Undefined).then(schema)
+        let schema = || channel.schema.as_deref().map_or_else(|| "no schema".to_owned(), shown);
+        (channel.result == ChannelResult::Undefined).then(schema)
     })?;
-    for dialect in found.dialects.iter() {
+    for dialect in &found.dialects {
         writeln!(text, "  {:<10} {dialect}", "dialect")?;
     }
     writeln!(text)
 }
 
-fn head(judged: &Judged, found: &McapSource, text: &mut String) -> Result {
-    let judgement = &judged.judgement;
-    let profile = if found.profile.is_empty() { "no profile" } else { &found.profile };
-    let library = if found.library.is_empty() { "unknown library" } else { &found.library };
-    let seconds = judgement.duration / 1_000_000;
+fn head(subject: &Subject, found: &Mcap, text: &mut String) -> Result {
+    let or = |text: &str, none: &str| if text.is_empty() { none.to_owned() } else { shown(text) };
+    let seconds = subject.duration_us / 1_000_000;
     writeln!(
         text,
-        "{}  {profile} ({library}), {} min {} s, {} {}, {} {} ({} ms)\n",
-        judged.path,
+        "{}  {} ({}), {} min {} s, {} {}, {} {} ({} ms)\n",
+        shown(&subject.path),
+        or(&found.profile, "no profile"),
+        or(&found.library, "unknown library"),
         seconds / 60,
         seconds % 60,
         found.channels.len(),
         if found.channels.len() == 1 { "channel" } else { "channels" },
-        Grouped(judgement.records),
-        if judgement.records == 1 { "message" } else { "messages" },
-        judged.elapsed,
+        Grouped(subject.records),
+        if subject.records == 1 { "message" } else { "messages" },
+        subject.elapsed,
     )
-}
-
-fn is_compared(channel: &McapChannel) -> bool {
-    matches!(channel.standing, Standing::Judged(Basis::Compared(_)))
-}
-
-/// Why nothing but its name says what a channel is, where that is so.
-fn by_name(channel: &McapChannel) -> Option<String> {
-    let Standing::Judged(basis) = &channel.standing else { return None };
-    basis.problem()
 }
 
 /// A line for each channel of which there is something to say.
@@ -79,7 +70,7 @@ fn list(
 ) -> Result {
     let mut found = channels.iter().filter_map(|channel| Some((channel, of(channel)?)));
     for (channel, said) in found.by_ref().take(MAX_SHOWN) {
-        writeln!(text, "  {what:<10} {}: {said}", channel.topic)?;
+        writeln!(text, "  {what:<10} {}: {said}", shown(&channel.topic))?;
     }
     let more = found.count();
     if more > 0 { writeln!(text, "             … and {more} more") } else { Ok(()) }

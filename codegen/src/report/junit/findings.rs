@@ -1,0 +1,98 @@
+//! Findings as cases.
+//!
+//! Each finding is a case that failed, of the class `command.rule`: Jenkins groups by class and GitLab shows
+//! the class as the suite. Its name says file and message but no line, since both recognise a case by class
+//! and name, and a finding isn't a new one where lines have moved. Notes fail nothing. A rule without
+//! findings is a case that passed, so that there is always one.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+
+use super::{Case, Outcome, Reason, Suite, one_line};
+use crate::diagnostic::Level;
+use crate::report::{Entry, Report};
+
+/// Longest message in the name of a case, in characters: names stand in lists.
+const MAX_NAME: usize = 200;
+
+/// What a case is called that found nothing.
+const NOTHING: &str = "nothing found";
+
+pub(in crate::report) fn write(report: &Report) -> String {
+    let cases = found(report).into_iter().chain(passed(report)).collect();
+    let suite = Suite { name: report.command.to_owned(), cases };
+    super::write(&format!("uavspec {}", report.command), &[suite])
+}
+
+/// A case for each finding.
+fn found(report: &Report) -> Vec<Case> {
+    let mut seen: BTreeMap<(&str, String), usize> = BTreeMap::new();
+    let mut cases = Vec::with_capacity(report.entries.len());
+    for entry in &report.entries {
+        let mut name = name(entry);
+        let count = seen.entry((&entry.rule, name.clone())).and_modify(|count| *count += 1).or_insert(1);
+        if *count > 1 {
+            // Of cases of the same name only one would be shown.
+            let _ = write!(name, " ({count})");
+        }
+        cases.push(case(report.command, entry, name));
+    }
+    cases
+}
+
+/// A case for each rule that found nothing; one for the command, where there is none else.
+fn passed(report: &Report) -> Vec<Case> {
+    let found: BTreeSet<&str> = report.entries.iter().map(|entry| &*entry.rule).collect();
+    if report.rules.is_empty() && found.is_empty() {
+        return vec![Case::passed(report.command, NOTHING)];
+    }
+    let rules = report.rules.iter().map(|rule| &*rule.id).filter(|rule| !found.contains(rule));
+    rules.map(|rule| Case::passed(class(report.command, rule), NOTHING)).collect()
+}
+
+fn class(command: &str, rule: &str) -> String {
+    format!("{command}.{rule}")
+}
+
+fn case(command: &str, entry: &Entry, name: String) -> Case {
+    let mut case = Case::passed(class(command, &entry.rule), name);
+    case.place = Some(entry.place.clone());
+    if entry.level == Level::Note {
+        case.output = text(entry);
+    } else {
+        let (kind, message) = (entry.rule.to_string(), entry.message.clone());
+        case.outcome = Outcome::Failed(Reason { kind, message, text: text(entry) });
+    }
+    case
+}
+
+fn name(entry: &Entry) -> String {
+    let message = one_line(&entry.message);
+    let message = match message.char_indices().nth(MAX_NAME) {
+        Some((cut, _)) => format!("{}…", &message[..cut]),
+        None => message,
+    };
+    let category = entry.category.map(|category| format!(" ({category})")).unwrap_or_default();
+    format!("{}: {message}{category}", one_line(&entry.place.path))
+}
+
+/// All that is known of a finding.
+fn text(entry: &Entry) -> String {
+    let category = entry.category.map(|category| format!(" ({category})")).unwrap_or_default();
+    let level = entry.level.name();
+    let mut text = format!("{}: {level}[{}]{category}: {}\n", entry.place, entry.rule, entry.message);
+    let mut line = |label: &str, value: &str| {
+        if !value.is_empty() {
+            // Writing to a `String` can't fail.
+            let _ = writeln!(text, "{label}: {value}");
+        }
+    };
+    line("help", &entry.help);
+    if let Some((Some(old), _)) = &entry.sides {
+        line("before", &old.to_string());
+    }
+    entry.related.iter().for_each(|(at, label)| line(&at.to_string(), label));
+    line("see", &entry.url);
+    text.truncate(text.trim_end().len());
+    text
+}

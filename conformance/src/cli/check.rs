@@ -1,0 +1,198 @@
+//! `uavspec check`.
+
+use std::fs;
+use std::io;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Args;
+use uavspec_codegen::schema::MessageId;
+
+use super::known::{Known, KnownArgs};
+use super::progress::Progress;
+use super::report::{self, ReportArgs};
+use super::{Status, deliver};
+use crate::definitions::Definitions;
+use crate::input;
+use crate::judge;
+use crate::known::{Checked, Scope, excuse_findings, of_findings, of_unread};
+use crate::parallel;
+use crate::report::{Action, Judged, Kind, Report, Settings, Subject, Unreadable, subject_text};
+use crate::rule::rule;
+
+/// Arguments of `check`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  uavspec check flight.ulg
+  uavspec check --definitions ../px4_msgs/msg logs/*.ulg
+  uavspec check --format json flight.ulg > report.json
+  uavspec check --report html=report.html,junit=report.xml flight.ulg
+  uavspec check rosbridge.jsonl bag/bag_0.mcap
+  zcat flight.ulg.gz | uavspec check - archive/
+  uavspec check --type px4/FailsafeFlags flags.jsonl
+  uavspec check --known known.toml archive/
+
+JSON is an object a line, or an array of objects. Without --type each says what it is:
+  {\"type\": \"px4/FailsafeFlags\", \"message\": {…}}
+  {\"op\": \"publish\", \"topic\": \"/fmu/out/failsafe_flags\", \"msg\": {…}}   (rosbridge)
+
+A list of known failures is TOML:
+  [[known]]                       # or [[flaky]]: it may also pass
+  rule = \"PX-RANGE-01\"
+  subject = \"battery_status.*\"    # which may be absent, as all but the reason
+  file = \"archive/2019-*.ulg\"
+  message = \"0 is out of range\"   # how the message begins
+  reason = \"firmware 1.11 leaves it 0\"
+  link = \"https://example.org/issues/7\"
+  expires = 2027-06-30
+
+Exit status: 0 conforms, 1 does not, 2 wrong usage, definitions or list, 3 a file can't be read or a
+report can't be written, 4 a list of known failures no longer holds true, 5 nothing was checked.")]
+pub(super) struct CheckArgs {
+    /// Logs of PX4 in the format `ULog`, MCAP, or messages as JSON or JSON Lines, also packed with gzip or zstd;
+    /// which, is seen by the content. Folders are searched; `-` is standard input.
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// What to judge by: a uavspec.toml, a folder with one, or a folder of .msg files; those of this program,
+    /// where nothing is said.
+    #[arg(long, value_name = "PATH")]
+    definitions: Option<PathBuf>,
+    /// The type of all messages as JSON, which then have nothing around them.
+    #[arg(long = "type", value_name = "PACKAGE/NAME")]
+    of: Option<String>,
+    /// Let formats that differ from the definitions count as breaches (PX-FMT-01).
+    #[arg(long)]
+    strict_formats: bool,
+    /// Rules that have to be exercised: that nothing was there to judge is a breach, too.
+    #[arg(long, value_name = "ID", value_delimiter = ',')]
+    require: Vec<String>,
+    /// How many files are read at the same time; as many as there are processors, where nothing is said.
+    #[arg(long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
+    #[command(flatten)]
+    known: KnownArgs,
+    #[command(flatten)]
+    report: ReportArgs,
+}
+
+pub(super) fn check(args: &CheckArgs) -> Status {
+    if let Some(problem) = args.report.problem() {
+        anstream::eprintln!("error: {problem}");
+        return Status::Usage;
+    }
+    let definitions = match super::definitions(args.definitions.as_deref()) {
+        Ok(definitions) => definitions,
+        Err(status) => return status,
+    };
+    let mut required = Vec::new();
+    for id in &args.require {
+        let Some(rule) = rule(id) else {
+            anstream::eprintln!("error: --require {id}: no such rule\n  help: `uavspec rules` lists all");
+            return Status::Usage;
+        };
+        required.push(rule);
+    }
+    let of = args.of.as_deref().map(|name| (name, definitions.message_of_type(name)));
+    if let Some((name, None)) = of {
+        anstream::eprintln!("error: --type {name}: the definitions have no such message");
+        return Status::Usage;
+    }
+    let of = of.and_then(|(_, id)| id);
+    let files = match input::files(&args.files) {
+        Ok(files) => files,
+        Err((path, error)) => {
+            anstream::eprintln!("error: {}: {error}", path.display());
+            return Status::Unreadable;
+        }
+    };
+    let mut known = match args.known.read() {
+        Ok(known) => known,
+        Err(status) => return status,
+    };
+    let settings = settings(args);
+    let (mut judged, mut subjects, mut unreadable) = (Vec::new(), Vec::new(), Vec::new());
+    let mut take = |found: Judged| {
+        let subject = Subject::of_source(found, &definitions, &settings);
+        if args.report.printed() == Kind::Text {
+            report::print(&subject_text(&subject));
+        }
+        subjects.push(subject);
+    };
+    let sizes = files.iter().filter_map(|path| Some(fs::metadata(path).ok()?.len()));
+    let progress = Progress::bytes(sizes.sum());
+    parallel::each(
+        &files,
+        args.jobs,
+        |path| judge(path, of, &definitions, &progress),
+        |path, result| match result {
+            Ok(found) if known.lists.is_empty() => progress.pausing(|| take(found)),
+            // With lists it takes all files to tell which findings count.
+            Ok(found) => judged.push(found),
+            Err(error) => {
+                let path = path.display().to_string();
+                progress.pausing(|| anstream::eprintln!("error: {path}: {error}"));
+                unreadable.push(Unreadable { path, message: error.to_string() });
+            }
+        },
+    );
+    drop(progress);
+    let is_stale = settle(&mut known, &mut judged, &unreadable) == Status::Stale;
+    judged.into_iter().for_each(take);
+    let is_idle = |id: &str| {
+        let rules = subjects.iter().flat_map(|subject: &Subject| &subject.rules);
+        rules.filter(|rule| rule.id == id).all(|rule| rule.exercised == 0)
+    };
+    let idle = required.iter().filter(|rule| is_idle(rule.id));
+    let remarks: Vec<String> = idle
+        .map(|rule| format!("{} was required, and nothing was there that it could have judged", rule.id))
+        .collect();
+    for remark in &remarks {
+        anstream::eprintln!("error: {remark}");
+    }
+    let report = Report::new(Action::Check, super::command(), &definitions, subjects, unreadable, remarks);
+    deliver(&args.report, &report.with_stale_list(is_stale))
+}
+
+/// How sources are to be judged.
+fn settings(args: &CheckArgs) -> Settings {
+    let mut arguments = Vec::new();
+    if let Some(path) = &args.definitions {
+        arguments.extend(["--definitions".to_owned(), path.display().to_string()]);
+    }
+    if let Some(name) = &args.of {
+        arguments.extend(["--type".to_owned(), name.clone()]);
+    }
+    if args.strict_formats {
+        arguments.push("--strict-formats".to_owned());
+    }
+    Settings { are_formats_strict: args.strict_formats, arguments }
+}
+
+fn judge(
+    path: &Path,
+    of: Option<MessageId>,
+    definitions: &Definitions,
+    progress: &Progress,
+) -> io::Result<Judged> {
+    let started = Instant::now();
+    let source = input::unpacked(progress.reading(input::open(path)?))?;
+    let judgement = judge::judge(source, of, definitions)?;
+    Ok(Judged { path: path.display().to_string(), judgement, elapsed: started.elapsed().as_millis() })
+}
+
+/// Holds the lists of known failures against what was found, and notes at each finding what excuses it.
+fn settle(known: &mut Known, judged: &mut [Judged], unread: &[Unreadable]) -> Status {
+    if known.lists.is_empty() {
+        return Status::Conforms;
+    }
+    let mut checked: Vec<Checked<'_>> = unread.iter().flat_map(|file| of_unread(&file.path)).collect();
+    for judged in judged.iter() {
+        checked.extend(of_findings(&judged.path, &judged.judgement.findings));
+    }
+    let status = known.settle(Scope::Rules, &checked);
+    for judged in judged {
+        excuse_findings(&known.lists, &judged.path, &mut judged.judgement.findings);
+    }
+    status
+}

@@ -1,0 +1,240 @@
+//! What a run comes to, in a word, a sentence and an exit status.
+
+use serde::Serialize;
+
+use super::{About, Subject, Unreadable, Verdict};
+
+/// What something comes to.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Conclusion {
+    /// In a word.
+    pub outcome: Outcome,
+    /// The exit status that says so.
+    pub status: u8,
+    /// In a sentence.
+    pub text: String,
+    /// What else has to do with it.
+    pub remarks: Vec<String>,
+}
+
+/// What something comes to; in the order of how much each weighs where there are several.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum Outcome {
+    /// Nothing breaks a rule that binds.
+    Conforms,
+    /// Nothing was there to judge.
+    #[serde(rename = "nothing was checked")]
+    Nothing,
+    /// The list of known failures isn't true any more.
+    #[serde(rename = "stale list")]
+    Stale,
+    /// Something breaks a rule that binds.
+    #[serde(rename = "does not conform")]
+    Breaks,
+    /// A file can't be read, or the testee broke.
+    Broken,
+}
+
+impl Outcome {
+    /// The exit status that says so.
+    pub const fn status(self) -> u8 {
+        match self {
+            Self::Conforms => 0,
+            Self::Breaks => 1,
+            Self::Broken => 3,
+            Self::Stale => 4,
+            Self::Nothing => 5,
+        }
+    }
+}
+
+impl Conclusion {
+    /// One without remarks.
+    pub fn new(outcome: Outcome, text: impl Into<String>) -> Self {
+        Self { outcome, status: outcome.status(), text: text.into(), remarks: Vec::new() }
+    }
+
+    /// Of a source, by how many of its rules are broken and warned of.
+    pub(super) fn of_source(judged: u64, failed: usize, warned: usize, remarks: Vec<String>) -> Self {
+        let conclusion = match (failed, warned) {
+            (0, _) if judged == 0 => Self::new(Outcome::Nothing, "Nothing was judged"),
+            (0, 0) => Self::new(Outcome::Conforms, "Conforms"),
+            (0, _) => Self::new(Outcome::Conforms, format!("Conforms, with {}", to_look_at(warned))),
+            _ => Self::new(Outcome::Breaks, format!("Does not conform: {}", broken(failed))),
+        };
+        Self { remarks, ..conclusion }
+    }
+
+    /// Of a testee, by how many of its cases failed and passed.
+    pub(super) fn of_testee(passed: u64, failed: u64, remarks: usize, gave_up: Option<&str>) -> Self {
+        let asked = passed + failed;
+        match gave_up {
+            Some(why) => Self::new(Outcome::Broken, format!("The testee broke: {why}")),
+            None if failed > 0 => {
+                Self::new(Outcome::Breaks, format!("Does not conform: {failed} of {asked} cases failed"))
+            }
+            None if remarks > 0 => Self::new(Outcome::Breaks, "Does not keep to the protocol"),
+            None if passed == 0 => Self::new(Outcome::Nothing, "Nothing was checked"),
+            None => Self::new(Outcome::Conforms, "Conforms"),
+        }
+    }
+
+    /// Of a whole run.
+    pub(super) fn of_all(subjects: &[Subject], unreadable: &[Unreadable], remarks: Vec<String>) -> Self {
+        let mut conclusion = Self::of_subjects(subjects);
+        if !remarks.is_empty() && conclusion.outcome < Outcome::Breaks {
+            conclusion = Self::new(Outcome::Breaks, "Does not conform");
+        }
+        if !unreadable.is_empty() {
+            let text = match unreadable.len() {
+                1 => "One file could not be read".to_owned(),
+                count => format!("{count} files could not be read"),
+            };
+            let rest = if subjects.is_empty() { Vec::new() } else { vec![conclusion.text] };
+            conclusion = Self { remarks: rest, ..Self::new(Outcome::Broken, text) };
+        }
+        conclusion.remarks.extend(remarks);
+        conclusion
+    }
+
+    fn of_subjects(subjects: &[Subject]) -> Self {
+        if let [only] = subjects {
+            return only.conclusion.clone();
+        }
+        let mut told = Vec::new();
+        for subject in subjects {
+            told.extend(
+                subject.conclusion.remarks.iter().map(|remark| format!("{}: {remark}", subject.path)),
+            );
+        }
+        let outcomes = subjects.iter().map(|subject| subject.conclusion.outcome);
+        // That one of several has nothing to judge says nothing of the others.
+        let worst = outcomes.clone().filter(|outcome| *outcome != Outcome::Nothing).max();
+        let Some(worst) = worst else { return Self::new(Outcome::Nothing, "Nothing was judged") };
+        let of = |verdict: Verdict| {
+            let mut ids: Vec<&str> = subjects
+                .iter()
+                .flat_map(|subject| &subject.rules)
+                .filter(|rule| rule.verdict == verdict)
+                .map(|rule| rule.id)
+                .collect();
+            ids.sort_unstable();
+            ids.dedup();
+            ids.len()
+        };
+        let is_testee = subjects.iter().any(|subject| matches!(subject.about, About::Testee(_)));
+        let text = match (worst, of(Verdict::Warn)) {
+            (Outcome::Conforms | Outcome::Nothing, 0) => "Conforms".to_owned(),
+            (Outcome::Conforms | Outcome::Nothing, warned) => {
+                format!("Conforms, with {}", to_look_at(warned))
+            }
+            (Outcome::Stale, _) => "The list of known failures is stale".to_owned(),
+            (Outcome::Breaks, _) if is_testee => "Does not conform".to_owned(),
+            (Outcome::Breaks, _) => {
+                let count = outcomes.filter(|outcome| *outcome == Outcome::Breaks).count();
+                let (broken, all) = (broken(of(Verdict::Fail)), subjects.len());
+                format!("Does not conform: {broken}, in {count} of {all} files")
+            }
+            (Outcome::Broken, _) => "A testee broke".to_owned(),
+        };
+        Self { remarks: told, ..Self::new(worst, text) }
+    }
+}
+
+fn broken(rules: usize) -> String {
+    format!("{rules} MUST {} broken", if rules == 1 { "rule" } else { "rules" })
+}
+
+fn to_look_at(rules: usize) -> String {
+    format!("{rules} SHOULD {} to look at", if rules == 1 { "rule" } else { "rules" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::{Json, RuleVerdict};
+    use crate::rule::RULES;
+
+    /// A source of which rules came to these verdicts, and how much of it was judged.
+    fn source(judged: u64, verdicts: &[Verdict]) -> Subject {
+        let rule = |(verdict, rule): (&Verdict, &&'static crate::rule::Rule)| RuleVerdict {
+            id: rule.id,
+            level: rule.level,
+            verdict: *verdict,
+            exercised: 1,
+            findings: 1,
+        };
+        let json = Json { lines: 1, types: 1, skipped: 0, undefined: Vec::new(), dialects: Vec::new() };
+        let mut subject = Subject {
+            path: "a.jsonl".to_owned(),
+            about: About::Json(json),
+            records: judged,
+            judged,
+            duration_us: 0,
+            conclusion: Conclusion::new(Outcome::Nothing, ""),
+            rules: verdicts.iter().zip(&RULES).map(rule).collect(),
+            findings: Vec::new(),
+            more_findings: 0,
+            damage: Vec::new(),
+            more_damage: 0,
+            elapsed: 0,
+        };
+        subject.conclude();
+        subject
+    }
+
+    fn concluded(subjects: &[Subject]) -> (u8, String) {
+        let conclusion = Conclusion::of_all(subjects, &[], Vec::new());
+        assert_eq!(conclusion.status, conclusion.outcome.status());
+        (conclusion.status, conclusion.text)
+    }
+
+    #[test]
+    fn a_source_is_as_good_as_its_worst_rule() {
+        let told = |judged, verdicts: &[Verdict]| concluded(&[source(judged, verdicts)]);
+        assert_eq!(told(1, &[Verdict::Pass, Verdict::Shown]), (0, "Conforms".to_owned()));
+        assert_eq!(told(1, &[Verdict::Warn]), (0, "Conforms, with 1 SHOULD rule to look at".to_owned()));
+        let broken = [Verdict::Fail, Verdict::Fail, Verdict::Warn];
+        assert_eq!(told(1, &broken), (1, "Does not conform: 2 MUST rules broken".to_owned()));
+        assert_eq!(told(0, &[Verdict::NotExercised]), (5, "Nothing was judged".to_owned()));
+    }
+
+    #[test]
+    fn several_sources_count_each_rule_once() {
+        let (good, bad, empty) = (source(1, &[Verdict::Pass]), source(1, &[Verdict::Fail]), source(0, &[]));
+        let all = [good.clone(), bad.clone(), bad.clone(), empty.clone()];
+        assert_eq!(concluded(&all), (1, "Does not conform: 1 MUST rule broken, in 2 of 4 files".to_owned()));
+        assert_eq!(concluded(&[good.clone(), empty.clone()]), (0, "Conforms".to_owned()));
+        assert_eq!(concluded(&[empty.clone(), empty]), (5, "Nothing was judged".to_owned()));
+        assert_eq!(concluded(&[]), (5, "Nothing was judged".to_owned()));
+        assert_eq!(concluded(&[good, bad]).0, 1);
+    }
+
+    #[test]
+    fn what_is_no_finding_counts_too() {
+        let good = [source(1, &[Verdict::Pass])];
+        let required = Conclusion::of_all(&good, &[], vec!["a rule was required".to_owned()]);
+        assert_eq!((required.status, required.text.as_str()), (1, "Does not conform"));
+        assert_eq!(required.remarks, ["a rule was required"]);
+        let gone = Unreadable { path: "gone".to_owned(), message: "absent".to_owned() };
+        let unreadable = Conclusion::of_all(&good, &[gone.clone(), gone], Vec::new());
+        assert_eq!((unreadable.status, unreadable.text.as_str()), (3, "2 files could not be read"));
+        assert_eq!(unreadable.remarks, ["Conforms"], "what could be read is told, too");
+    }
+
+    #[test]
+    fn a_testee_fails_by_its_answers_its_manners_or_its_end() {
+        let told = |passed, failed, remarks, gave_up| {
+            let conclusion = Conclusion::of_testee(passed, failed, remarks, gave_up);
+            (conclusion.status, conclusion.text)
+        };
+        assert_eq!(told(9, 0, 0, None), (0, "Conforms".to_owned()));
+        assert_eq!(told(9, 1, 2, None), (1, "Does not conform: 1 of 10 cases failed".to_owned()));
+        assert_eq!(told(9, 0, 2, None), (1, "Does not keep to the protocol".to_owned()));
+        assert_eq!(told(0, 0, 0, None), (5, "Nothing was checked".to_owned()));
+        assert_eq!(told(9, 1, 0, Some("it ended")), (3, "The testee broke: it ended".to_owned()));
+    }
+}

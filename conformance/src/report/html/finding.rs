@@ -1,0 +1,97 @@
+//! A finding: what, where, what should have been, and who says so.
+
+use maud::{Markup, html};
+
+use super::{fact, shown};
+use crate::record::Grouped;
+use crate::report::{Definition, Example, Finding, Known};
+
+pub(super) fn article(finding: &Finding) -> Markup {
+    let (first, others) = match finding.examples.split_first() {
+        Some((first, others)) => (Some(first), others),
+        None => (None, &[][..]),
+    };
+    html! {
+        article.finding {
+            h4 { code { (shown(&finding.subject)) } }
+            @if let Some(first) = first {
+                p.what { (shown(&first.told())) }
+                p.aside {
+                    @if finding.count == 1 { "Once, at " } @else { (Grouped(finding.count)) " times, first at " }
+                    (first.place)
+                }
+                dl.evidence {
+                    (evidence(first))
+                    (definition(finding.definition.as_ref()))
+                    (known(finding.known.as_ref()))
+                }
+            }
+            @if !others.is_empty() {
+                details {
+                    summary { "Where else" }
+                    ul {
+                        @for other in others {
+                            li {
+                                (other.place) ": " (shown(&other.told()))
+                                dl.evidence { (evidence(other)) }
+                            }
+                        }
+                        @let more = finding.count.saturating_sub(finding.examples.len() as u64);
+                        @if more > 0 { li { "… and " (Grouped(more)) " more times" } }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn evidence(example: &Example) -> Markup {
+    html! {
+        (fact("Expected", &example.expected))
+        (fact("Found", &example.actual))
+        (fact("Excerpt", &example.excerpt))
+    }
+}
+
+/// The line of the definition that says what should be.
+pub(super) fn definition(definition: Option<&Definition>) -> Markup {
+    html! {
+        @if let Some(definition) = definition {
+            dt { "Defined" }
+            dd {
+                code { (shown(definition.text.trim())) }
+                span.aside { " " (shown(&definition.to_string())) }
+            }
+        }
+    }
+}
+
+/// Why something is let stand. Only addresses of the web are followed.
+pub(super) fn known(known: Option<&Known>) -> Markup {
+    html! {
+        @if let Some(known) = known {
+            dt { "Known" }
+            dd {
+                (shown(&known.reason))
+                @if let Some(expires) = &known.expires { ", until " (shown(expires)) }
+                @if let Some(link) = &known.link {
+                    @if link.starts_with("https://") || link.starts_with("http://") {
+                        " " a href=(link) { (shown(link)) }
+                    } @else {
+                        " " (shown(link))
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The command that finds something again.
+pub(super) fn again(command: &str) -> Markup {
+    html! {
+        details {
+            summary { "How to see this again" }
+            pre { code { (shown(command)) } }
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! What a testee answered.
+
+use maud::{Markup, html};
+
+use super::{fact, finding, shown};
+use crate::record::Grouped;
+use crate::report::{Case, Counts, Testee};
+
+/// How many failures stand open; more can be opened.
+const MAX_OPEN: usize = 8;
+
+/// How many failures are told at all; the JSON report has more.
+const MAX_TOLD: usize = 200;
+
+pub(super) fn section(testee: &Testee) -> Markup {
+    let failures: Vec<&Case> = testee.cases.iter().filter(|case| case.verdict.is_failure()).collect();
+    let (open, rest) = failures.split_at(failures.len().min(MAX_OPEN));
+    let told = &rest[..rest.len().min(MAX_TOLD)];
+    html! {
+        @if let Some(why) = &testee.gave_up { p.what { "The run ended early: " (shown(why)) } }
+        (manners(testee))
+        @if !failures.is_empty() {
+            h3 { "Failures" }
+            @for case in open { (article(case)) }
+            @if !rest.is_empty() {
+                details.rest {
+                    summary { (rest.len()) " more failure" @if rest.len() > 1 { "s" } }
+                    @for case in told { (article(case)) }
+                    @if told.len() < rest.len() { p.more { "… and " (rest.len() - told.len()) " more" } }
+                }
+            }
+        }
+        (table(testee))
+    }
+}
+
+fn manners(testee: &Testee) -> Markup {
+    html! {
+        @if !testee.manners.is_empty() {
+            h3 { "Against the protocol" }
+            ul {
+                @for remark in &testee.manners {
+                    li { (shown(&remark.message)) @if remark.count > 1 { ", " (Grouped(remark.count)) " times" } }
+                }
+                @if testee.more_manners > 0 { li { "… and " (Grouped(testee.more_manners)) " more" } }
+            }
+        }
+    }
+}
+
+/// Types down, what was asked about each below it: so it fits a narrow screen too.
+fn table(testee: &Testee) -> Markup {
+    html! {
+        h3 { "What was asked" }
+        table.counts role="table" {
+            thead role="rowgroup" {
+                tr role="row" {
+                    th scope="col" role="columnheader" { "Question" }
+                    th.number scope="col" role="columnheader" { "Pass" }
+                    th.number scope="col" role="columnheader" { "Fail" }
+                    th.number scope="col" role="columnheader" { "Known" }
+                    th.number scope="col" role="columnheader" { abbr title="unsupported" { "Uns." } }
+                    th.number scope="col" role="columnheader" { abbr title="not asked" { "Not" } }
+                }
+            }
+            tbody role="rowgroup" {
+                @for row in &testee.table {
+                    @let Counts { pass, fail, known, unsupported, not_run } = row.counts;
+                    tr role="row" {
+                        td role="cell" { code { (shown(&row.type_name)) } " " span.level { (shown(&row.op)) } }
+                        td.number role="cell" { (number(pass)) }
+                        td.number role="cell" { @if fail > 0 { strong.fail { (Grouped(fail)) } } @else { (number(0)) } }
+                        td.number role="cell" { (number(known)) }
+                        td.number role="cell" { (number(unsupported)) }
+                        td.number role="cell" { (number(not_run)) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A number, of which none is no more than a mark.
+fn number(number: u64) -> Markup {
+    html! { @if number > 0 { (Grouped(number)) } @else { span.aside { "–" } } }
+}
+
+fn article(case: &Case) -> Markup {
+    html! {
+        article.finding {
+            p.tags {
+                span.badge.fail { (case.verdict.name()) } " "
+                @if let Some(rule) = &case.rule { span.id { (shown(rule)) } " " }
+                span.level { (shown(&case.op)) }
+            }
+            h4 { code { (shown(&case.name)) } }
+            p.what { (shown(&case.description)) }
+            dl.evidence {
+                (fact("At", &case.path))
+                (fact("Expected", &case.expected))
+                (fact("Got", &case.actual))
+                (fact("What happened", &case.message))
+                (finding::definition(case.definition.as_ref()))
+                (finding::known(case.known.as_ref()))
+            }
+            @if !case.stderr.is_empty() {
+                details {
+                    summary { "What it said on standard error" }
+                    pre { code { @for line in case.stderr.lines() { (shown(line)) "\n" } } }
+                }
+            }
+            (finding::again(&case.reproduce))
+        }
+    }
+}

@@ -1,0 +1,193 @@
+//! `JUnit`, whose writer is that of `lint`: a suite for each source with a case for each rule, or for a testee
+//! with a case for each question.
+//!
+//! Readers recognise a case by class and name, so neither says what was found.
+
+use std::fmt::Write as _;
+
+use uavspec_codegen::report::junit::{self, Outcome, Reason, Suite};
+use uavspec_codegen::report::{Place, Region};
+
+use super::shown::shown;
+use super::{
+    About, Action, Case, CaseVerdict, Finding, Report, RuleReport, RuleVerdict, Subject, Testee, Verdict,
+};
+
+/// How many findings of a rule the text of its case tells.
+const MAX_FINDINGS: usize = 20;
+
+pub(super) fn write(report: &Report) -> String {
+    let name = match report.action {
+        Action::Check => "uavspec check",
+        Action::Test => "uavspec test",
+    };
+    let mut suites: Vec<Suite> =
+        report.subjects.iter().map(|subject| suite(subject, &report.rules)).collect();
+    suites.extend(report.unreadable.iter().map(|unreadable| {
+        let kind = "unreadable".to_owned();
+        let (name, message) = (shown(&unreadable.path), shown(&unreadable.message));
+        let outcome = Outcome::Error(Reason { kind, message: message.clone(), text: message });
+        let case = junit::Case { outcome, ..junit::Case::passed(&name, READABLE) };
+        Suite { name, cases: vec![case] }
+    }));
+    junit::write(name, &suites)
+}
+
+/// The case that says what can't be read.
+const READABLE: &str = "can be read";
+
+fn suite(subject: &Subject, rules: &[RuleReport]) -> Suite {
+    let cases = match &subject.about {
+        About::Testee(testee) => of_testee(subject, testee),
+        About::Ulog(_) | About::Json(_) | About::Mcap(_) => {
+            let of_rules = subject.rules.iter().filter_map(|found| {
+                let rule = rules.iter().find(|rule| rule.id == found.id)?;
+                Some(of_rule(subject, rule, found))
+            });
+            std::iter::once(readable(subject)).chain(of_rules).collect()
+        }
+    };
+    Suite { name: shown(&subject.path), cases }
+}
+
+/// Damage fails nothing: what can be read is judged, and what can't is told.
+fn readable(subject: &Subject) -> junit::Case {
+    let mut case = junit::Case::passed(shown(&subject.path), READABLE);
+    for damage in &subject.damage {
+        // Writing to a string can't fail.
+        let _ = writeln!(case.output, "{}: {}", damage.place, shown(&damage.message));
+    }
+    if subject.more_damage > 0 {
+        let _ = writeln!(case.output, "… and {} more", subject.more_damage);
+    }
+    case
+}
+
+fn of_rule(subject: &Subject, rule: &RuleReport, found: &RuleVerdict) -> junit::Case {
+    let mut case = junit::Case::passed(shown(&subject.path), format!("{} {}", rule.id, rule.statement));
+    let findings: Vec<&Finding> = subject.findings.iter().filter(|finding| finding.rule == rule.id).collect();
+    let text = told(&findings, found.findings);
+    match found.verdict {
+        Verdict::Pass => {}
+        Verdict::Warn | Verdict::Shown | Verdict::Known => case.output = text,
+        Verdict::NotExercised => {
+            case.outcome = Outcome::Skipped("nothing was there that it could have judged".to_owned());
+        }
+        Verdict::Unsupported | Verdict::Inconclusive => {
+            case.outcome = Outcome::Skipped(found.verdict.name().to_owned());
+        }
+        Verdict::Fail => {
+            let message = findings.first().and_then(|finding| {
+                Some(shown(&format!("{}: {}", finding.subject, finding.examples.first()?.told())))
+            });
+            let message = message.unwrap_or_else(|| rule.statement.to_owned());
+            case.outcome = Outcome::Failed(Reason { kind: rule.id.to_owned(), message, text });
+        }
+    }
+    if found.findings > 0 {
+        let first = findings.first().and_then(|finding| finding.examples.first());
+        let region = match first.map(|example| example.place) {
+            Some(crate::record::Place::Line(line)) => Region::Line(line),
+            Some(crate::record::Place::Byte(offset)) => Region::Byte(offset),
+            None => Region::Whole,
+        };
+        case.place = Some(Place { path: subject.path.clone(), region });
+    }
+    case
+}
+
+/// All that is known of the findings of a rule.
+fn told(findings: &[&Finding], count: u64) -> String {
+    let mut text = String::new();
+    let mut line = |depth: usize, label: &str, value: &str| {
+        if !value.is_empty() {
+            // Writing to a string can't fail.
+            let _ = writeln!(text, "{:depth$}{label}{}", "", shown(value));
+        }
+    };
+    for finding in findings.iter().take(MAX_FINDINGS) {
+        let times = if finding.count == 1 { "once".to_owned() } else { format!("{} times", finding.count) };
+        line(0, "", &format!("{}: {times}", finding.subject));
+        for example in &finding.examples {
+            line(2, "", &format!("{}: {}", example.place, example.told()));
+            line(4, "expected: ", &example.expected);
+            line(4, "found: ", &example.actual);
+            line(4, "excerpt: ", &example.excerpt);
+        }
+        if let Some(definition) = &finding.definition {
+            line(2, &format!("{definition}: "), definition.text.trim());
+        }
+        line(2, "known: ", finding.known.as_ref().map_or("", |known| &known.reason));
+    }
+    if let Some(first) = findings.first() {
+        line(0, "to find it again: ", &first.reproduce);
+        line(0, "see: ", &first.url);
+    }
+    let told: u64 = findings.iter().take(MAX_FINDINGS).map(|finding| finding.count).sum();
+    if count > told {
+        line(0, "", &format!("… and {} more", count - told));
+    }
+    text.truncate(text.trim_end().len());
+    text
+}
+
+fn of_testee(subject: &Subject, testee: &Testee) -> Vec<junit::Case> {
+    let mut cases: Vec<junit::Case> = testee.cases.iter().map(of_case).collect();
+    let protocol = |name: &str, outcome| junit::Case { outcome, ..junit::Case::passed("protocol", name) };
+    let remarks = testee.manners.iter();
+    let remarks: Vec<String> =
+        remarks.map(|remark| format!("{} ({} times)", shown(&remark.message), remark.count)).collect();
+    cases.push(match remarks.first() {
+        None => junit::Case::passed("protocol", "keeps to it"),
+        Some(first) => {
+            let (kind, message) = ("protocol".to_owned(), first.clone());
+            protocol("keeps to it", Outcome::Failed(Reason { kind, message, text: remarks.join("\n") }))
+        }
+    });
+    if let Some(why) = &testee.gave_up {
+        let (kind, message) = ("broken".to_owned(), shown(why));
+        let text = format!("{}: {message}", shown(&subject.path));
+        cases.push(protocol("runs to the end", Outcome::Error(Reason { kind, message, text })));
+    }
+    cases
+}
+
+fn of_case(case: &Case) -> junit::Case {
+    let outcome = match case.verdict {
+        CaseVerdict::Pass => Outcome::Passed,
+        CaseVerdict::Unsupported => Outcome::Skipped("the testee doesn't do this".to_owned()),
+        CaseVerdict::NotRun => Outcome::Skipped("it was not asked".to_owned()),
+        // What is listed as known is told, and fails nothing.
+        _ if case.known.is_some() => Outcome::Skipped("known".to_owned()),
+        CaseVerdict::Fail => Outcome::Failed(reason(case)),
+        CaseVerdict::Crashed | CaseVerdict::TimedOut => Outcome::Error(reason(case)),
+    };
+    junit::Case {
+        outcome,
+        errors: case.stderr.lines().map(|line| shown(line) + "\n").collect(),
+        output: case.known.as_ref().map(|known| shown(&known.reason)).unwrap_or_default(),
+        ..junit::Case::passed(format!("{}/{}", case.op, case.type_name), shown(&case.name))
+    }
+}
+
+fn reason(case: &Case) -> Reason {
+    let message = match case.verdict {
+        CaseVerdict::Fail => format!("expected {}, got {}", shown(&case.expected), shown(&case.actual)),
+        _ => shown(&case.message),
+    };
+    let mut text = shown(&case.description) + "\n";
+    for (label, value) in [
+        ("at: ", &case.path),
+        ("expected: ", &case.expected),
+        ("got: ", &case.actual),
+        ("", &case.message),
+        ("to ask it again: ", &case.reproduce),
+    ] {
+        if !value.is_empty() {
+            // Writing to a string can't fail.
+            let _ = writeln!(text, "{label}{}", shown(value));
+        }
+    }
+    text.truncate(text.trim_end().len());
+    Reason { kind: case.verdict.name().to_owned(), message, text }
+}

@@ -1,0 +1,163 @@
+//! SARIF, whose writer is that of `lint`: each finding is an entry at the first place where it was made.
+
+use uavspec_codegen::diagnostic::Level;
+use uavspec_codegen::report::{self as shared, Entry, Place, Region, RuleInfo};
+
+use super::shown::shown;
+use super::{
+    About, Action, Case, CaseVerdict, Damage, Definition, Finding, Report, RuleReport, Subject, Testee,
+    Verdict,
+};
+use crate::record;
+use crate::rule;
+
+/// The id under which damage is told, and what it is.
+const DAMAGE: (&str, &str) = ("damage", "A file can be read from its start to its end.");
+
+/// The id of what is against the protocol of testees, and what that asks.
+const MANNERS: (&str, &str) = ("protocol", "A testee keeps to the protocol.");
+
+pub(super) fn write(report: &Report) -> String {
+    let command = match report.action {
+        Action::Check => "check",
+        Action::Test => "test",
+    };
+    let mut entries = Vec::new();
+    for subject in &report.subjects {
+        entries.extend(subject.findings.iter().filter_map(|finding| of_finding(subject, finding)));
+        entries.extend(subject.damage.iter().map(|damage| of_damage(subject, damage)));
+        if let About::Testee(testee) = &subject.about {
+            let failures = testee.cases.iter().filter(|case| case.verdict.is_failure());
+            entries.extend(failures.map(|case| of_case(subject, case)));
+            entries.extend(of_manners(subject, testee));
+        }
+    }
+    entries.extend(report.unreadable.iter().map(|unreadable| Entry {
+        level: Level::Error,
+        ..entry(DAMAGE.0, Level::Error, &unreadable.message, whole(&unreadable.path))
+    }));
+    let mut rules: Vec<RuleInfo> = report.rules.iter().map(rule).collect();
+    let mut other = |(id, purpose): (&'static str, &'static str), level| {
+        if entries.iter().any(|entry| entry.rule == id) {
+            rules.push(RuleInfo { id: id.into(), purpose: purpose.into(), level, url: String::new() });
+        }
+    };
+    other(DAMAGE, Level::Note);
+    other(MANNERS, Level::Error);
+    for case in report.subjects.iter().flat_map(cases) {
+        if rules.iter().all(|rule| rule.id != case.op) {
+            let purpose = format!("Answers to `{}` are right.", case.op);
+            rules.push(RuleInfo {
+                id: case.op.clone().into(),
+                purpose: purpose.into(),
+                level: Level::Error,
+                url: String::new(),
+            });
+        }
+    }
+    shared::Report { command, rules, entries }.to_text(shared::Format::Sarif)
+}
+
+/// The cases of a subject that failed.
+fn cases(subject: &Subject) -> impl Iterator<Item = &Case> {
+    let cases = match &subject.about {
+        About::Testee(testee) => &testee.cases[..],
+        About::Ulog(_) | About::Json(_) | About::Mcap(_) => &[],
+    };
+    cases.iter().filter(|case| case.verdict.is_failure())
+}
+
+fn rule(rule: &RuleReport) -> RuleInfo {
+    let level = match rule.level {
+        rule::Level::Must => Level::Error,
+        rule::Level::Should => Level::Warning,
+        rule::Level::Info => Level::Note,
+    };
+    RuleInfo { id: rule.id.into(), purpose: rule.statement.into(), level, url: rule.url.clone() }
+}
+
+fn of_finding(subject: &Subject, finding: &Finding) -> Option<Entry> {
+    let (first, others) = finding.examples.split_first()?;
+    let level = match finding.verdict {
+        _ if finding.known.is_some() => Level::Note,
+        Verdict::Fail => Level::Error,
+        Verdict::Warn => Level::Warning,
+        _ => Level::Note,
+    };
+    let times = if finding.count == 1 { String::new() } else { format!("found {} times; ", finding.count) };
+    let at = |place| Place { path: subject.path.clone(), region: region(place) };
+    let mut related: Vec<(Place, String)> = others
+        .iter()
+        .map(|example| (at(example.place), format!("also: {}", shown(&example.told()))))
+        .collect();
+    related.extend(finding.definition.iter().map(defined));
+    let message = format!("{}: {}", finding.subject, first.told());
+    Some(Entry {
+        help: format!("{times}to find it again: {}", shown(&finding.reproduce)),
+        related,
+        url: finding.url.clone(),
+        ..entry(finding.rule, level, &message, at(first.place))
+    })
+}
+
+fn of_damage(subject: &Subject, damage: &Damage) -> Entry {
+    let place = Place { path: subject.path.clone(), region: region(damage.place) };
+    entry(DAMAGE.0, Level::Note, &damage.message, place)
+}
+
+fn of_case(subject: &Subject, case: &Case) -> Entry {
+    let message = match case.verdict {
+        CaseVerdict::Fail if case.path.is_empty() => {
+            format!("{}: expected {}, got {}", case.name, case.expected, case.actual)
+        }
+        CaseVerdict::Fail => {
+            format!("{}: expected {} at {}, got {}", case.name, case.expected, case.path, case.actual)
+        }
+        _ => format!("{}: {}: {}", case.name, case.verdict.name(), case.message),
+    };
+    let level = if case.known.is_some() { Level::Note } else { Level::Error };
+    // A testee has no file: what it got wrong is the definition.
+    let place = case.definition.as_ref().map_or_else(|| whole(&subject.path), |line| defined(line).0);
+    Entry {
+        help: format!("{}; to ask it again: {}", case.description, shown(&case.reproduce)),
+        ..entry(&case.op, level, &message, place)
+    }
+}
+
+fn of_manners(subject: &Subject, testee: &Testee) -> Vec<Entry> {
+    let remarks = testee.manners.iter().map(|remark| remark.message.clone());
+    let gave_up = testee.gave_up.iter().map(|why| format!("the testee broke: {why}"));
+    remarks.chain(gave_up).map(|text| entry(MANNERS.0, Level::Error, &text, whole(&subject.path))).collect()
+}
+
+fn entry(rule: &str, level: Level, message: &str, place: Place) -> Entry {
+    Entry {
+        rule: rule.to_owned().into(),
+        category: None,
+        level,
+        // Editors show it beside the code: there it must feign nothing, and be short.
+        message: shown(message),
+        help: String::new(),
+        place,
+        sides: None,
+        related: Vec::new(),
+        is_fixable: false,
+        url: String::new(),
+    }
+}
+
+fn whole(path: &str) -> Place {
+    Place { path: path.to_owned(), region: Region::Whole }
+}
+
+fn region(place: record::Place) -> Region {
+    match place {
+        record::Place::Byte(offset) => Region::Byte(offset),
+        record::Place::Line(line) => Region::Line(line),
+    }
+}
+
+fn defined(line: &Definition) -> (Place, String) {
+    let place = Place { path: line.file.clone(), region: Region::Line(line.line) };
+    (place, format!("defined as: {}", shown(line.text.trim())))
+}

@@ -1,0 +1,166 @@
+//! What came of asking a testee, as a report tells it.
+
+use std::collections::BTreeMap;
+
+use serde::{Serialize, Serializer};
+
+use super::{
+    About, Case, CaseVerdict, Conclusion, Counts, Definition, Known, Remark, Row, RuleVerdict, Subject,
+    Testee, Verdict,
+};
+use crate::definitions::Definitions;
+use crate::rule::rule;
+use crate::testee::{case, outcome};
+
+impl Subject {
+    /// Of a testee that was asked. `again` is the command that asks one case alone.
+    pub fn of_testee(
+        outcome: &outcome::Outcome<'_>,
+        definitions: &Definitions,
+        again: &dyn Fn(&str) -> String,
+    ) -> Self {
+        let verdicts = outcome.verdicts.iter();
+        let cases: Vec<Case> =
+            verdicts.map(|(case, verdict)| of_case(case, verdict, definitions, again)).collect();
+        let counts = counts(outcome.counts());
+        let manners = &outcome.manners;
+        let remarks = manners.remarks.len() + manners.more;
+        let gave_up = outcome.gave_up.clone();
+        let conclusion =
+            Conclusion::of_testee(counts.pass + counts.known, counts.fail, remarks, gave_up.as_deref());
+        let (name, version) = match &outcome.hello {
+            Some(hello) => (hello.name.clone(), hello.version.clone()),
+            None => ("testee".to_owned(), String::new()),
+        };
+        let rules = rules(&cases);
+        let remark = |(what, count): &(String, usize)| Remark { message: what.clone(), count: *count as u64 };
+        let row = |((op, type_name), found): ((String, &str), outcome::Counts)| Row {
+            op,
+            type_name: type_name.to_owned(),
+            counts: self::counts(found),
+        };
+        let testee = Testee {
+            version,
+            counts,
+            table: outcome.table().into_iter().map(row).collect(),
+            cases,
+            manners: manners.remarks.iter().map(remark).collect(),
+            more_manners: manners.more as u64,
+            restarts: outcome.restarts,
+            gave_up,
+        };
+        Self {
+            path: name,
+            about: About::Testee(testee),
+            records: outcome.verdicts.len() as u64,
+            judged: counts.pass + counts.fail + counts.known,
+            duration_us: 0,
+            conclusion,
+            rules,
+            findings: Vec::new(),
+            more_findings: 0,
+            damage: Vec::new(),
+            more_damage: 0,
+            elapsed: 0,
+        }
+    }
+}
+
+fn counts(counts: outcome::Counts) -> Counts {
+    Counts {
+        pass: counts.passed as u64,
+        fail: counts.failed as u64,
+        known: counts.known as u64,
+        unsupported: counts.unsupported as u64,
+        not_run: counts.not_run as u64,
+    }
+}
+
+fn of_case(
+    asked: &case::Case,
+    verdict: &outcome::Verdict,
+    definitions: &Definitions,
+    again: &dyn Fn(&str) -> String,
+) -> Case {
+    let name = asked.name();
+    let span = definitions.message_of_type(&asked.type_name).map(|id| definitions.schema.message(id).span);
+    let mut found = Case {
+        op: asked.action(),
+        type_name: asked.type_name.clone(),
+        description: asked.description.clone(),
+        rule: asked.rule.clone(),
+        verdict: CaseVerdict::Pass,
+        path: String::new(),
+        expected: String::new(),
+        actual: String::new(),
+        message: String::new(),
+        stderr: String::new(),
+        definition: span.map(|span| Definition::of(definitions.line(span))),
+        reproduce: again(&name),
+        known: None,
+        name,
+    };
+    let verdict = match verdict {
+        outcome::Verdict::Known { failure, excuse } => {
+            found.known = Some(Known::from(excuse));
+            failure
+        }
+        other => other,
+    };
+    found.verdict = match verdict {
+        outcome::Verdict::Pass => CaseVerdict::Pass,
+        outcome::Verdict::Unsupported => CaseVerdict::Unsupported,
+        // What is known fails in one of the other ways.
+        outcome::Verdict::NotRun | outcome::Verdict::Known { .. } => CaseVerdict::NotRun,
+        outcome::Verdict::Fail(difference) => {
+            found.path.clone_from(&difference.path);
+            found.expected.clone_from(&difference.expected);
+            found.actual.clone_from(&difference.actual);
+            CaseVerdict::Fail
+        }
+        outcome::Verdict::Crashed { how, stderr } => {
+            found.message.clone_from(how);
+            found.stderr.clone_from(stderr);
+            CaseVerdict::Crashed
+        }
+        outcome::Verdict::TimedOut { after, stderr } => {
+            found.message = format!("no answer within {} s", after.as_secs_f32());
+            found.stderr.clone_from(stderr);
+            CaseVerdict::TimedOut
+        }
+    };
+    found
+}
+
+/// What came of each rule that inputs of the cases break: whether the testee saw it.
+fn rules(cases: &[Case]) -> Vec<RuleVerdict> {
+    let mut rules: BTreeMap<&str, RuleVerdict> = BTreeMap::new();
+    for case in cases {
+        let Some(rule) = case.rule.as_deref().and_then(rule) else { continue };
+        let (id, level) = (rule.id, rule.level);
+        let found = rules.entry(rule.id).or_insert_with(|| RuleVerdict {
+            id,
+            level,
+            verdict: Verdict::Unsupported,
+            exercised: 0,
+            findings: 0,
+        });
+        let verdict = match case.verdict {
+            _ if case.known.is_some() => Verdict::Known,
+            CaseVerdict::Pass => Verdict::Pass,
+            CaseVerdict::Unsupported => Verdict::Unsupported,
+            CaseVerdict::NotRun => Verdict::Inconclusive,
+            CaseVerdict::Fail | CaseVerdict::Crashed | CaseVerdict::TimedOut => Verdict::Fail,
+        };
+        found.verdict = found.verdict.max(verdict);
+        found.exercised += u64::from(matches!(verdict, Verdict::Pass | Verdict::Fail | Verdict::Known));
+        found.findings += u64::from(verdict == Verdict::Fail);
+    }
+    rules.into_values().collect()
+}
+
+/// Cases but those that passed: of these there are thousands, and programs need only their number.
+pub(super) fn not_passed<S: Serializer>(cases: &[Case], serializer: S) -> Result<S::Ok, S::Error> {
+    let others: Vec<&Case> = cases.iter().filter(|case| case.verdict != CaseVerdict::Pass).collect();
+    others.serialize(serializer)
+}

@@ -1,0 +1,85 @@
+//! What came of asking a testee.
+
+use std::fmt::{self, Write as _};
+
+use super::{FAIL, PASS, WARN};
+use crate::report::shown::shown;
+use crate::report::{Case, CaseVerdict, Counts, Outcome, Subject, Testee};
+
+/// How many failures are shown to people, and how many lines of standard error.
+const MAX_SHOWN: usize = 20;
+
+pub(super) fn write(subject: &Subject, testee: &Testee, text: &mut String) -> fmt::Result {
+    let space = if testee.version.is_empty() { "" } else { " " };
+    writeln!(text, "{}{space}{}\n", shown(&subject.path), shown(&testee.version))?;
+    let failures = || testee.cases.iter().filter(|case| case.verdict.is_failure() && case.known.is_none());
+    for case in failures().take(MAX_SHOWN) {
+        failure(case, text)?;
+    }
+    let more = failures().count().saturating_sub(MAX_SHOWN);
+    if more > 0 {
+        writeln!(text, "… and {more} more; --format json lists them all\n")?;
+    }
+    let known = || testee.cases.iter().filter_map(|case| Some((case, case.known.as_ref()?)));
+    for (case, known) in known().take(MAX_SHOWN) {
+        writeln!(text, "{} {}: {known}", known.kind, shown(&case.name))?;
+    }
+    let more = known().count().saturating_sub(MAX_SHOWN);
+    if more > 0 {
+        writeln!(text, "… and {more} more that are known")?;
+    }
+    for remark in &testee.manners {
+        let times = if remark.count > 1 { format!(" ({} times)", remark.count) } else { String::new() };
+        writeln!(text, "{WARN}manners{WARN:#} {}{times}", shown(&remark.message))?;
+    }
+    if testee.more_manners > 0 {
+        writeln!(text, "{WARN}manners{WARN:#} … and {} more", testee.more_manners)?;
+    }
+    writeln!(text, "\n{:<18} {:<32} {:>6} {:>6} {:>11}", "op", "type", "pass", "fail", "unsupported")?;
+    for row in &testee.table {
+        let Counts { pass, fail, known, unsupported, not_run } = row.counts;
+        let mut rest = if known > 0 { format!("  {known} known") } else { String::new() };
+        if not_run > 0 {
+            write!(rest, "  {not_run} not run")?;
+        }
+        writeln!(text, "{:<18} {:<32} {pass:>6} {fail:>6} {unsupported:>11}{rest}", row.op, row.type_name)?;
+    }
+    let Counts { pass, fail, known, unsupported, not_run } = testee.counts;
+    let known = if known > 0 { format!(" {known} known,") } else { String::new() };
+    writeln!(
+        text,
+        "\n{pass} passed, {fail} failed,{known} {unsupported} unsupported, {not_run} not run, {} restarts",
+        testee.restarts
+    )?;
+    conclusion(subject, testee, text)
+}
+
+fn conclusion(subject: &Subject, testee: &Testee, text: &mut String) -> fmt::Result {
+    match (subject.conclusion.outcome, &testee.gave_up) {
+        (_, Some(why)) => writeln!(text, "{FAIL}broken{FAIL:#}: {}", shown(why)),
+        (Outcome::Breaks, _) if testee.counts.fail == 0 => {
+            writeln!(text, "{FAIL}breaks the protocol{FAIL:#}")
+        }
+        (Outcome::Conforms, _) => writeln!(text, "{PASS}conforms{PASS:#}"),
+        (Outcome::Nothing, _) => writeln!(text, "{WARN}nothing was checked{WARN:#}"),
+        (Outcome::Stale, _) => writeln!(text, "{WARN}the list of known failures is stale{WARN:#}"),
+        (Outcome::Breaks | Outcome::Broken, _) => writeln!(text, "{FAIL}does not conform{FAIL:#}"),
+    }
+}
+
+fn failure(case: &Case, text: &mut String) -> fmt::Result {
+    let (verdict, name) = (case.verdict.name(), shown(&case.name));
+    writeln!(text, "{FAIL}{verdict}{FAIL:#} {name}: {}", shown(&case.description))?;
+    if case.verdict == CaseVerdict::Fail {
+        let place = if case.path.is_empty() { "the answer".to_owned() } else { shown(&case.path) };
+        writeln!(text, "  at       {place}")?;
+        writeln!(text, "  expected {}\n  got      {}", shown(&case.expected), shown(&case.actual))?;
+    } else {
+        writeln!(text, "  {}", shown(&case.message))?;
+        let lines: Vec<&str> = case.stderr.lines().collect();
+        for line in lines.iter().skip(lines.len().saturating_sub(MAX_SHOWN)) {
+            writeln!(text, "  | {}", shown(line))?;
+        }
+    }
+    writeln!(text)
+}
