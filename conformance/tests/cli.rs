@@ -308,7 +308,7 @@ fn mcap_is_judged_and_says_what_by() {
     let (status, printed, _) = uavspec(folder.path(), &["check", "--format", "json", "cut.mcap.zst"]);
     assert_eq!(status, Some(0), "{printed}");
     let report: Value = serde_json::from_str(&printed).expect("JSON");
-    let source = &report["sources"][0];
+    let source = &report["subjects"][0];
     assert_eq!((&source["kind"], &source["profile"]), (&"mcap".into(), &"ros2".into()));
     let channel = &source["channels"][0];
     assert_eq!(

@@ -82,7 +82,7 @@ fn a_known_finding_is_shown_and_does_not_count() {
 
     let (status, printed, _) = check(&folder, MARKS, &["--format", "json", "logs/odd.jsonl"]);
     let report: Value = serde_json::from_str(&printed).expect("JSON");
-    let source = &report["sources"][0];
+    let source = &report["subjects"][0];
     let excuse = json!({
         "kind": "known",
         "reason": "marks are counted beyond 255",
@@ -227,6 +227,7 @@ fn known_cases_are_counted_apart() {
 
     let (_, printed, _) = test(&folder, list, &["--format", "json"]);
     let report: Value = serde_json::from_str(&printed).expect("JSON");
+    let report = &report["subjects"][0];
     assert_eq!(report["counts"]["fail"], 0);
     let cases = report["cases"].as_array().expect("a list");
     let known: Vec<&Value> = cases.iter().filter(|case| case["known"].is_object()).collect();

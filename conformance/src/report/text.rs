@@ -158,7 +158,7 @@ fn finding(finding: &Finding, text: &mut String) -> std::fmt::Result {
         if finding.count == 1 { "once".to_owned() } else { format!("{} times", Grouped(finding.count)) };
     writeln!(
         text,
-        "{style}{word}{style:#}  {:<12} {:<6} {}: {}",
+        "{style}{word:<5}{style:#} {:<12} {:<6} {}: {}",
         finding.rule,
         finding.level,
         shown(&finding.subject),
@@ -184,10 +184,10 @@ impl fmt::Display for Known {
 fn verdicts(subject: &Subject, text: &mut String) -> std::fmt::Result {
     let of = |verdict| subject.rules.iter().filter(move |rule| rule.verdict == verdict);
     let idle: Vec<&str> = of(Verdict::NotExercised).map(|rule| rule.id).collect();
-    let idle = if idle.is_empty() {
-        String::new()
-    } else {
-        format!("   not exercised {} ({})", idle.len(), idle.join(", "))
+    let idle = match idle.len() {
+        0 => String::new(),
+        count if count > MAX_SHOWN => format!("   not exercised {count}"),
+        count => format!("   not exercised {count} ({})", idle.join(", ")),
     };
     writeln!(text, "{PASS}pass{PASS:#}  {} rules{idle}\n", subject.count(Verdict::Pass))?;
     let (failed, warned) = (subject.count(Verdict::Fail), subject.count(Verdict::Warn));
