@@ -4,6 +4,7 @@ mod support;
 
 use std::fs;
 
+use serde_json::Value;
 use tempfile::TempDir;
 use uavspec_conformance::comparison::Comparison;
 use uavspec_conformance::definitions::Definitions;
@@ -342,4 +343,72 @@ fn real_logs_are_judged_as_they_are_known() {
         }
     }
     assert_eq!(odd, 94, "batteries whose greatest error is 0");
+}
+
+/// The oracles of logs and of definitions say each by itself what the fields are: which formats equal is for this test
+/// to work out from them.
+#[test]
+fn which_formats_equal_agrees_with_the_reference_tools() {
+    let (Some(logs), Some(corpus)) = (shared("corpus/ulog"), shared("corpus/px4")) else { return };
+    let Some(oracle) = shared("oracle") else { return };
+    let read = |path: &str| -> Value {
+        serde_json::from_slice(&fs::read(oracle.join(path)).expect("a file")).expect("JSON")
+    };
+    let mut seen = [0, 0, 0];
+    for release in ["1.15", "1.16", "main"] {
+        let defined = read(&format!("uorb/{release}.json"));
+        let definitions = Definitions::load(&corpus.join(release)).expect("definitions");
+        for log in ["sample", "sample_log_small", "sample_logging_tagged_and_default_params"] {
+            let found = read(&format!("ulog/{log}.json"));
+            let file = fs::File::open(logs.join(format!("{log}.ulg"))).expect("a log");
+            for (topic, comparison) in &as_log(&judge_ulog(file, &definitions)).formats {
+                let of = defined.as_object().expect("messages").iter().find(|(_, message)| {
+                    message["topics"].as_array().expect("topics").iter().any(|known| known == topic)
+                });
+                let expected = match of {
+                    None => 0,
+                    Some((name, _)) if is_same(topic, name, &found["formats"], &defined) => 1,
+                    Some(_) => 2,
+                };
+                let judged = match comparison {
+                    Comparison::Undefined => 0,
+                    Comparison::Equal => 1,
+                    Comparison::Differs(_) => 2,
+                };
+                assert_eq!(judged, expected, "{release}, {log}: {topic}, {comparison:?}");
+                seen[judged] += 1;
+            }
+        }
+    }
+    assert!(seen.iter().all(|count| *count > 50), "{seen:?}");
+}
+
+/// Whether a format of a log has the fields of a message, both as other tools read them.
+fn is_same(format: &str, message: &str, formats: &Value, messages: &Value) -> bool {
+    let fields = |list: &Value| -> Vec<(String, String)> {
+        let text = |field: &Value, at: usize| field[at].as_str().expect("a text").to_owned();
+        let all = list.as_array().expect("fields").iter();
+        let all = all.map(|field| (text(field, 0), text(field, 1)));
+        all.filter(|(_, name)| !name.starts_with("_padding")).collect()
+    };
+    let (found, defined) = (fields(&formats[format]), fields(&messages[message]["fields"]));
+    found.len() == defined.len()
+        && found.iter().zip(&defined).all(|((ty, name), (defined_ty, defined_name))| {
+            let split = |ty: &str| {
+                ty.split_once('[')
+                    .map_or((ty.to_owned(), String::new()), |(ty, rest)| (ty.to_owned(), rest.to_owned()))
+            };
+            let ((ty, length), (defined_ty, defined_length)) = (split(ty), split(defined_ty));
+            let ty = match ty.as_str() {
+                "float" => "float32",
+                "double" => "float64",
+                other => other.strip_suffix("_t").unwrap_or(other),
+            };
+            let is_same_type = if formats[ty].is_array() {
+                messages[&defined_ty].is_object() && is_same(ty, &defined_ty, formats, messages)
+            } else {
+                ty == defined_ty
+            };
+            name == defined_name && length == defined_length && is_same_type
+        })
 }

@@ -105,6 +105,9 @@ fn figures(report: &Report) -> Markup {
             Part { class: "none", what: "not exercised", count: of(Verdict::NotExercised) },
         ],
     };
+    // What nobody listed needs no figure.
+    let parts: Vec<Part> =
+        parts.into_iter().filter(|part| part.count > 0 || !part.what.starts_with("known")).collect();
     let judged: u64 = report.subjects.iter().map(|subject| subject.judged).sum();
     let records: u64 = report.subjects.iter().map(|subject| subject.records).sum();
     html! {
@@ -195,7 +198,7 @@ fn of_rule(rule: &RuleReport, subjects: &[&Subject]) -> Markup {
                     None if rule.exercised == 0 => span.aside title="nothing was there to judge" { "–" },
                     None => (Grouped(rule.findings)),
                 }
-                @if rule.exercised > 0 { span.aside { " of " (Grouped(rule.exercised)) " judged" } }
+                @if rule.exercised > 0 { span.aside { " in " (Grouped(rule.exercised)) " judged" } }
             }
         }
     }
