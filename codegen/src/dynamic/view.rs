@@ -83,6 +83,11 @@ impl<'v> DynamicView<'v> {
         self.plan.fields.iter().map(move |field| (&*field.name, self.value(field)))
     }
 
+    /// The value of a field by its index, in declared order, if there are so many.
+    pub fn field(self, index: usize) -> Option<Value<'v>> {
+        self.plan.fields.get(index).map(|field| self.value(field))
+    }
+
     pub(super) fn value(self, field: &'v Field) -> Value<'v> {
         let elements = self.elements(field);
         if field.shape == crate::schema::Shape::Single { elements.value(0) } else { Value::Array(elements) }

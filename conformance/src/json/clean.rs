@@ -13,6 +13,7 @@ use uavspec_runtime::Scalar;
 use super::base64;
 use super::dialect::{Dialect, Dialects};
 use super::plan::{Element, FieldPlan, MessagePlan, Plans};
+use super::template::keep;
 use super::value::Leaf;
 
 /// What a clean message says of itself.
@@ -69,16 +70,6 @@ struct Reading<'p, 'v> {
     clean: Clean,
 }
 
-impl Reading<'_, '_> {
-    /// Keeps a value at its place in memory.
-    fn keep(&mut self, scalar: Scalar, at: usize, leaf: Leaf<'_>) {
-        let bytes = leaf.bytes(scalar);
-        if let Some(place) = self.values.get_mut(at..at + scalar.size()) {
-            place.copy_from_slice(&bytes[..scalar.size()]);
-        }
-    }
-}
-
 fn unclean<E: Error>() -> E {
     E::custom("unclean")
 }
@@ -112,7 +103,7 @@ impl<'de> Visitor<'de> for Members<'_, '_, '_> {
             if is_top && field.is_timestamp() {
                 let timestamp: u64 = map.next_value()?;
                 reading.clean.timestamp = Some(timestamp);
-                reading.keep(Scalar::UInt64, field.offset, Leaf::Int(timestamp.into()));
+                keep(reading.values, Scalar::UInt64, field.offset, Leaf::Int(timestamp.into()));
             } else {
                 map.next_value_seed(Value { reading, field, at: base + field.offset, is_element: false })?;
             }
@@ -141,7 +132,7 @@ impl Value<'_, '_, '_> {
             return Err(unclean());
         }
         if let (Element::Scalar(scalar), false) = (self.field.element, self.reading.values.is_empty()) {
-            self.reading.keep(scalar, self.at, leaf);
+            keep(self.reading.values, scalar, self.at, leaf);
         }
         self.field.judge(leaf).map_err(|_| unclean())
     }

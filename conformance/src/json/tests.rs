@@ -1,12 +1,13 @@
 //! The two readers of a message say the same, whatever is wrong with it.
 
 use proptest::prelude::*;
+use serde::de::DeserializeSeed as _;
 use uavspec_codegen::dynamic::Types;
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, MessageId};
 use uavspec_codegen::{PackageInput, SourceMap, read};
 
-use super::{Plans, Told, Tree};
+use super::{MessageSeed, Plans, Template, Told, Tree};
 use crate::definitions::Definitions;
 use crate::finding::Findings;
 use crate::record::Place;
@@ -107,6 +108,109 @@ fn bounds_of_sequences_and_strings_are_kept() {
     }
 }
 
+/// Numbers and texts in the place of those of a template are read as JSON is.
+#[test]
+fn a_template_reads_values_as_json_does() {
+    let mut sources = SourceMap::default();
+    let text = "uint64 timestamp\nint64 number\nfloat64 ratio\nfloat32 small\nbool flag\nchar[8] name\nuint8[2] raw\n";
+    let file = sources.add("Any.msg", text.into()).expect("a file");
+    let (schema, _) = read(&sources, &[PackageInput::new("demo", Form::Msg(Dialect::Px4), vec![file])]);
+    let (plans, types, id) = (Plans::new(&schema), Types::new(&schema), MessageId(0));
+    let size = types.get(id).size().expect("a size").padded;
+    let good =
+        "{ \"stamp\": 3, \"m\": {\"raw\":[1,\t5], \"number\":5,\"ratio\" : 5,\"small\":5,\"flag\":true,\
+                \"name\":\"abc\",\"timestamp\":5} }"
+            .to_owned();
+    let template = Template::of(&plans, id, good.as_bytes(), Some("m")).expect("a usual way of writing");
+    let mut taken = 0;
+    let numbers = [
+        "0",
+        "7",
+        "255",
+        "256",
+        "-1",
+        "-0",
+        "00",
+        "01",
+        "1.5",
+        "1.",
+        ".5",
+        "1e2",
+        "1e+2",
+        "1E-2",
+        "1e",
+        "1e+",
+        "-",
+        "+1",
+        "1.0",
+        "9223372036854775807",
+        "9223372036854775808",
+        "-9223372036854775808",
+        "18446744073709551615",
+        "18446744073709551616",
+        "99999999999999999999",
+        "123456789012345678901234567890",
+        "1e400",
+        "1e39",
+        "null",
+        "true",
+        "\"5\"",
+        "NaN",
+        "5 ",
+        "0x5",
+        "2.225073858507201e-308",
+        "3.4028236e38",
+        "",
+    ];
+    let texts = [
+        "\"\"",
+        "\"abcdefgh\"",
+        "\"abcdefghi\"",
+        "\"\\n\"",
+        "\"\u{e9}\"",
+        "\"\u{1}\"",
+        "\"a",
+        "null",
+        "\"\\u0000\"",
+    ];
+    for (value, name) in
+        numbers.iter().map(|number| (*number, "\"abc\"")).chain(texts.iter().map(|text| ("5", *text)))
+    {
+        // Each field by itself, so that another that is broken hides nothing.
+        for field in ["raw", "number", "ratio", "small", "timestamp", "name"] {
+            let mut message: Vec<String> = ["5"; 5].map(str::to_owned).to_vec();
+            let at =
+                ["raw", "number", "ratio", "small", "timestamp"].iter().position(|known| *known == field);
+            if let Some(at) = at {
+                value.clone_into(&mut message[at]);
+            }
+            let name = if field == "name" { name } else { "\"abc\"" };
+            let [raw, number, ratio, small, timestamp] = &message[..] else { unreachable!() };
+            let inner = format!(
+                "{{\"raw\":[1,\t{raw}], \"number\":{number},\"ratio\" : {ratio},\"small\":{small},\
+                 \"flag\":true,\"name\":{name},\"timestamp\":{timestamp}}}"
+            );
+            let whole = format!("{{ \"stamp\": 3, \"m\": {inner} }}");
+            let (mut kept, mut values) = (vec![0; size], vec![0; size]);
+            let found = template.read(&plans, whole.as_bytes(), &mut kept);
+            let mut reader = serde_json::Deserializer::from_str(&inner);
+            let clean = MessageSeed::new(&plans, id, false, &mut values).deserialize(&mut reader);
+            let clean = clean.ok().filter(|_| reader.end().is_ok());
+            if let Some(found) = found {
+                taken += 1;
+                assert_eq!((Some(found), &kept), (clean, &values), "{inner}");
+            }
+        }
+    }
+    assert!(taken > 100, "{taken}");
+    assert_eq!(
+        template.read(&plans, good.replace("3,", "4,").as_bytes(), &mut []),
+        None,
+        "what is around differs"
+    );
+    assert_eq!(template.read(&plans, (good.clone() + " ").as_bytes(), &mut []), None, "something follows");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(3_000))]
 
@@ -129,6 +233,8 @@ proptest! {
             let at = which.index(definitions.schema.messages.len());
             let id = MessageId(u32::try_from(at).unwrap_or_default());
             let mut text = types.get(id).default().view().to_json_text().unwrap_or_default();
+            let size = types.get(id).size().map_or(0, |size| size.padded);
+            let template = Template::of(plans, id, text.as_bytes(), None).expect("a usual way of writing");
             for (place, span, piece) in &changes {
                 let places = pieces(&text);
                 if places.is_empty() {
@@ -144,7 +250,18 @@ proptest! {
                     text.insert(places[place.index(places.len())], letter);
                 }
             }
-            agrees(plans, id, &text)?;
+            let is_clean = agrees(plans, id, &text)?;
+            // What a template takes for clean, is so, and says the same.
+            let mut kept = vec![0; size];
+            let found = template.read(plans, text.as_bytes(), &mut kept);
+            prop_assert!(found.is_some() || !is_clean || !changes.is_empty() || typo.is_some(), "{}", text);
+            if let Some(found) = found {
+                let mut values = vec![0; size];
+                let mut reader = serde_json::Deserializer::from_str(&text);
+                let clean = MessageSeed::new(plans, id, false, &mut values).deserialize(&mut reader);
+                prop_assert_eq!(Some(found), clean.ok().filter(|_| reader.end().is_ok()), "{}", text);
+                prop_assert_eq!(kept, values, "{}", text);
+            }
             Ok::<(), TestCaseError>(())
         })?;
     }

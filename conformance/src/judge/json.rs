@@ -1,6 +1,7 @@
 //! Judges messages as JSON.
 
 mod envelope;
+mod templates;
 
 use std::collections::{BTreeSet, HashMap};
 use std::io::Read;
@@ -8,6 +9,7 @@ use std::io::Read;
 use uavspec_codegen::schema::MessageId;
 
 use self::envelope::{Channels, Fast, Form, Open, Which, form, read};
+use self::templates::Templates;
 use super::{Course, Judgement, Source};
 use crate::definitions::Definitions;
 use crate::json::{CUT_OFF, Clean, Dialects, Plans, SyntaxError, Told, Tree};
@@ -63,6 +65,7 @@ struct JsonJudge<'d> {
     course: Course<'d>,
     plans: Plans,
     channels: Channels,
+    templates: Templates,
     skipped: u64,
     dialects: Dialects,
     /// What the message says that is read, as it lies in memory.
@@ -80,19 +83,25 @@ impl<'d> JsonJudge<'d> {
                 by_type: HashMap::new(),
                 by_topic: HashMap::new(),
             },
+            templates: Templates::default(),
             skipped: 0,
             dialects: Dialects::default(),
             values: Vec::new(),
         };
         judge.channels.only = of.and_then(|id| {
             let name = definitions.schema.message(id).name.clone();
-            judge.open(Which::Type, &name, Some(id), 1)
+            let at = judge.open(Which::Type, &name, Some(id), 1)?;
+            judge.channels.open[at].key = None;
+            Some(at)
         });
         judge
     }
 
     fn value(&mut self, bytes: &[u8], line: u64, is_last: bool) {
         let place = Place::Line(line);
+        if let Some((at, clean)) = self.templates.read(bytes, &self.plans, &mut self.values) {
+            return self.message(at, clean, place);
+        }
         let text = match std::str::from_utf8(bytes) {
             Ok(text) => text,
             Err(error) => {
@@ -101,7 +110,12 @@ impl<'d> JsonJudge<'d> {
             }
         };
         match read(text, &self.channels, &self.plans, &mut self.values) {
-            Fast::Clean(at, clean) => self.message(at, clean, place),
+            Fast::Clean(at, clean) => {
+                if clean.dialects == Dialects::default() {
+                    self.templates.learn(text, &self.channels.open[at], at, &self.plans);
+                }
+                self.message(at, clean, place);
+            }
             Fast::Skipped => self.skipped += 1,
             Fast::Undefined => self.course.records += 1,
             Fast::Unclear => self.explain(text, line, is_last),
@@ -185,7 +199,8 @@ impl<'d> JsonJudge<'d> {
         }
         let defined = definition.map(|id| (id, self.course.number_channel()));
         let name_told = last_segment(name).escape_debug().to_string();
-        let mut open = Open { name: name_told, defined, messages: 0, kept: 0, line };
+        let key = Some(which.key());
+        let mut open = Open { name: name_told, defined, key, messages: 0, kept: 0, line };
         if let Some(channel) = open.channel() {
             self.course.opened(&channel);
             if self.course.wants_values(channel.index) {

@@ -49,8 +49,6 @@ const OTHERS: [(&str, &str); 2] = [
 #[derive(Default)]
 struct Flags {
     channels: PerChannel<Option<Fields>>,
-    /// Of the message that is looked at: which fields aren't 0. It is kept to be filled again.
-    set: Vec<bool>,
 }
 
 /// What the messages of a channel have.
@@ -72,9 +70,7 @@ impl Checker for Flags {
         let (Some(values), Some(fields)) = (message.values, self.channels.of(channel)) else { return };
         // All messages of a channel have the same fields.
         let fields = fields.get_or_insert_with(|| Fields::of(values));
-        self.set.clear();
-        self.set.extend(values.fields().map(|(_, value)| is_set(value)));
-        let is_set = |at: &usize| self.set.get(*at).copied();
+        let is_set = |at: &usize| values.field(*at).map(is_set);
         for (flag, requirement) in &fields.pairs {
             judged.exercise();
             if is_set(flag) == Some(true) && is_set(requirement) == Some(false) {

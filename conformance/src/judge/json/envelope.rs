@@ -19,6 +19,16 @@ pub(super) enum Which {
     Topic,
 }
 
+impl Which {
+    /// The key of the message.
+    pub(super) const fn key(self) -> &'static str {
+        match self {
+            Self::Type => "message",
+            Self::Topic => "msg",
+        }
+    }
+}
+
 /// A topic or type that was met.
 #[derive(Debug)]
 pub(super) struct Open {
@@ -26,6 +36,8 @@ pub(super) struct Open {
     pub(super) name: String,
     /// The definition, and the number of the channel.
     pub(super) defined: Option<(MessageId, usize)>,
+    /// The key of its messages, where they have something around them.
+    pub(super) key: Option<&'static str>,
     pub(super) messages: u64,
     /// How many bytes its messages take in memory, where a rule wants their values; otherwise none.
     pub(super) kept: usize,
