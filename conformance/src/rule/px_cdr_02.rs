@@ -12,7 +12,7 @@ pub(super) static RULE: Rule = Rule {
     check: Check::Source,
     mutants: &[
         Mutant {
-            name: "a payload without its last byte",
+            name: "a payload without its last four bytes",
             make: |flight| {
                 // What is cut off first may only fill it up.
                 let shorten = |payload: &mut Vec<u8>| payload.truncate(payload.len() - 4);

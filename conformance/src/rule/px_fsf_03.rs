@@ -17,7 +17,7 @@ pub(super) static RULE: Rule = Rule {
     level: Level::Info,
     status: Status::Advisory,
     statement: "A flag of FailsafeFlags that is set while no mode has its requirement, as all bits of the matching \
-                `mode_req_…` are 0, keeps no mode from running.",
+                `mode_req` are 0, keeps no mode from running.",
     source: "FailsafeFlags",
     applies_to: "values of messages",
     check: Check::State(|| Box::new(Flags::default())),
