@@ -93,8 +93,6 @@ impl Findings {
         detail: impl FnOnce() -> Detail,
     ) {
         let Some(at) = index(rule) else { return };
-        // A finding says that there was something to judge.
-        self.counts[at].exercised = self.counts[at].exercised.max(1);
         let key = (rule.id, subject.to_owned());
         if !self.groups.contains_key(&key) {
             if self.counts[at].kept >= MAX_GROUPS {
@@ -135,7 +133,9 @@ impl Findings {
 
     /// How often a rule was exercised.
     pub fn exercised(&self, rule: &Rule) -> u64 {
-        index(rule).map_or(0, |at| self.counts[at].exercised)
+        let Some(at) = index(rule) else { return 0 };
+        // A finding says that there was something to judge.
+        self.counts[at].exercised.max(u64::from(self.counts[at].kept > 0))
     }
 
     /// Notes at each group why it is let stand, where `excuse` says so.

@@ -241,13 +241,15 @@ impl Judged<'_> {
 }
 
 // A rule that finds nothing is none.
-const _: () = {
-    let mut at = 0;
-    while at < RULES.len() {
-        assert!(!RULES[at].mutants.is_empty(), "a rule without a mutant");
-        at += 1;
+const _: () = assert!(have_mutants(&RULES), "a rule without a mutant");
+
+/// Whether each of these rules has a mutant.
+const fn have_mutants(rules: &[&Rule]) -> bool {
+    match rules {
+        [] => true,
+        [first, rest @ ..] => !first.mutants.is_empty() && have_mutants(rest),
     }
-};
+}
 
 /// The rule of an id.
 pub fn rule(id: &str) -> Option<&'static Rule> {
@@ -261,5 +263,20 @@ mod tests {
     #[test]
     fn rules_are_sorted_so_that_they_can_be_looked_up() {
         assert!(RULES.windows(2).all(|pair| pair[0].id < pair[1].id));
+    }
+
+    #[test]
+    fn a_rule_without_a_mutant_is_seen_among_others() {
+        let without = Rule { check: Check::Value, mutants: &[], ..px_arr_01::RULE };
+        assert!(have_mutants(&RULES));
+        assert!(!have_mutants(&[&px_arr_01::RULE, &without, &px_bool_01::RULE]));
+    }
+
+    #[test]
+    fn levels_and_statuses_are_words_that_keep_to_columns() {
+        let levels = [Level::Info, Level::Should, Level::Must].map(|level| format!("{level:7}|"));
+        assert_eq!(levels, ["INFO   |", "SHOULD |", "MUST   |"]);
+        let statuses = [Status::Normative, Status::Disputed("how"), Status::Advisory];
+        assert_eq!(statuses.map(|status| status.to_string()), ["normative", "disputed", "advisory"]);
     }
 }

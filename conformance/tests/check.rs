@@ -1,6 +1,8 @@
 //! Logs judged: each rule finds what breaks it, and nothing in a log that conforms.
 
 mod support;
+#[path = "check/time.rs"]
+mod time;
 
 use std::fs;
 

@@ -1,6 +1,7 @@
 //! `PX-FMT-01`.
 
 use super::{Check, Level, Mutant, Rule, Status};
+use crate::sample::Flight;
 
 pub(super) static RULE: Rule = Rule {
     id: "PX-FMT-01",
@@ -14,8 +15,7 @@ pub(super) static RULE: Rule = Rule {
         Mutant {
             name: "a field has another name",
             make: |flight| {
-                let topic = flight.regular(|message| message.fields.len() > 2)?;
-                let name = flight.type_of(topic).field_names().nth(1)?.to_owned();
+                let (topic, name) = second_field(flight)?;
                 let mut log = flight.log();
                 let fields = log.format_mut(&flight.topics[topic].name)?;
                 *fields = fields.replace(&format!(" {name};"), &format!(" {name}_before;"));
@@ -26,8 +26,7 @@ pub(super) static RULE: Rule = Rule {
         Mutant {
             name: "a schema with another name of a field",
             make: |flight| {
-                let topic = flight.regular(|message| message.fields.len() > 2)?;
-                let name = flight.type_of(topic).field_names().nth(1)?.to_owned();
+                let (topic, name) = second_field(flight)?;
                 let mut bag = flight.bag();
                 let text = &mut bag.channels[topic].text;
                 *text = text.replacen(&format!(" {name}\n"), &format!(" {name}_before\n"), 1);
@@ -37,3 +36,9 @@ pub(super) static RULE: Rule = Rule {
         },
     ],
 };
+
+/// A topic, and the name of a field that isn't its time.
+fn second_field<'d>(flight: &Flight<'d>) -> Option<(usize, &'d str)> {
+    let topic = flight.regular(|message| message.fields.get(1).is_some())?;
+    Some((topic, flight.type_of(topic).field_names().nth(1)?))
+}
