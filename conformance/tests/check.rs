@@ -120,7 +120,7 @@ fn judge(log: &Writer) -> Judgement {
 fn as_log(judgement: &Judgement) -> &LogSource {
     match &judgement.source {
         Source::Log(log) => log,
-        Source::Json(_) | Source::Mcap(_) => panic!("a log"),
+        Source::Json(_) | Source::Mcap(_) | Source::Flockwave(_) => panic!("a log"),
     }
 }
 

@@ -86,7 +86,7 @@ fn judge_bare(text: &str) -> Judgement {
 fn source(judgement: &Judgement) -> &JsonSource {
     match &judgement.source {
         Source::Json(source) => source,
-        Source::Log(_) | Source::Mcap(_) => panic!("JSON"),
+        Source::Log(_) | Source::Mcap(_) | Source::Flockwave(_) => panic!("JSON"),
     }
 }
 

@@ -170,7 +170,7 @@ fn judged(bytes: &[u8]) -> Judgement {
 fn source(judgement: &Judgement) -> &McapSource {
     match &judgement.source {
         Source::Mcap(source) => source,
-        Source::Log(_) | Source::Json(_) => panic!("MCAP"),
+        Source::Log(_) | Source::Json(_) | Source::Flockwave(_) => panic!("MCAP"),
     }
 }
 

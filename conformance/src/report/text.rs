@@ -1,5 +1,6 @@
 //! For people, at a terminal.
 
+mod flockwave;
 mod mcap;
 mod testee;
 
@@ -45,6 +46,9 @@ pub fn subject(subject: &Subject) -> String {
         }),
         About::Json(found) => of_source(subject, &mut text, |text| json(subject, found, text)),
         About::Mcap(found) => of_source(subject, &mut text, |text| mcap::write(subject, found, text)),
+        About::Flockwave(found) => {
+            of_source(subject, &mut text, |text| flockwave::write(subject, found, text))
+        }
         About::Testee(testee) => testee::write(subject, testee, &mut text),
     };
     text
@@ -158,16 +162,16 @@ fn finding(finding: &Finding, text: &mut String) -> std::fmt::Result {
         if finding.count == 1 { "once".to_owned() } else { format!("{} times", Grouped(finding.count)) };
     writeln!(
         text,
-        "{style}{word:<5}{style:#} {:<12} {:<6} {}: {}",
+        "{style}{word:<5}{style:#} {:<18} {:<6} {}: {}",
         finding.rule,
         finding.level,
         shown(&finding.subject),
         shown(&first.told())
     )?;
     let defined = finding.definition.as_ref().map(|line| format!("   {line}")).unwrap_or_default();
-    writeln!(text, "                           {times}, first at {}{defined}", first.place)?;
+    writeln!(text, "                                 {times}, first at {}{defined}", first.place)?;
     let known = finding.known.as_ref();
-    known.map_or(Ok(()), |known| writeln!(text, "                           {known}"))
+    known.map_or(Ok(()), |known| writeln!(text, "                                 {known}"))
 }
 
 /// Why something is let stand.
@@ -195,7 +199,7 @@ fn verdicts(subject: &Subject, text: &mut String) -> std::fmt::Result {
         _ if subject.damage.is_empty() => "",
         About::Ulog(_) => ", and the log is damaged",
         About::Mcap(_) => ", and the file is damaged",
-        About::Json(_) | About::Testee(_) => ", and not all can be read",
+        About::Json(_) | About::Flockwave(_) | About::Testee(_) => ", and not all can be read",
     };
     let known = subject.findings.iter().filter(|finding| finding.known.is_some()).count();
     let known = if known > 0 { format!(", {known} known") } else { String::new() };
