@@ -322,6 +322,13 @@ pub struct Rule {
     pub mutants: &'static [Mutant],
 }
 
+impl Rule {
+    /// Whether it is about conversations of Flockwave, and so about no other sources.
+    pub fn is_on_flockwave(&self) -> bool {
+        self.id.starts_with("FW-")
+    }
+}
+
 /// What finds breaches of a rule.
 #[derive(Clone, Copy, Debug)]
 pub enum Check {

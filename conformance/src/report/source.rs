@@ -72,8 +72,13 @@ impl Subject {
     pub fn of_source(judged: Judged, definitions: &Definitions, settings: &Settings) -> Self {
         let Judged { path, judgement, elapsed } = judged;
         let findings = &judgement.findings;
-        let rules: Vec<RuleVerdict> =
-            RULES.iter().map(|rule| of_rule(rule, findings, settings.verdict(findings, rule))).collect();
+        // What the rules on other kinds of sources find in it isn't worth telling.
+        let is_flockwave = matches!(judgement.source, Source::Flockwave(_));
+        let rules: Vec<RuleVerdict> = RULES
+            .iter()
+            .filter(|rule| rule.is_on_flockwave() == is_flockwave)
+            .map(|rule| of_rule(rule, findings, settings.verdict(findings, rule)))
+            .collect();
         let command = settings.command(&path);
         let finding =
             |group: &Group| finding(group, settings.verdict(findings, group.rule), &command, definitions);
