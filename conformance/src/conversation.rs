@@ -6,7 +6,7 @@
 //! - Where the recording doesn't show how a connection began, earlier requests may be unknown.
 //! - After damage all that waits is forgotten: what it waits for may have been lost.
 //! - Where time goes back, times say nothing any more.
-//! - All memories have a bound ([`LIMIT`]); what was forgotten for lack of room is unknown, not absent.
+//! - All memories have a bound; what was forgotten for lack of room is unknown, not absent.
 
 mod operation;
 pub(crate) mod remembered;
@@ -56,6 +56,8 @@ pub struct Asked {
     /// How much later the latest message of the server came, in seconds, where this is told of a request without an
     /// answer.
     pub waited: Option<f64>,
+    /// Whether it is a request of Flockwave by its envelope: with a version, and a type.
+    pub is_sound: bool,
     /// Whether its id was in use when it was sent, so that nobody can tell which of them an answer is about.
     is_ambiguous: bool,
     /// How many requests with this id wait.
@@ -416,6 +418,7 @@ impl Asked {
             time: turn.time,
             place: turn.exchange.place,
             waited: None,
+            is_sound: turn.is_sound(),
             is_ambiguous: false,
             count: 1,
         }

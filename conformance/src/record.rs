@@ -77,8 +77,9 @@ pub struct Connection<'c> {
     pub index: usize,
     /// Its name.
     pub name: &'c str,
-    /// Whether the source tells connections apart. Otherwise all messages are taken to belong to one, and nothing is
-    /// certain that depends on what went over it before.
+    /// Whether messages come one after the other as they were sent, on the connection that is said. Otherwise nothing
+    /// is certain that depends on what went over it before: the source doesn't tell connections apart, and all
+    /// messages are taken to belong to one; or it is UDP, where some get lost, come twice or change places.
     pub is_told: bool,
 }
 

@@ -209,6 +209,43 @@ fn a_request_counts_as_unanswered_only_where_the_server_spoke_long_after() {
     assert_eq!(broken_by(&talk), [], "where time goes back nobody knows how long it was");
 }
 
+/// What is no request of Flockwave needn't be answered, and times may be in other units than they should.
+#[test]
+fn what_is_not_certain_to_be_a_request_that_waits_is_left_alone() {
+    let changes: [fn(&mut Value); 4] = [
+        |line| line["msg"]["$fw.version"] = json!(null),
+        |line| line["msg"]["body"] = json!({}),
+        |line| line["msg"]["id"] = json!(7),
+        |line| line["t"] = json!(1_790_000_000_123_u64),
+    ];
+    let mut talk = Conversation::opened();
+    talk.sends(ping());
+    talk.wait(60.0);
+    talk.tells(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+    assert_eq!(broken_by(&talk), [("FW-ENV-07", 1)]);
+    for change in changes {
+        let mut talk = talk.clone();
+        change(&mut talk.lines[1]);
+        assert_eq!(broken_by(&talk), []);
+    }
+}
+
+/// Datagrams get lost, come twice and change places.
+#[test]
+fn over_udp_nothing_is_said_of_order() {
+    let talk = Conversation::new();
+    let mut lines = on("udp#1", &talk);
+    assert_eq!(broken_by(&with_lines(lines.clone())), []);
+    lines[1..].reverse();
+    assert_eq!(broken_by(&with_lines(lines.clone())), []);
+    lines.extend(lines.clone());
+    assert_eq!(broken_by(&with_lines(lines)), []);
+    let thinned = on("udp#1", &talk).into_iter().enumerate().filter(|(at, _)| at % 3 > 0);
+    assert_eq!(broken_by(&with_lines(thinned.map(|(_, line)| line).collect())), []);
+    let changed = talk.errors(&[0]).expect("a report");
+    assert_eq!(broken_by(&with_lines(on("UDP", &changed))), [("FW-ERR-02", 1)]);
+}
+
 #[test]
 fn receipts_end_once_by_a_result_or_by_a_timeout() {
     let mut talk = Conversation::opened();

@@ -150,6 +150,12 @@ impl<'t> Turn<'t> {
         self.body_of(type_name).filter(|_| self.role == Role::Notification)
     }
 
+    /// Whether it has what makes it a message of Flockwave: a version, and a type.
+    pub fn is_sound(&self) -> bool {
+        let version = self.exchange.value.and_then(|message| message.get("$fw.version"));
+        version.and_then(Tree::as_str).is_some() && self.type_name.is_some()
+    }
+
     /// A field of the body.
     pub fn field(&self, name: &str) -> Option<&'t Tree<'t>> {
         self.body.and_then(|body| body.get(name))

@@ -20,6 +20,9 @@ const MAX_TYPES: usize = 1_000;
 /// The longest name of a connection or type that is kept, in bytes.
 const MAX_NAME: usize = 128;
 
+/// The latest time that is believed, in seconds: in the year 5138.
+const MAX_TIME: f64 = 1e11;
+
 /// What a recording of Flockwave says of itself.
 #[derive(Debug, Default)]
 pub struct FlockwaveSource {
@@ -55,7 +58,10 @@ pub(super) fn is_flockwave(tree: &Tree<'_>) -> bool {
 
 fn is_line(tree: &Tree<'_>) -> bool {
     let has = |key| tree.get(key).is_some();
-    tree.get("dir").and_then(Tree::as_str).is_some() && (has("msg") || has("raw") || has("event"))
+    // What has `op` is of rosbridge.
+    tree.get("dir").and_then(Tree::as_str).is_some()
+        && !has("op")
+        && (has("msg") || has("raw") || has("event"))
 }
 
 fn is_message(tree: &Tree<'_>) -> bool {
@@ -129,6 +135,8 @@ impl<'d> FlockwaveJudge<'d> {
             Some(Tree::Float(value, _)) => Some(*value),
             _ => None,
         };
+        // What lies far beyond isn't in seconds, and may be in anything.
+        let time = time.filter(|time| (0.0..MAX_TIME).contains(time));
         let direction = match tree.get("dir").and_then(Tree::as_str) {
             Some("in") => Direction::In,
             Some("out") => Direction::Out,
@@ -166,7 +174,7 @@ impl<'d> FlockwaveJudge<'d> {
     ) -> Result<(), String> {
         let index = self.connection(name.unwrap_or_default())?;
         let name_kept = std::mem::take(&mut self.names[index]);
-        let connection = Connection { index, name: &name_kept, is_told: name.is_some() };
+        let connection = Connection { index, name: &name_kept, is_told: name.is_some_and(is_ordered) };
         let value = if let Content::Message(value) = content { Some(value) } else { None };
         let exchange = Exchange { connection, direction, time, text, value, place };
         self.happen(&exchange);
@@ -241,11 +249,16 @@ impl<'d> FlockwaveJudge<'d> {
 
     pub(super) fn finish(mut self, bytes: u64) -> Judgement {
         for (index, name) in self.names.iter().enumerate() {
-            let is_told = !name.is_empty();
+            let is_told = !name.is_empty() && is_ordered(name);
             self.course.disconnected(Connection { index, name, is_told });
         }
         self.course.finish(bytes, Source::Flockwave(self.source))
     }
+}
+
+/// Whether messages come as they were sent over a connection of this name. Those of UDP are called `udp` or begin so.
+fn is_ordered(name: &str) -> bool {
+    !name.get(..3).is_some_and(|start| start.eq_ignore_ascii_case("udp"))
 }
 
 /// Whether a bare message is a request. What some type has in both, in a request and in a notification, is told from

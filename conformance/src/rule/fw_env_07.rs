@@ -27,6 +27,10 @@ const PATIENCE: f64 = 30.0;
 
 fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
     let Some(asked) = &turn.asked else { return };
+    // What is no request of Flockwave needn't have an answer.
+    if !asked.is_sound || !turn.exchange.connection.is_told {
+        return;
+    }
     if turn.role == Role::Response {
         return judged.exercise();
     }

@@ -43,7 +43,10 @@ fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
         return;
     }
     judged.exercise();
-    let fits = |name: &str, shape: Shape| error.get(name).map(|value| shape.mismatch(value).is_none());
+    let fits = |name: &str, shape: Shape| {
+        let value = error.get(name).filter(|value| **value != Tree::Null)?;
+        Some(shape.mismatch(value).is_none())
+    };
     let (code, message) = (fits("code", INTEGER), fits("message", Shape::Text));
     if code == Some(false) || message == Some(false) || (code, message) == (None, None) {
         turn.breaks(judged, || {
