@@ -25,3 +25,8 @@ pub use self::plan::Plans;
 pub(crate) use self::template::Template;
 pub(crate) use self::tree::CUT_OFF;
 pub use self::tree::{SyntaxError, Tree};
+
+/// Whether a text is base64 with padding.
+pub(crate) fn is_base64(text: &str) -> bool {
+    base64::decode(text).is_some()
+}

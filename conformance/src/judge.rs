@@ -1,5 +1,6 @@
 //! Judges a source: its records go to the plans of their formats and to the rules.
 
+mod flockwave;
 mod json;
 mod log;
 mod mcap;
@@ -10,13 +11,15 @@ use std::io::{self, Read};
 
 use uavspec_codegen::schema::MessageId;
 
+pub use self::flockwave::{FlockwaveSource, TypeCount};
 pub use self::json::{JsonSource, judge_json};
 pub use self::log::{LogSource, judge_ulog};
 pub use self::mcap::{Basis, McapChannel, McapSource, Standing, judge_mcap};
+use crate::conversation::{Conversations, Turn};
 use crate::definitions::Definitions;
 use crate::finding::Findings;
-use crate::record::{Channel, Grouped, Message, Place};
-use crate::rule::{Check, Checker, Interest, Judged, RULES, Rule};
+use crate::record::{Channel, Connection, Direction, Exchange, Grouped, Message, Place};
+use crate::rule::{Check, Checker, EachExchange, Interest, Judged, RULES, Rule};
 use crate::source::{MCAP_MAGIC, ULOG_MAGIC};
 
 /// How many kinds of damage are kept.
@@ -52,9 +55,12 @@ pub enum Source {
     Json(JsonSource),
     /// A file of MCAP.
     Mcap(McapSource),
+    /// Recorded conversations of Flockwave.
+    Flockwave(FlockwaveSource),
 }
 
-/// Judges a source of any kind, which is seen by how it begins: a log of PX4, MCAP, or else JSON. Where `of` names
+/// Judges a source of any kind, which is seen by how it begins: a log of PX4, MCAP, or else JSON
+/// (recorded conversations of Flockwave among it). Where `of` names
 /// a message, the JSON is messages of that type and nothing around them.
 ///
 /// An error is one of reading its first bytes. What is wrong with the source later on, and that it can't be read any
@@ -82,6 +88,7 @@ struct Course<'d> {
     followers: Vec<Follower>,
     /// By the index of a channel.
     channels: Vec<Followed>,
+    conversations: Conversations,
     records: u64,
     judged: u64,
     first: Option<u64>,
@@ -128,15 +135,20 @@ impl Follower {
 
 impl<'d> Course<'d> {
     fn new(definitions: &'d Definitions) -> Self {
-        let followers = RULES.iter().filter_map(|rule| match rule.check {
-            Check::State(start) => Some(Follower { rule, checker: start(), exercised: 0 }),
-            Check::Value | Check::Source => None,
+        let followers = RULES.iter().filter_map(|rule| {
+            let checker: Box<dyn Checker> = match rule.check {
+                Check::State(start) => start(),
+                Check::Exchange(judge) => Box::new(EachExchange(judge)),
+                Check::Value | Check::Source => return None,
+            };
+            Some(Follower { rule, checker, exercised: 0 })
         });
         Self {
             definitions,
             findings: Findings::default(),
             followers: followers.collect(),
             channels: Vec::new(),
+            conversations: Conversations::default(),
             records: 0,
             judged: 0,
             first: None,
@@ -173,15 +185,49 @@ impl<'d> Course<'d> {
     /// A message that was judged by itself.
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>) {
         self.judged += 1;
-        if let Some(timestamp) = message.timestamp.filter(|timestamp| *timestamp > 0) {
-            self.first = Some(self.first.map_or(timestamp, |first| first.min(timestamp)));
-            self.last = self.last.max(timestamp);
-        }
+        self.pass(message.timestamp);
         for at in &self.channels[channel.index].by {
             let message = |checker: &mut dyn Checker, judged: &mut Judged<'_>| {
                 checker.message(channel, message, judged);
             };
             self.followers[*at].judge(self.definitions, &mut self.findings, message);
+        }
+    }
+
+    /// A time in µs, which is between the first and the last.
+    fn pass(&mut self, timestamp: Option<u64>) {
+        if let Some(timestamp) = timestamp.filter(|timestamp| *timestamp > 0) {
+            self.first = Some(self.first.map_or(timestamp, |first| first.min(timestamp)));
+            self.last = self.last.max(timestamp);
+        }
+    }
+
+    /// A time in seconds.
+    fn pass_time(&mut self, time: Option<f64>) {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it saturates
+        self.pass(time.map(|time| (time * 1e6) as u64));
+    }
+
+    /// Something goes over a connection, or happens to it.
+    fn exchanged(&mut self, exchange: &Exchange<'_>) {
+        let turn = self.conversations.follow(exchange);
+        self.tell(&turn);
+    }
+
+    /// A connection, or all that is known of it, comes to its end.
+    fn disconnected(&mut self, connection: Connection<'_>) {
+        for asked in self.conversations.ended(connection.index) {
+            let (direction, place) = (Direction::Event, asked.place);
+            let exchange = Exchange { connection, direction, time: None, text: "", value: None, place };
+            self.tell(&Turn::unanswered(&exchange, asked));
+        }
+    }
+
+    fn tell(&mut self, turn: &Turn<'_>) {
+        for follower in &mut self.followers {
+            follower.judge(self.definitions, &mut self.findings, |checker, judged| {
+                checker.exchanged(turn, judged);
+            });
         }
     }
 
@@ -191,6 +237,7 @@ impl<'d> Course<'d> {
 
     fn damage(&mut self, place: Place, text: String) {
         self.followers.iter_mut().for_each(|follower| follower.checker.damage(place));
+        self.conversations.lose();
         let number = self.damage.len();
         match self.damage.entry(text) {
             Entry::Occupied(mut known) => known.get_mut().times += 1,

@@ -1,5 +1,6 @@
 //! Judges outputs of implementations by the definitions that `uavspec-codegen` reads: now logs of PX4
-//! (`ULog`), MCAP, messages as JSON, and codecs ([`testee`]); other captures and live servers are to follow.
+//! (`ULog`), MCAP, messages as JSON, recorded conversations of Flockwave, and codecs ([`testee`]); live servers are to
+//! follow.
 //!
 //! ```text
 //!  bytes ──source──▶ records ──plan, rule──▶ findings ──▶ verdicts ──report──▶ terminal, JSON, HTML, SARIF, JUnit
@@ -12,6 +13,7 @@
 pub mod catalogue;
 pub mod cli;
 pub mod comparison;
+pub mod conversation;
 pub mod definitions;
 pub mod detail;
 pub mod finding;
@@ -26,5 +28,6 @@ pub mod record;
 pub mod report;
 pub mod rule;
 pub mod sample;
+pub mod shape;
 pub mod source;
 pub mod testee;

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::definitions::Definitions;
 use crate::judge::{Judgement, judge};
 use crate::rule::{Mutant, RULES, Rule};
-use crate::sample::Flight;
+use crate::sample::{Conversation, Flight};
 
 /// What came of a mutant.
 #[derive(Debug)]
@@ -38,6 +38,7 @@ pub fn conforming(definitions: &Definitions) -> Vec<(&'static str, Judgement)> {
         ("MCAP", flight.bag().to_bytes()),
         ("JSON Lines", flight.lines().to_bytes()),
         ("rosbridge", flight.rosbridge().to_bytes()),
+        ("Flockwave", Conversation::new().to_bytes()),
     ];
     let judged = sources.into_iter().map(|(name, bytes)| (name, judge_bytes(&bytes, definitions)));
     judged.filter_map(|(name, judgement)| Some((name, judgement?))).collect()

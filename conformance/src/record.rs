@@ -6,6 +6,8 @@ use serde::Serialize;
 use uavspec_codegen::dynamic::DynamicView;
 use uavspec_codegen::schema::MessageId;
 
+use crate::json::Tree;
+
 /// Where in its source a record stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -64,6 +66,47 @@ pub struct Message<'m> {
     pub timestamp: Option<u64>,
     /// Its fields, where a rule wants them ([`Interest::Values`](crate::rule::Interest)) and they can be read.
     pub values: Option<DynamicView<'m>>,
+    /// Where it stands.
+    pub place: Place,
+}
+
+/// A connection between a client and a server of Flockwave.
+#[derive(Clone, Copy, Debug)]
+pub struct Connection<'c> {
+    /// Its number in its source, from 0 in order of appearance.
+    pub index: usize,
+    /// Its name.
+    pub name: &'c str,
+    /// Whether messages come one after the other as they were sent, on the connection that is said. Otherwise nothing
+    /// is certain that depends on what went over it before: the source doesn't tell connections apart, and all
+    /// messages are taken to belong to one; or it is UDP, where some get lost, come twice or change places.
+    pub is_told: bool,
+}
+
+/// Which way something goes, seen from the client.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// From the server to the client.
+    In,
+    /// From the client to the server.
+    Out,
+    /// Neither: something happens to the connection.
+    Event,
+}
+
+/// Something that goes over a connection of Flockwave, or happens to it.
+#[derive(Clone, Copy, Debug)]
+pub struct Exchange<'e> {
+    /// Where it goes.
+    pub connection: Connection<'e>,
+    /// Which way.
+    pub direction: Direction,
+    /// When, in seconds since the epoch by the clock of the client, where that is known.
+    pub time: Option<f64>,
+    /// The message as it is written; of an event, its name.
+    pub text: &'e str,
+    /// The message, where it can be read as JSON.
+    pub value: Option<&'e Tree<'e>>,
     /// Where it stands.
     pub place: Place,
 }

@@ -169,6 +169,8 @@ pub enum About {
     Json(Json),
     /// MCAP.
     Mcap(Mcap),
+    /// Recorded conversations of Flockwave; its messages are those of the server.
+    Flockwave(Flockwave),
     /// A codec or validator that was asked.
     Testee(Testee),
 }
@@ -278,6 +280,38 @@ pub enum ChannelResult {
     Undefined,
     /// Its messages are neither CDR nor JSON.
     Unsupported,
+}
+
+/// What a recording of Flockwave says of itself.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Flockwave {
+    /// How many connections it tells apart.
+    pub connections: u64,
+    /// How many requests there are.
+    pub requests: u64,
+    /// How many responses there are.
+    pub responses: u64,
+    /// How many notifications there are.
+    pub notifications: u64,
+    /// The types of its messages, by name.
+    pub types: Vec<FlockwaveType>,
+    /// The types that the specification doesn't have: nothing says what such messages have to be. By name.
+    pub unsupported: Vec<FlockwaveType>,
+    /// How many messages are of more types than are told apart.
+    pub uncounted: u64,
+}
+
+/// A type of messages of Flockwave.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct FlockwaveType {
+    /// Its name, such as `UAV-INF`.
+    pub name: String,
+    /// How many messages of it clients sent.
+    pub from_client: u64,
+    /// How many messages of it the server sent.
+    pub from_server: u64,
 }
 
 /// Who was asked, and what it answered.

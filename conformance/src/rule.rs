@@ -3,6 +3,90 @@
 //! A rule is a statement with a permanent id. Rules on single values are checked by a plan that is made once
 //! for each format ([`crate::plan`], and for JSON [`crate::json`]); rules on the course of things keep a state of their own ([`Checker`]).
 
+mod fw;
+mod fw_ack_01;
+mod fw_ack_03;
+mod fw_ack_04;
+mod fw_asy_01;
+mod fw_asy_02;
+mod fw_asy_03;
+mod fw_asy_04;
+mod fw_asy_04i;
+mod fw_asy_06;
+mod fw_asy_07;
+mod fw_asy_08;
+mod fw_asy_09;
+mod fw_asy_10;
+mod fw_asy_11;
+mod fw_asy_12;
+mod fw_asy_13;
+mod fw_asy_14;
+mod fw_asy_16;
+mod fw_asy_20;
+mod fw_asy_20j;
+mod fw_asy_22;
+mod fw_auth_01;
+mod fw_conn_inf_01;
+mod fw_conn_inf_02;
+mod fw_conn_inf_03;
+mod fw_dev_01;
+mod fw_env_01;
+mod fw_env_02;
+mod fw_env_02j;
+mod fw_env_03;
+mod fw_env_03j;
+mod fw_env_04;
+mod fw_env_05;
+mod fw_env_06;
+mod fw_env_07;
+mod fw_env_08;
+mod fw_env_09;
+mod fw_env_10;
+mod fw_env_11;
+mod fw_env_12;
+mod fw_env_13;
+mod fw_env_14;
+mod fw_env_15;
+mod fw_env_16;
+mod fw_env_17;
+mod fw_env_19;
+mod fw_env_23;
+mod fw_err_01;
+mod fw_err_02;
+mod fw_err_03;
+mod fw_err_04;
+mod fw_err_06;
+mod fw_err_07;
+mod fw_err_08;
+mod fw_err_09;
+mod fw_err_10;
+mod fw_inf_01;
+mod fw_obj_del_01;
+mod fw_obj_del_02;
+mod fw_obj_list_01;
+mod fw_obj_list_01j;
+mod fw_prm_01;
+mod fw_sys_close_01;
+mod fw_sys_close_02;
+mod fw_sys_msg_01;
+mod fw_sys_msg_02;
+mod fw_sys_ports_01;
+mod fw_sys_time_01;
+mod fw_sys_time_02;
+mod fw_sys_ver_01;
+mod fw_sys_ver_02;
+mod fw_sys_ver_03;
+mod fw_uav_inf_01;
+mod fw_uav_inf_02;
+mod fw_uav_inf_03;
+mod fw_uav_inf_04;
+mod fw_uav_inf_05;
+mod fw_uav_inf_08;
+mod fw_uav_inf_09;
+mod fw_uav_list_01;
+mod fw_uav_list_01j;
+mod fw_ust;
+mod fw_wth_01;
 mod px_arr_01;
 mod px_bool_01;
 mod px_cdr_01;
@@ -37,6 +121,7 @@ use std::fmt;
 
 use serde::Serialize;
 
+use crate::conversation::Turn;
 use crate::definitions::Definitions;
 use crate::detail::Detail;
 use crate::finding::Findings;
@@ -44,7 +129,104 @@ use crate::record::{Channel, Message, Place};
 use crate::sample::Flight;
 
 /// Every rule, by id.
-pub static RULES: [&Rule; 28] = [
+pub static RULES: [&Rule; 125] = [
+    &fw_ack_01::RULE,
+    &fw_ack_03::RULE,
+    &fw_ack_04::RULE,
+    &fw_asy_01::RULE,
+    &fw_asy_02::RULE,
+    &fw_asy_03::RULE,
+    &fw_asy_04::RULE,
+    &fw_asy_04i::RULE,
+    &fw_asy_06::RULE,
+    &fw_asy_07::RULE,
+    &fw_asy_08::RULE,
+    &fw_asy_09::RULE,
+    &fw_asy_10::RULE,
+    &fw_asy_11::RULE,
+    &fw_asy_12::RULE,
+    &fw_asy_13::RULE,
+    &fw_asy_14::RULE,
+    &fw_asy_16::RULE,
+    &fw_asy_20::RULE,
+    &fw_asy_20j::RULE,
+    &fw_asy_22::RULE,
+    &fw_auth_01::RULE,
+    &fw_conn_inf_01::RULE,
+    &fw_conn_inf_02::RULE,
+    &fw_conn_inf_03::RULE,
+    &fw_dev_01::RULE,
+    &fw_env_01::RULE,
+    &fw_env_02::RULE,
+    &fw_env_02j::RULE,
+    &fw_env_03::RULE,
+    &fw_env_03j::RULE,
+    &fw_env_04::RULE,
+    &fw_env_05::RULE,
+    &fw_env_06::RULE,
+    &fw_env_07::RULE,
+    &fw_env_08::RULE,
+    &fw_env_09::RULE,
+    &fw_env_10::RULE,
+    &fw_env_11::RULE,
+    &fw_env_12::RULE,
+    &fw_env_13::RULE,
+    &fw_env_14::RULE,
+    &fw_env_15::RULE,
+    &fw_env_16::RULE,
+    &fw_env_17::RULE,
+    &fw_env_19::RULE,
+    &fw_env_23::RULE,
+    &fw_err_01::RULE,
+    &fw_err_02::RULE,
+    &fw_err_03::RULE,
+    &fw_err_04::RULE,
+    &fw_err_06::RULE,
+    &fw_err_07::RULE,
+    &fw_err_08::RULE,
+    &fw_err_09::RULE,
+    &fw_err_10::RULE,
+    &fw_inf_01::RULE,
+    &fw_obj_del_01::RULE,
+    &fw_obj_del_02::RULE,
+    &fw_obj_list_01::RULE,
+    &fw_obj_list_01j::RULE,
+    &fw_prm_01::RULE,
+    &fw_sys_close_01::RULE,
+    &fw_sys_close_02::RULE,
+    &fw_sys_msg_01::RULE,
+    &fw_sys_msg_02::RULE,
+    &fw_sys_ports_01::RULE,
+    &fw_sys_time_01::RULE,
+    &fw_sys_time_02::RULE,
+    &fw_sys_ver_01::RULE,
+    &fw_sys_ver_02::RULE,
+    &fw_sys_ver_03::RULE,
+    &fw_uav_inf_01::RULE,
+    &fw_uav_inf_02::RULE,
+    &fw_uav_inf_03::RULE,
+    &fw_uav_inf_04::RULE,
+    &fw_uav_inf_05::RULE,
+    &fw_uav_inf_08::RULE,
+    &fw_uav_inf_09::RULE,
+    &fw_uav_list_01::RULE,
+    &fw_uav_list_01j::RULE,
+    &fw_ust::ATTITUDE,
+    &fw_ust::BATTERY,
+    &fw_ust::DEBUG,
+    &fw_ust::ERRORS,
+    &fw_ust::GPS,
+    &fw_ust::HEADING,
+    &fw_ust::ID,
+    &fw_ust::LIGHT,
+    &fw_ust::MODE,
+    &fw_ust::POSITION,
+    &fw_ust::POSITIONXYZ,
+    &fw_ust::RSSI,
+    &fw_ust::TIMESTAMP,
+    &fw_ust::VELOCITY,
+    &fw_ust::VELOCITYXYZ,
+    &fw_wth_01::RULE,
     &px_arr_01::RULE,
     &px_bool_01::RULE,
     &px_cdr_01::RULE,
@@ -140,6 +322,13 @@ pub struct Rule {
     pub mutants: &'static [Mutant],
 }
 
+impl Rule {
+    /// Whether it is about conversations of Flockwave, and so about no other sources.
+    pub fn is_on_flockwave(&self) -> bool {
+        self.id.starts_with("FW-")
+    }
+}
+
 /// What finds breaches of a rule.
 #[derive(Clone, Copy, Debug)]
 pub enum Check {
@@ -149,6 +338,8 @@ pub enum Check {
     Source,
     /// A state that follows the records of a source.
     State(fn() -> Box<dyn Checker>),
+    /// What a conversation knows of each exchange.
+    Exchange(fn(&Turn<'_>, &mut Judged<'_>)),
 }
 
 /// A source that breaks a rule: a small change of one that conforms.
@@ -177,10 +368,15 @@ pub enum Interest {
 /// Follows the records of one source.
 pub trait Checker {
     /// A channel is opened: a topic with its type. Only messages of channels that are of interest come.
-    fn opened(&mut self, channel: &Channel<'_>, judged: &mut Judged<'_>) -> Interest;
+    fn opened(&mut self, _channel: &Channel<'_>, _judged: &mut Judged<'_>) -> Interest {
+        Interest::Nothing
+    }
 
     /// A message comes.
     fn message(&mut self, _channel: &Channel<'_>, _message: &Message<'_>, _judged: &mut Judged<'_>) {}
+
+    /// Something goes over a connection, or happens to it.
+    fn exchanged(&mut self, _turn: &Turn<'_>, _judged: &mut Judged<'_>) {}
 
     /// Records were lost, for so many milliseconds.
     fn dropout(&mut self, _milliseconds: u16, _place: Place) {}
@@ -190,6 +386,15 @@ pub trait Checker {
 
     /// The source ends.
     fn end(&mut self, _judged: &mut Judged<'_>) {}
+}
+
+/// What looks at each exchange alone.
+pub(crate) struct EachExchange(pub(crate) fn(&Turn<'_>, &mut Judged<'_>));
+
+impl Checker for EachExchange {
+    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+        (self.0)(turn, judged);
+    }
 }
 
 /// A state for each channel.

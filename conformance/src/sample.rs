@@ -6,6 +6,7 @@
 //! would be.
 
 mod bag;
+mod conversation;
 mod lines;
 mod log;
 
@@ -19,6 +20,7 @@ use uavspec_codegen::schema::{Element, Field, Form, Message, MessageId, Restrict
 use uavspec_runtime::{Number, Rule};
 
 pub use self::bag::{Bag, BagChannel};
+pub use self::conversation::Conversation;
 pub use self::lines::Lines;
 pub use self::log::{Entry, Log};
 use crate::definitions::Definitions;

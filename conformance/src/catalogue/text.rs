@@ -14,8 +14,8 @@ pub fn list() -> String {
     let mut text = String::new();
     for rule in RULES {
         // Writing to a string can't fail.
-        let _ = writeln!(text, "{:<12} {:<7} {}", rule.id, rule.level, rule.statement);
-        let _ = writeln!(text, "                     by {}", rule.source);
+        let _ = writeln!(text, "{:<18} {:<7} {}", rule.id, rule.level, rule.statement);
+        let _ = writeln!(text, "                           by {}", rule.source);
     }
     text
 }
@@ -53,9 +53,9 @@ pub fn matrix(rows: &[Row]) -> String {
     let _ = writeln!(text);
     let numbers: String = (1..=RULES.len()).map(|number| format!("{number:>3}")).collect();
     let width = rows.iter().map(|row| row.mutant.name.chars().count()).max().unwrap_or_default();
-    let _ = writeln!(text, "{:<12} {:<width$}{numbers}", "rule", "what is changed");
+    let _ = writeln!(text, "{:<18} {:<width$}{numbers}", "rule", "what is changed");
     for row in rows {
-        let _ = writeln!(text, "{:<12} {:<width$}{}", row.rule.id, row.mutant.name, marks(row));
+        let _ = writeln!(text, "{:<18} {:<width$}{}", row.rule.id, row.mutant.name, marks(row));
     }
     let wrong = rows.iter().filter(|row| !row.is_right()).count();
     let _ = writeln!(

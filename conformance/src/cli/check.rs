@@ -32,10 +32,14 @@ use crate::rule::rule;
   zcat flight.ulg.gz | uavspec check - archive/
   uavspec check --type px4/FailsafeFlags flags.jsonl
   uavspec check --known known.toml archive/
+  uavspec check server.jsonl
 
 JSON is an object a line, or an array of objects. Without --type each says what it is:
   {\"type\": \"px4/FailsafeFlags\", \"message\": {…}}
   {\"op\": \"publish\", \"topic\": \"/fmu/out/failsafe_flags\", \"msg\": {…}}   (rosbridge)
+Conversations of Flockwave are recorded so, seen from the client, or are bare messages:
+  {\"t\": 1790000000.25, \"conn\": \"tcp#1\", \"dir\": \"in\", \"msg\": {…}}   (or \"out\"; \"raw\" for no JSON)
+  {\"t\": 1790000000.20, \"conn\": \"tcp#1\", \"dir\": \"event\", \"event\": \"connect\"}   (or \"closed\")
 
 A list of known failures is TOML:
   [[known]]                       # or [[flaky]]: it may also pass
@@ -50,7 +54,7 @@ A list of known failures is TOML:
 Exit status: 0 conforms, 1 does not, 2 wrong usage, definitions or list, 3 a file can't be read or a
 report can't be written, 4 a list of known failures no longer holds true, 5 nothing was checked.")]
 pub(super) struct CheckArgs {
-    /// Logs of PX4 in the format `ULog`, MCAP, or messages as JSON or JSON Lines, also packed with gzip or zstd;
+    /// Logs of PX4 in the format `ULog`, MCAP, messages as JSON or JSON Lines, or conversations of Flockwave, also packed with gzip or zstd;
     /// which, is seen by the content. Folders are searched; `-` is standard input.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,

@@ -10,6 +10,7 @@ use uavspec_codegen::schema::MessageId;
 
 use self::envelope::{Channels, Fast, Form, Open, Which, form, read};
 use self::templates::Templates;
+use super::flockwave::{FlockwaveJudge, is_flockwave};
 use super::{Course, Judgement, Source};
 use crate::definitions::Definitions;
 use crate::json::{CUT_OFF, Clean, Dialects, Plans, SyntaxError, Told, Tree};
@@ -40,25 +41,72 @@ pub struct JsonSource {
 /// Judges messages as JSON: JSON Lines, an array, or a single one. They are all of one type where `of` says so;
 /// otherwise each says its type or its topic. They are judged as far as they can be read.
 pub fn judge_json(input: impl Read, of: Option<MessageId>, definitions: &Definitions) -> Judgement {
-    let mut judge = JsonJudge::new(of, definitions);
     let mut reader = Reader::new(input);
+    let mut judge = Judge::Json { judge: JsonJudge::new(of, definitions), is_decided: of.is_some() };
     loop {
         match reader.next() {
             Ok(Some(item)) => match item.event {
                 Event::Problem(problem) => {
-                    judge.course.damage(Place::Line(item.line), problem.to_string());
+                    judge.course().damage(Place::Line(item.line), problem.to_string());
                 }
                 Event::Value { bytes, is_last } => judge.value(bytes, item.line, is_last),
             },
             Ok(None) => break,
             // What was judged until then stays judged.
             Err(error) => {
-                judge.course.unreadable(Place::Line(reader.lines().max(1)), &error);
+                judge.course().unreadable(Place::Line(reader.lines().max(1)), &error);
                 break;
             }
         }
     }
-    judge.finish(reader.lines(), reader.bytes())
+    match judge {
+        Judge::Json { judge, .. } => judge.finish(reader.lines(), reader.bytes()),
+        Judge::Flockwave(judge) => judge.finish(reader.bytes()),
+    }
+}
+
+/// Who judges.
+#[allow(clippy::large_enum_variant)] // there is one of it
+enum Judge<'d> {
+    Json {
+        judge: JsonJudge<'d>,
+        /// Whether it stays so; the first object says whether it is Flockwave.
+        is_decided: bool,
+    },
+    Flockwave(FlockwaveJudge<'d>),
+}
+
+impl<'d> Judge<'d> {
+    fn course(&mut self) -> &mut Course<'d> {
+        match self {
+            Self::Json { judge, .. } => &mut judge.course,
+            Self::Flockwave(judge) => &mut judge.course,
+        }
+    }
+
+    fn value(&mut self, bytes: &[u8], line: u64, is_last: bool) {
+        self.decide(bytes);
+        match self {
+            Self::Json { judge, .. } => judge.value(bytes, line, is_last),
+            Self::Flockwave(judge) => judge.line(bytes, line, is_last),
+        }
+    }
+
+    /// Finds out what the source is, if this is its first object.
+    fn decide(&mut self, bytes: &[u8]) {
+        let Self::Json { judge, is_decided } = self else { return };
+        if *is_decided {
+            return;
+        }
+        let tree = std::str::from_utf8(bytes).ok().and_then(|text| Tree::read(text).ok());
+        let Some(tree) = tree.filter(|tree| matches!(tree, Tree::Object(_))) else { return };
+        *is_decided = true;
+        if is_flockwave(&tree) {
+            let definitions = judge.course.definitions;
+            let course = std::mem::replace(&mut judge.course, Course::new(definitions));
+            *self = Self::Flockwave(FlockwaveJudge::new(course));
+        }
+    }
 }
 
 struct JsonJudge<'d> {

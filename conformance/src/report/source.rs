@@ -1,14 +1,18 @@
 //! What came of judging a source, as a report tells it.
 
+use std::collections::BTreeMap;
+
 use crate::comparison::Comparison;
 use crate::definitions::Definitions;
 use crate::finding::{self, Findings, Group};
-use crate::judge::{self, Basis, JsonSource, Judgement, LogSource, McapSource, Source, Standing};
+use crate::judge::{
+    self, Basis, FlockwaveSource, JsonSource, Judgement, LogSource, McapSource, Source, Standing, TypeCount,
+};
 use crate::rule::{RULES, Rule};
 
 use super::{
-    About, ChannelResult, Conclusion, Damage, Definition, Example, Finding, Format, FormatResult, Json,
-    Known, Mcap, McapChannel, RuleVerdict, Subject, Ulog, Verdict,
+    About, ChannelResult, Conclusion, Damage, Definition, Example, Finding, Flockwave, FlockwaveType, Format,
+    FormatResult, Json, Known, Mcap, McapChannel, RuleVerdict, Subject, Ulog, Verdict,
 };
 
 /// The rule that only counts where that is asked for.
@@ -68,8 +72,13 @@ impl Subject {
     pub fn of_source(judged: Judged, definitions: &Definitions, settings: &Settings) -> Self {
         let Judged { path, judgement, elapsed } = judged;
         let findings = &judgement.findings;
-        let rules: Vec<RuleVerdict> =
-            RULES.iter().map(|rule| of_rule(rule, findings, settings.verdict(findings, rule))).collect();
+        // What the rules on other kinds of sources find in it isn't worth telling.
+        let is_flockwave = matches!(judgement.source, Source::Flockwave(_));
+        let rules: Vec<RuleVerdict> = RULES
+            .iter()
+            .filter(|rule| rule.is_on_flockwave() == is_flockwave)
+            .map(|rule| of_rule(rule, findings, settings.verdict(findings, rule)))
+            .collect();
         let command = settings.command(&path);
         let finding =
             |group: &Group| finding(group, settings.verdict(findings, group.rule), &command, definitions);
@@ -135,6 +144,27 @@ fn about(source: &Source) -> About {
             channels: channels.iter().map(channel).collect(),
             dialects: dialects.iter().map(|dialect| dialect.to_string()).collect(),
         }),
+        Source::Flockwave(source) => About::Flockwave(flockwave(source)),
+    }
+}
+
+fn flockwave(source: &FlockwaveSource) -> Flockwave {
+    let list = |types: &BTreeMap<String, TypeCount>| {
+        let of = |(name, count): (&String, &TypeCount)| FlockwaveType {
+            name: name.clone(),
+            from_client: count.out,
+            from_server: count.incoming,
+        };
+        types.iter().map(of).collect()
+    };
+    Flockwave {
+        connections: source.connections as u64,
+        requests: source.requests,
+        responses: source.responses,
+        notifications: source.notifications,
+        types: list(&source.types),
+        unsupported: list(&source.unknown),
+        uncounted: source.uncounted,
     }
 }
 

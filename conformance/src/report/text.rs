@@ -1,5 +1,6 @@
 //! For people, at a terminal.
 
+mod flockwave;
 mod mcap;
 mod testee;
 
@@ -14,6 +15,9 @@ use crate::rule::Level;
 
 /// How many formats that differ are shown, and how many places of damage.
 const MAX_SHOWN: usize = 8;
+
+/// How wide the column of rules is at least.
+const MIN_WIDTH: usize = 12;
 
 const FAIL: Style = AnsiColor::Red.on_default().bold();
 const WARN: Style = AnsiColor::Yellow.on_default().bold();
@@ -45,6 +49,9 @@ pub fn subject(subject: &Subject) -> String {
         }),
         About::Json(found) => of_source(subject, &mut text, |text| json(subject, found, text)),
         About::Mcap(found) => of_source(subject, &mut text, |text| mcap::write(subject, found, text)),
+        About::Flockwave(found) => {
+            of_source(subject, &mut text, |text| flockwave::write(subject, found, text))
+        }
         About::Testee(testee) => testee::write(subject, testee, &mut text),
     };
     text
@@ -57,11 +64,13 @@ fn of_source(
 ) -> std::fmt::Result {
     head(text)?;
     damage(subject, text)?;
+    let width =
+        subject.findings.iter().map(|found| found.rule.len()).max().unwrap_or_default().max(MIN_WIDTH);
     for level in [Level::Must, Level::Should, Level::Info] {
         // The formats that differ stand above already.
         let is_of_level = |found: &&Finding| found.level == level && found.rule != "PX-FMT-01";
         for found in subject.findings.iter().filter(is_of_level) {
-            finding(found, text)?;
+            finding(found, width, text)?;
         }
     }
     verdicts(subject, text)
@@ -146,7 +155,8 @@ fn damage(subject: &Subject, text: &mut String) -> std::fmt::Result {
     if subject.damage.is_empty() { Ok(()) } else { writeln!(text) }
 }
 
-fn finding(finding: &Finding, text: &mut String) -> std::fmt::Result {
+/// `width` is that of the column of rules.
+fn finding(finding: &Finding, width: usize, text: &mut String) -> std::fmt::Result {
     let (style, word) = match (&finding.known, finding.verdict) {
         (Some(known), _) => (PLAIN, known.kind.as_str()),
         (None, Verdict::Fail) => (FAIL, "FAIL"),
@@ -158,16 +168,17 @@ fn finding(finding: &Finding, text: &mut String) -> std::fmt::Result {
         if finding.count == 1 { "once".to_owned() } else { format!("{} times", Grouped(finding.count)) };
     writeln!(
         text,
-        "{style}{word:<5}{style:#} {:<12} {:<6} {}: {}",
+        "{style}{word:<5}{style:#} {:<width$} {:<6} {}: {}",
         finding.rule,
         finding.level,
         shown(&finding.subject),
         shown(&first.told())
     )?;
     let defined = finding.definition.as_ref().map(|line| format!("   {line}")).unwrap_or_default();
-    writeln!(text, "                           {times}, first at {}{defined}", first.place)?;
+    let indent = width + 15;
+    writeln!(text, "{:indent$}{times}, first at {}{defined}", "", first.place)?;
     let known = finding.known.as_ref();
-    known.map_or(Ok(()), |known| writeln!(text, "                           {known}"))
+    known.map_or(Ok(()), |known| writeln!(text, "{:indent$}{known}", ""))
 }
 
 /// Why something is let stand.
@@ -195,7 +206,7 @@ fn verdicts(subject: &Subject, text: &mut String) -> std::fmt::Result {
         _ if subject.damage.is_empty() => "",
         About::Ulog(_) => ", and the log is damaged",
         About::Mcap(_) => ", and the file is damaged",
-        About::Json(_) | About::Testee(_) => ", and not all can be read",
+        About::Json(_) | About::Flockwave(_) | About::Testee(_) => ", and not all can be read",
     };
     let known = subject.findings.iter().filter(|finding| finding.known.is_some()).count();
     let known = if known > 0 { format!(", {known} known") } else { String::new() };

@@ -6,7 +6,8 @@ use super::finding;
 use super::{badge, class, shown, testee, with_code};
 use crate::record::Grouped;
 use crate::report::{
-    About, ChannelResult, Finding, Format, FormatResult, McapChannel, Report, RuleVerdict, Subject, Verdict,
+    About, ChannelResult, Finding, Flockwave, FlockwaveType, Format, FormatResult, McapChannel, Report,
+    RuleVerdict, Subject, Verdict,
 };
 
 /// How many findings of a rule, places of damage and formats stand open; more can be opened.
@@ -81,6 +82,7 @@ pub(super) fn section(subject: &Subject, index: usize) -> Markup {
                     (channels(&mcap.channels))
                     (notes("Other ways of writing, let pass", &mcap.dialects))
                 },
+                About::Flockwave(found) => (message_types(found)),
                 About::Testee(testee) => (testee::section(testee)),
             }
             (damage(subject))
@@ -114,6 +116,13 @@ fn facts(subject: &Subject) -> Markup {
             facts.extend([&mcap.profile, &mcap.library].into_iter().filter(|text| !text.is_empty()).cloned());
             facts.push(count(mcap.channels.len() as u64, "channel"));
             facts.push(count(subject.records, "message"));
+        }
+        About::Flockwave(found) => {
+            facts.push(count(found.connections, "connection"));
+            facts.push(count(found.requests, "request"));
+            facts.push(count(found.responses, "response"));
+            facts.push(count(found.notifications, "notification"));
+            facts.push(count(found.types.len() as u64, "message type"));
         }
         About::Testee(testee) => {
             if !testee.version.is_empty() {
@@ -169,6 +178,22 @@ fn told(channel: &McapChannel) -> String {
         ChannelResult::Equal | ChannelResult::Differs | ChannelResult::ByName => shown(&channel.message),
         ChannelResult::Undefined => "no definition".to_owned(),
         ChannelResult::Unsupported => format!("messages as {}, which isn't read", shown(&channel.encoding)),
+    }
+}
+
+/// The types of messages, and those that aren't judged.
+fn message_types(found: &Flockwave) -> Markup {
+    let told = |types: &[FlockwaveType]| -> Vec<String> {
+        let of = |one: &FlockwaveType| {
+            let (from_server, from_client) = (Grouped(one.from_server), Grouped(one.from_client));
+            format!("{}: {from_server} from the server, {from_client} from clients", one.name)
+        };
+        types.iter().map(of).collect()
+    };
+    html! {
+        (notes("Message types", &told(&found.types)))
+        (notes("Types that the specification doesn't have, and not judged", &told(&found.unsupported)))
+        @if found.uncounted > 0 { p.more { "… and " (Grouped(found.uncounted)) " messages of other types" } }
     }
 }
 

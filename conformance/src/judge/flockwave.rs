@@ -1,0 +1,280 @@
+//! Judges recorded conversations of Flockwave, and files of bare messages.
+//!
+//! A line of a recording is `{"t": seconds since the epoch, "conn": name, "dir": "in" or "out", "msg": {…}}`, seen from
+//! the client; with `"raw"`, a string, in the place of `"msg"` where what went over the connection is no JSON; or with
+//! `"dir": "event"` and `"event": "connect"` or `"closed"`. Members that are more than that say nothing here.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::{Course, Judgement, Source};
+use crate::conversation::message_type;
+use crate::json::{CUT_OFF, SyntaxError, Tree};
+use crate::record::{Connection, Direction, Exchange, Grouped, Place};
+
+/// How many connections are told apart: hostile input can have any number.
+const MAX_CONNECTIONS: usize = 10_000;
+
+/// How many types are counted by name, for the same reason.
+const MAX_TYPES: usize = 1_000;
+
+/// The longest name of a connection or type that is kept, in bytes.
+const MAX_NAME: usize = 128;
+
+/// The latest time that is believed, in seconds: in the year 5138.
+const MAX_TIME: f64 = 1e11;
+
+/// What a recording of Flockwave says of itself.
+#[derive(Debug, Default)]
+pub struct FlockwaveSource {
+    /// How many connections it tells apart.
+    pub connections: usize,
+    /// How many requests clients sent, and how many the server.
+    pub requests: u64,
+    /// How many responses there are.
+    pub responses: u64,
+    /// How many notifications the server sent.
+    pub notifications: u64,
+    /// How many messages have each type, by name, that the specification has.
+    pub types: BTreeMap<String, TypeCount>,
+    /// How many messages have each other type: nothing says what they have to be.
+    pub unknown: BTreeMap<String, TypeCount>,
+    /// How many messages have a type that there was no more room to count by name.
+    pub uncounted: u64,
+}
+
+/// How many messages of a type there are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TypeCount {
+    /// From clients.
+    pub out: u64,
+    /// From the server.
+    pub incoming: u64,
+}
+
+/// Whether a value is a line of a recording, or a bare message of Flockwave.
+pub(super) fn is_flockwave(tree: &Tree<'_>) -> bool {
+    is_line(tree) || is_message(tree)
+}
+
+fn is_line(tree: &Tree<'_>) -> bool {
+    let has = |key| tree.get(key).is_some();
+    // What has `op` is of rosbridge.
+    tree.get("dir").and_then(Tree::as_str).is_some()
+        && !has("op")
+        && (has("msg") || has("raw") || has("event"))
+}
+
+fn is_message(tree: &Tree<'_>) -> bool {
+    tree.get("$fw.version").is_some()
+}
+
+/// Judges what goes over connections, wherever that comes from.
+pub(super) struct FlockwaveJudge<'d> {
+    pub(super) course: Course<'d>,
+    source: FlockwaveSource,
+    /// The number of each connection, by its name.
+    connections: HashMap<String, usize>,
+    /// The names, by number.
+    names: Vec<String>,
+}
+
+/// What goes over a connection.
+#[derive(Clone, Copy)]
+pub(super) enum Content<'c> {
+    Message(&'c Tree<'c>),
+    /// What is no JSON.
+    Raw,
+    Event,
+}
+
+impl<'d> FlockwaveJudge<'d> {
+    pub(super) fn new(course: Course<'d>) -> Self {
+        let source = FlockwaveSource::default();
+        Self { course, source, connections: HashMap::new(), names: Vec::new() }
+    }
+
+    /// Judges a line of a recording, or a bare message.
+    pub(super) fn line(&mut self, bytes: &[u8], line: u64, is_last: bool) {
+        let place = Place::Line(line);
+        if let Err(problem) = self.read(bytes, place, is_last) {
+            self.course.damage(place, problem);
+        }
+    }
+
+    fn read(&mut self, bytes: &[u8], place: Place, is_last: bool) -> Result<(), String> {
+        let text = std::str::from_utf8(bytes)
+            .map_err(|error| format!("no UTF-8 from its byte {} on", error.valid_up_to()))?;
+        let tree = Tree::read(text).map_err(|error| match error {
+            SyntaxError { what: CUT_OFF, at } if is_last => {
+                format!("the last value is cut off after {at} bytes")
+            }
+            error => error.to_string(),
+        })?;
+        if is_line(&tree) {
+            return self.recorded(&tree, text, place);
+        }
+        if is_message(&tree) {
+            let direction = if is_request(&tree) { Direction::Out } else { Direction::In };
+            return self.exchange(None, direction, None, Content::Message(&tree), text, place);
+        }
+        Err("neither a line of a recording, with `dir` and one of `msg`, `raw` and `event`, nor a message of \
+             Flockwave, with `$fw.version`"
+            .to_owned())
+    }
+
+    /// A line of a recording.
+    fn recorded(&mut self, tree: &Tree<'_>, text: &str, place: Place) -> Result<(), String> {
+        let name = match tree.get("conn") {
+            None | Some(Tree::Null) => None,
+            Some(Tree::Text(name)) => Some(name.to_string()),
+            Some(other) => Some(other.to_string()),
+        };
+        let time = match tree.get("t") {
+            #[allow(clippy::cast_precision_loss)] // seconds fit well
+            Some(Tree::Int(value)) => Some(*value as f64),
+            Some(Tree::Float(value, _)) => Some(*value),
+            _ => None,
+        };
+        // What lies far beyond isn't in seconds, and may be in anything.
+        let time = time.filter(|time| (0.0..MAX_TIME).contains(time));
+        let direction = match tree.get("dir").and_then(Tree::as_str) {
+            Some("in") => Direction::In,
+            Some("out") => Direction::Out,
+            Some("event") => Direction::Event,
+            _ => return Err("`dir` is none of `in`, `out` and `event`".to_owned()),
+        };
+        let name = name.as_deref();
+        let string = |key| tree.get(key).and_then(Tree::as_str);
+        match (direction, tree.get("msg"), string("raw")) {
+            (Direction::Event, ..) => {
+                let event = string("event").ok_or("an event without a name: `event` is no string")?;
+                self.exchange(name, direction, time, Content::Event, event, place)
+            }
+            (_, Some(message), _) => {
+                self.exchange(name, direction, time, Content::Message(message), text, place)
+            }
+            // What one program takes for no JSON may be some to another.
+            (_, None, Some(raw)) => match Tree::read(raw) {
+                Ok(message) => self.exchange(name, direction, time, Content::Message(&message), raw, place),
+                Err(_) => self.exchange(name, direction, time, Content::Raw, raw, place),
+            },
+            (_, None, None) => Err("neither `msg` nor `raw`, a string".to_owned()),
+        }
+    }
+
+    /// Something goes over a connection, or happens to it. Without a name, it isn't known which.
+    pub(super) fn exchange(
+        &mut self,
+        name: Option<&str>,
+        direction: Direction,
+        time: Option<f64>,
+        content: Content<'_>,
+        text: &str,
+        place: Place,
+    ) -> Result<(), String> {
+        let index = self.connection(name.unwrap_or_default())?;
+        let name_kept = std::mem::take(&mut self.names[index]);
+        let connection = Connection { index, name: &name_kept, is_told: name.is_some_and(is_ordered) };
+        let value = if let Content::Message(value) = content { Some(value) } else { None };
+        let exchange = Exchange { connection, direction, time, text, value, place };
+        self.happen(&exchange);
+        self.count(&exchange);
+        self.course.exchanged(&exchange);
+        self.names[index] = name_kept;
+        Ok(())
+    }
+
+    /// The number of a connection.
+    fn connection(&mut self, name: &str) -> Result<usize, String> {
+        if let Some(index) = self.connections.get(name) {
+            return Ok(*index);
+        }
+        if name.len() > MAX_NAME {
+            return Err(format!("a connection whose name has more than {MAX_NAME} bytes"));
+        }
+        let index = self.names.len();
+        if index >= MAX_CONNECTIONS {
+            return Err(format!("more than {} connections", Grouped(MAX_CONNECTIONS as u64)));
+        }
+        self.connections.insert(name.to_owned(), index);
+        self.names.push(name.to_owned());
+        self.source.connections += 1;
+        Ok(index)
+    }
+
+    /// Follows the beginning and the end of connections.
+    fn happen(&mut self, exchange: &Exchange<'_>) {
+        if exchange.direction != Direction::Event {
+            return;
+        }
+        match exchange.text {
+            "connect" => {
+                self.course.disconnected(exchange.connection);
+                self.course.conversations.opened(exchange.connection.index);
+            }
+            "closed" => self.course.disconnected(exchange.connection),
+            _ => {}
+        }
+    }
+
+    fn count(&mut self, exchange: &Exchange<'_>) {
+        self.course.pass_time(exchange.time);
+        if exchange.direction == Direction::Event {
+            return;
+        }
+        let is_of_server = exchange.direction == Direction::In;
+        self.course.records += u64::from(is_of_server);
+        let Some(message) = exchange.value else { return };
+        let name = message.get("body").and_then(|body| body.get("type")).and_then(Tree::as_str);
+        let is_answer = message.get("refs").is_some_and(|refs| *refs != Tree::Null);
+        let source = &mut self.source;
+        *match (is_answer, is_of_server) {
+            (true, _) => &mut source.responses,
+            (false, true) if name != Some("SYS-PING") => &mut source.notifications,
+            (false, _) => &mut source.requests,
+        } += 1;
+        let Some(name) = name else {
+            // It is judged all the same where it says that something went wrong, or what is wrong with itself.
+            return self.course.judged += u64::from(is_of_server);
+        };
+        let is_known = message_type(name).is_some();
+        self.course.judged += u64::from(is_of_server && is_known);
+        let types = if is_known { &mut source.types } else { &mut source.unknown };
+        if name.len() > MAX_NAME || (types.len() >= MAX_TYPES && !types.contains_key(name)) {
+            return source.uncounted += 1;
+        }
+        let count = types.entry(name.to_owned()).or_default();
+        *(if is_of_server { &mut count.incoming } else { &mut count.out }) += 1;
+    }
+
+    pub(super) fn finish(mut self, bytes: u64) -> Judgement {
+        for (index, name) in self.names.iter().enumerate() {
+            let is_told = !name.is_empty() && is_ordered(name);
+            self.course.disconnected(Connection { index, name, is_told });
+        }
+        self.course.finish(bytes, Source::Flockwave(self.source))
+    }
+}
+
+/// Whether messages come as they were sent over a connection of this name. Those of UDP are called `udp` or begin so.
+fn is_ordered(name: &str) -> bool {
+    !name.get(..3).is_some_and(|start| start.eq_ignore_ascii_case("udp"))
+}
+
+/// Whether a bare message is a request. What some type has in both, in a request and in a notification, is told from
+/// the fields.
+fn is_request(message: &Tree<'_>) -> bool {
+    let Some(body) = message.get("body") else { return false };
+    let Some(name) = body.get("type").and_then(Tree::as_str) else { return false };
+    if message.get("refs").is_some_and(|refs| *refs != Tree::Null) {
+        return false;
+    }
+    match message_type(name) {
+        Some(known) if known.is_notification => {
+            let tells = ["status", "values"].iter().any(|key| body.get(key).is_some());
+            let asks = known.parts.is_some_and(|parts| body.get(parts.asked).is_some());
+            !tells && (asks || name == "TIMESYNC-STATUS")
+        }
+        _ => true,
+    }
+}

@@ -1,0 +1,23 @@
+//! `FW-ASY-03`.
+
+use super::fw::{self, Turn};
+use super::{Check, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: Rule = Rule {
+    id: "FW-ASY-03",
+    level: Level::Info,
+    status: Status::Advisory,
+    statement: "A reply about several objects tells of none that wasn't asked for.",
+    source: fw::DERIVED,
+    applies_to: "commands to several objects",
+    check: Check::Exchange(judge),
+    mutants: &[Mutant {
+        name: "one more glider",
+        make: |_| fw::reply("UAV-TAKEOFF", |body| body["error"]["hawk"] = "Asleep".into()),
+        also: &[],
+    }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fw::strangers(turn, judged, &fw::OPERATIONS);
+}

@@ -1,0 +1,28 @@
+//! `FW-ENV-13`.
+
+use super::fw::{self, Tree, Turn};
+use super::{Check, Detail, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: Rule = Rule {
+    id: "FW-ENV-13",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "No key of the envelope begins with `$` but `$fw.version`: such keys are reserved.",
+    source: fw::GENERAL,
+    applies_to: "messages of the server",
+    check: Check::Exchange(judge),
+    mutants: &[Mutant {
+        name: "another key that begins so",
+        make: |_| fw::reply_message("SYS-VER", |message| message["$wind"] = 7.into()),
+        also: &[],
+    }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let Some(Tree::Object(members)) = turn.message() else { return };
+    judged.exercise();
+    let reserved = members.iter().find(|(key, _)| key.starts_with('$') && key != "$fw.version");
+    if let Some((key, _)) = reserved {
+        turn.breaks(judged, || Detail::new(format!("the key {} is reserved", fw::quoted(key))));
+    }
+}

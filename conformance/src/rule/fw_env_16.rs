@@ -1,0 +1,64 @@
+//! `FW-ENV-16`.
+
+use serde_json::json;
+
+use super::fw::{self, Role, Turn};
+use super::{Check, Detail, Judged, Level, Mutant, Rule, Status};
+use crate::conversation::message_type;
+
+pub(super) static RULE: Rule = Rule {
+    id: "FW-ENV-16",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "A response has the type of its request or is ACK-NAK, but that of SYS-PING, SHOW-SETCFG, SHOW-SETLIGHTS and a setting RTK-SOURCE is ACK-ACK, and that of AUTH-REQ is AUTH-RESP.",
+    source: fw::GENERAL,
+    applies_to: "responses over time",
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "another type",
+            make: |_| fw::reply("SYS-PORTS", |body| *body = json!({ "type": "UAV-LIST", "ids": [] })),
+            also: &[],
+        },
+        Mutant {
+            name: "SYS-PING is answered with itself",
+            make: |_| fw::reply("ACK-ACK", |body| body["type"] = "SYS-PING".into()),
+            also: &[],
+        },
+        Mutant {
+            name: "a setting RTK-SOURCE is answered with itself",
+            make: |_| {
+                fw::then(|talk| talk.asks(json!({ "type": "RTK-SOURCE", "id": null }), json!({ "id": null })))
+            },
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let (Some(asked), Some(found)) = (&turn.asked, turn.type_name) else { return };
+    let Some(question) = asked.type_name.as_deref().filter(|name| message_type(name).is_some()) else {
+        return;
+    };
+    if turn.role != Role::Response || !turn.is_of_server() {
+        return;
+    }
+    let expected = match question {
+        "SYS-PING" | "SHOW-SETCFG" | "SHOW-SETLIGHTS" => "ACK-ACK",
+        "RTK-SOURCE" if asked.is_setting => "ACK-ACK",
+        "AUTH-REQ" => "AUTH-RESP",
+        other => other,
+    };
+    judged.exercise();
+    if found != expected && found != "ACK-NAK" {
+        turn.breaks(judged, || {
+            Detail::new(format!(
+                "{} answers {question}, where {expected} or ACK-NAK should",
+                fw::quoted(found)
+            ))
+            .at("/body/type")
+            .expected(format!("{expected} or ACK-NAK"))
+            .actual(fw::quoted(found))
+        });
+    }
+}

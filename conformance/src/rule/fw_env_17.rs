@@ -1,0 +1,37 @@
+//! `FW-ENV-17`.
+
+use serde_json::json;
+
+use super::fw::{self, Role, Turn};
+use super::{Check, Detail, Judged, Level, Mutant, Rule, Status};
+use crate::conversation::message_type;
+
+pub(super) static RULE: Rule = Rule {
+    id: "FW-ENV-17",
+    level: Level::Must,
+    status: Status::Disputed(
+        "The published schema of notifications lacks UAV-INF, CONN-INF and DEV-INF, which the text allows; CLK-INF and UAV-PREFLT stand as the text has them.",
+    ),
+    statement: "A message of the server without `refs` is of a type that may be a notification, or a SYS-PING.",
+    source: fw::GENERAL,
+    applies_to: "messages of the server",
+    check: Check::Exchange(judge),
+    mutants: &[Mutant {
+        name: "an answer without `refs`",
+        make: |_| fw::then(|talk| talk.tells(json!({ "type": "UAV-LIST", "ids": [] }))),
+        also: &[],
+    }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let Some(known) = turn.type_name.and_then(message_type) else { return };
+    if turn.role != Role::Notification {
+        return;
+    }
+    judged.exercise();
+    if !known.is_notification {
+        turn.breaks(judged, || {
+            Detail::new(format!("{} has no `refs`, and it is no notification", known.name))
+        });
+    }
+}

@@ -1,0 +1,68 @@
+//! `FW-UAV-INF-08`.
+
+use super::fw::{self, Tree, Turn};
+use super::{Check, Checker, Detail, Judged, Level, Mutant, Rule, Status};
+use crate::conversation::remembered::Remembered;
+use crate::shape::pointer;
+
+pub(super) static RULE: Rule = Rule {
+    id: "FW-UAV-INF-08",
+    level: Level::Info,
+    status: Status::Advisory,
+    statement: "The timestamp of a UAV doesn't go back.",
+    source: fw::DERIVED,
+    applies_to: "UAV-INF over time",
+    check: Check::State(|| Box::new(Latest::default())),
+    mutants: &[Mutant {
+        name: "it goes back",
+        make: |_| fw::state(|kite| kite["timestamp"] = 1_789_000_000_000_u64.into()),
+        also: &[],
+    }],
+};
+
+/// How much is kept, in bytes.
+const LIMIT: usize = 4 << 20;
+
+/// The longest id that is kept, in bytes: 64 characters of up to four.
+const MAX_ID: usize = 256;
+
+/// The latest timestamp of each UAV, by its connection and id.
+struct Latest(Remembered<(u64, String), i128>);
+
+impl Default for Latest {
+    fn default() -> Self {
+        Self(Remembered::new(LIMIT))
+    }
+}
+
+impl Checker for Latest {
+    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+        if !turn.exchange.connection.is_told {
+            return;
+        }
+        for (uav, state) in fw::states(turn, "UAV-INF") {
+            let Some(Tree::Int(now)) = state.get("timestamp") else { continue };
+            if uav.len() > MAX_ID {
+                continue;
+            }
+            let key = (turn.serial, uav.to_string());
+            judged.exercise();
+            match self.0.get_mut(&key) {
+                None => self.0.insert(key, *now, uav.len()),
+                Some(latest) => {
+                    let before = std::mem::replace(latest, *now);
+                    if *now < before {
+                        turn.breaks(judged, || {
+                            Detail::differs(format!("{before} or more, as before"), now).at(pointer(&[
+                                "body",
+                                "status",
+                                uav,
+                                "timestamp",
+                            ]))
+                        });
+                    }
+                }
+            }
+        }
+    }
+}

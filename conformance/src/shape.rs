@@ -1,0 +1,224 @@
+//! What values in bodies of Flockwave messages have to look like, and whether they do.
+//!
+//! Shapes are data, and a check gives the first deviation in each field. So far there are the shapes that rules of
+//! their own are about; whether a whole body fits its type and direction is to be asked here, too.
+
+mod status;
+
+use std::fmt::Write as _;
+
+pub use self::status::{FIELDS, StatusField};
+use crate::json::{Tree, is_base64};
+
+/// How many deviations of a body are told: hostile input can have any number.
+const MAX_DEVIATIONS: usize = 10_000;
+
+/// How much of a key is told.
+const MAX_KEY: usize = 64;
+
+/// What a value has to be.
+#[derive(Clone, Copy, Debug)]
+pub enum Shape {
+    /// An integer from the first to the second, however it is written: `5.0` is one.
+    Integer(i128, i128),
+    /// `true` or `false`.
+    Bool,
+    /// Any string.
+    Text,
+    /// A string of so many characters.
+    Length(usize, usize),
+    /// The id of an object: 1 to 64 characters, none of them `/`.
+    ObjectId,
+    /// Bytes in Base64.
+    Base64,
+    /// An array of values of this shape.
+    List(&'static Shape),
+    /// An array of elements of different shapes, of which those after the first so many may be left out.
+    Tuple(&'static [Element], usize),
+    /// An object whose values have this shape.
+    Map(&'static Shape),
+    /// Any object.
+    Object,
+    /// One of these strings.
+    OneOf(&'static [&'static str]),
+    /// This shape, or null.
+    Nullable(&'static Shape),
+}
+
+/// An element of a tuple: what it is called, and what it has to be.
+pub type Element = (&'static str, Shape);
+
+/// Any integer.
+pub const INTEGER: Shape = Shape::Integer(i128::MIN, i128::MAX);
+
+/// A deviation.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mismatch {
+    /// Where in the value, as a JSON pointer.
+    pub path: String,
+    /// What should be there.
+    pub expected: String,
+    /// What is there, shortened.
+    pub actual: String,
+}
+
+/// The deviation of a field of a body that has a shape here, with the field.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Deviation {
+    /// The field, by the name of the rule on it.
+    pub field: &'static str,
+    /// What it is.
+    pub mismatch: Mismatch,
+}
+
+/// What of a body deviates from the shapes that are known for its type, the first ten thousand places at most. The direction doesn't matter yet: the state of
+/// UAVs has the same form wherever it stands.
+pub fn check(type_name: &str, body: &Tree<'_>) -> Vec<Deviation> {
+    if type_name == "UAV-INF" { status::check(body) } else { Vec::new() }
+}
+
+impl Shape {
+    /// The first deviation of a value.
+    pub fn mismatch(&self, value: &Tree<'_>) -> Option<Mismatch> {
+        let wrong = || Some(Mismatch::new(self.to_string(), value.to_string()));
+        match (self, value) {
+            (Self::Nullable(_), Tree::Null)
+            | (Self::Bool, Tree::Bool(_))
+            | (Self::Object, Tree::Object(_)) => None,
+            (Self::Nullable(shape), _) => shape.mismatch(value),
+            (Self::Integer(low, high), _) => match integer(value) {
+                Some(number) if (*low..=*high).contains(&number) => None,
+                _ => wrong(),
+            },
+            (Self::List(shape), Tree::List(values)) => {
+                let of = |(at, value)| Some(shape.mismatch(value)?.below(&at_index(at)));
+                values.iter().enumerate().find_map(of)
+            }
+            (Self::Tuple(elements, required), Tree::List(values)) => {
+                if values.len() < *required || values.len() > elements.len() {
+                    return Some(Mismatch::new(self.to_string(), format!("{} elements", values.len())));
+                }
+                let of = |(at, (value, (name, shape))): (usize, (&Tree<'_>, &Element))| {
+                    let found = shape.mismatch(value)?.below(&at_index(at));
+                    let expected = format!("{} ({name})", found.expected);
+                    Some(Mismatch { expected, ..found })
+                };
+                values.iter().zip(*elements).enumerate().find_map(of)
+            }
+            (Self::Map(shape), Tree::Object(members)) => {
+                members.iter().find_map(|(key, value)| Some(shape.mismatch(value)?.below(key)))
+            }
+            (_, Tree::Text(text)) if self.holds_text(text) => None,
+            _ => wrong(),
+        }
+    }
+
+    fn holds_text(&self, text: &str) -> bool {
+        match self {
+            Self::Text => true,
+            Self::Length(low, high) => (*low..=*high).contains(&text.chars().count()),
+            Self::ObjectId => (1..=64).contains(&text.chars().count()) && !text.contains('/'),
+            Self::Base64 => is_base64(text),
+            Self::OneOf(known) => known.contains(&text),
+            _ => false,
+        }
+    }
+}
+
+/// In words.
+impl std::fmt::Display for Shape {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Integer(i128::MIN, i128::MAX) => formatter.write_str("an integer"),
+            Self::Integer(low, i128::MAX) => write!(formatter, "an integer, {low} or more"),
+            Self::Integer(i128::MIN, high) => write!(formatter, "an integer, {high} at most"),
+            Self::Integer(low, high) => write!(formatter, "an integer, {low} to {high}"),
+            Self::Bool => formatter.write_str("true or false"),
+            Self::Text => formatter.write_str("a string"),
+            Self::Length(low, high) => write!(formatter, "a string of {low} to {high} characters"),
+            Self::ObjectId => formatter.write_str("a string of 1 to 64 characters without `/`"),
+            Self::Base64 => formatter.write_str("a string in Base64"),
+            Self::List(shape) => write!(formatter, "a list, each entry {shape}"),
+            Self::Tuple(elements, required) if elements.len() == *required => {
+                write!(formatter, "a list of {required}")
+            }
+            Self::Tuple(elements, required) => {
+                write!(formatter, "a list of {required} to {}", elements.len())
+            }
+            Self::Map(shape) => write!(formatter, "an object, each value {shape}"),
+            Self::Object => formatter.write_str("an object"),
+            Self::OneOf(known) => write!(formatter, "one of {}", known.join(", ")),
+            Self::Nullable(shape) => write!(formatter, "{shape}, or null"),
+        }
+    }
+}
+
+impl Mismatch {
+    /// At the value itself.
+    pub fn new(expected: impl Into<String>, actual: impl Into<String>) -> Self {
+        Self { path: String::new(), expected: expected.into(), actual: actual.into() }
+    }
+
+    /// The same, seen from the value that holds it under a key.
+    #[must_use]
+    pub fn below(self, key: &str) -> Self {
+        Self { path: pointer(&[key]) + &self.path, ..self }
+    }
+}
+
+/// A JSON pointer (RFC 6901); keys that are very long are cut short.
+pub fn pointer(keys: &[&str]) -> String {
+    let mut pointer = String::new();
+    for key in keys {
+        let escaped = key.chars().take(MAX_KEY).collect::<String>().replace('~', "~0").replace('/', "~1");
+        let more = if key.chars().nth(MAX_KEY).is_some() { "…" } else { "" };
+        // Writing to a string can't fail.
+        let _ = write!(pointer, "/{escaped}{more}");
+    }
+    pointer
+}
+
+/// An integer, however it is written. Those beyond 2^53 that have a fraction or an exponent are taken as they round.
+pub fn integer(value: &Tree<'_>) -> Option<i128> {
+    match value {
+        Tree::Int(value) => Some(*value),
+        #[allow(clippy::cast_possible_truncation)] // within bounds
+        Tree::Float(value, _) if value.fract() == 0.0 && value.abs() < 1e30 => Some(*value as i128),
+        _ => None,
+    }
+}
+
+fn at_index(at: usize) -> String {
+    at.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mismatch(shape: Shape, text: &str) -> Option<(String, String)> {
+        let tree = Tree::read(text).expect("JSON");
+        shape.mismatch(&tree).map(|found| (found.path, found.actual))
+    }
+
+    #[test]
+    fn integers_may_be_written_with_a_fraction_of_zero() {
+        assert_eq!(mismatch(INTEGER, "5.0"), None);
+        assert_eq!(mismatch(INTEGER, "5e3"), None);
+        assert_eq!(mismatch(INTEGER, "5.5"), Some((String::new(), "5.5".to_owned())));
+        assert_eq!(mismatch(Shape::Integer(0, 9), "10"), Some((String::new(), "10".to_owned())));
+        assert!(mismatch(INTEGER, "1e400").is_some() && mismatch(INTEGER, "true").is_some());
+    }
+
+    #[test]
+    fn the_first_deviation_is_told_with_its_place() {
+        const PAIR: Shape = Shape::Tuple(&[("height", INTEGER), ("wind", Shape::Nullable(&INTEGER))], 1);
+        assert_eq!(mismatch(PAIR, "[1]"), None);
+        assert_eq!(mismatch(PAIR, "[1, null]"), None);
+        assert_eq!(mismatch(PAIR, "[null, 2]"), Some(("/0".to_owned(), "null".to_owned())));
+        assert_eq!(mismatch(PAIR, "[]"), Some((String::new(), "0 elements".to_owned())));
+        assert_eq!(mismatch(PAIR, "[1, 2, 3]"), Some((String::new(), "3 elements".to_owned())));
+        let map = Shape::Map(&Shape::List(&Shape::Text));
+        assert_eq!(mismatch(map, r#"{"a/b": ["x", 7]}"#), Some(("/a~1b/1".to_owned(), "7".to_owned())));
+    }
+}
