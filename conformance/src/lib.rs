@@ -1,5 +1,6 @@
 //! Judges outputs of implementations by the definitions that `uavspec-codegen` reads: now logs of PX4
-//! (`ULog`), MCAP, messages as JSON, and codecs ([`testee`]); other captures and live servers are to follow.
+//! (`ULog`), MCAP, messages as JSON, and codecs ([`testee`]); other captures and live servers are to follow. For
+//! live servers there are both ends of the connections ([`live`]) and a reference ([`server`]).
 //!
 //! ```text
 //!  bytes ──source──▶ records ──plan, rule──▶ findings ──▶ verdicts ──report──▶ terminal, JSON, HTML, SARIF, JUnit
@@ -19,6 +20,7 @@ pub mod input;
 pub mod json;
 pub mod judge;
 pub mod known;
+pub mod live;
 pub mod matrix;
 pub mod parallel;
 pub mod plan;
@@ -26,5 +28,6 @@ pub mod record;
 pub mod report;
 pub mod rule;
 pub mod sample;
+pub mod server;
 pub mod source;
 pub mod testee;
