@@ -20,6 +20,8 @@ mod message;
 mod operation;
 mod outbox;
 mod random;
+#[cfg(test)]
+mod rehearsal;
 mod request;
 mod uav;
 mod world;

@@ -153,7 +153,9 @@ impl Polling {
         let (mut heartbeat, mut opening) = (Heartbeat::new(revision), Opening::new(revision));
         let mut packets: VecDeque<Packet> = decode(revision, &opened).map_err(odd)?.into();
         let mut answers = Vec::new();
-        while let Some(packet) = packets.pop_front() {
+        while !opening.is_done()
+            && let Some(packet) = packets.pop_front()
+        {
             answers.extend(opening.take(&packet, &mut heartbeat)?);
         }
         let sid = opening.sid.as_deref().ok_or_else(|| odd("it opened no session"))?;
