@@ -64,11 +64,6 @@ impl Bug {
         Self { also, ..self }
     }
 
-    /// Whether it shows in messages, whatever they travel over.
-    pub fn changes_messages(&self) -> bool {
-        matches!(self.change, Change::Message(_))
-    }
-
     /// Changes what is to be sent.
     pub(super) fn apply(&self, outgoing: &mut Outgoing<'_>) {
         if let Change::Message(change) = self.change {

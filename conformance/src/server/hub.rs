@@ -96,8 +96,6 @@ pub(super) struct Hub {
     next_receipt: u64,
     simulated: f64,
     notified: Duration,
-    /// How often the time has gone on: for bugs that show from time to time.
-    pub(super) turn: u64,
 }
 
 impl Hub {
@@ -113,7 +111,6 @@ impl Hub {
             next_receipt: 1,
             simulated: 0.0,
             notified: Duration::ZERO,
-            turn: 0,
         }
     }
 
@@ -184,7 +181,7 @@ impl Hub {
                     self.remember(id, &request);
                 }
                 self.send(id, Some((&request, &body)), answer);
-                if kind == "AUTH-REQ" && self.has_just_logged_in(id) {
+                if kind == "AUTH-REQ" && self.is_logged_in(id) {
                     self.greet(id);
                 }
             }
@@ -198,7 +195,6 @@ impl Hub {
 
     /// Lets time go on, up to `elapsed` after the start.
     pub(super) fn advance(&mut self, elapsed: Duration) {
-        self.turn += 1;
         self.elapsed = self.elapsed.max(elapsed);
         let target = self.elapsed.as_secs_f64() * self.options.speed;
         let now = self.now();
@@ -287,10 +283,10 @@ impl Hub {
 
     /// Whether a client needs no login, or has logged in.
     fn may_hear(&self, id: SessionId) -> bool {
-        self.options.login.is_none() || self.sessions.get(&id).is_some_and(|session| session.user.is_some())
+        self.options.login.is_none() || self.is_logged_in(id)
     }
 
-    fn has_just_logged_in(&self, id: SessionId) -> bool {
+    fn is_logged_in(&self, id: SessionId) -> bool {
         self.sessions.get(&id).is_some_and(|session| session.user.is_some())
     }
 

@@ -8,8 +8,8 @@ mod web;
 
 use std::io;
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -33,6 +33,9 @@ const ACCEPT_PAUSE: Duration = Duration::from_millis(5);
 /// How long a client may take none of what is sent to it.
 const SEND_LIMIT: Duration = Duration::from_secs(10);
 
+/// How long clients may poll for the last time. The next poll mostly follows the last one at once.
+const LAST_POLL: Duration = Duration::from_millis(500);
+
 /// How long connections have to end.
 const FAREWELL: Duration = Duration::from_secs(2);
 
@@ -42,7 +45,8 @@ pub(super) struct Shared {
     sessions: Sessions,
     bug: Option<&'static Bug>,
     started: Instant,
-    is_ending: AtomicBool,
+    /// When it began to end.
+    ending: OnceLock<Instant>,
     connections: AtomicUsize,
 }
 
@@ -57,14 +61,14 @@ impl Shared {
             sessions: Sessions::default(),
             bug,
             started: Instant::now(),
-            is_ending: AtomicBool::new(false),
+            ending: OnceLock::new(),
             connections: AtomicUsize::new(0),
         }
     }
 
     /// Tells all threads to end, and says farewell.
     pub(super) fn end(&self) {
-        self.is_ending.store(true, Ordering::Relaxed);
+        self.ending.get_or_init(Instant::now);
         self.hub().end();
         self.sessions.end();
     }
@@ -78,7 +82,12 @@ impl Shared {
     }
 
     fn is_ending(&self) -> bool {
-        self.is_ending.load(Ordering::Relaxed)
+        self.ending.get().is_some()
+    }
+
+    /// Whether clients that poll have had time to fetch the farewell.
+    fn has_ended(&self) -> bool {
+        self.ending.get().is_some_and(|ending| ending.elapsed() >= LAST_POLL)
     }
 
     /// The hub. What a thread left that panicked is as good as anything else: it has no state that is half done for long.

@@ -9,7 +9,7 @@ use super::Options;
 use super::bug::{Bug, bug, bugs};
 use super::hub::{Hub, Manner, SessionId, Sink};
 
-/// Families that don't change messages, and have to be seen over sockets.
+/// Rules that sockets alone can show: `tests/serve.rs` looks at them.
 const TRANSPORTS: [&str; 3] = ["FW-TCP-", "FW-UDP-", "FW-SIO-"];
 
 #[derive(Default)]
@@ -36,7 +36,7 @@ impl Rehearsal {
     fn new(bug: Option<&'static Bug>, login: Option<(String, String)>) -> Self {
         let errors = vec![("glider-5".to_owned(), 193)];
         let mut hub =
-            Hub::new(Options { bug, login, errors, start: 1_700_000_000_000, ..Options::default() });
+            Hub::new(Options { bug, login, errors, start: 1_750_000_000_000, ..Options::default() });
         hub.ports = [("tcp", 5001), ("udp", 5001)].into();
         let heard = Arc::new(Heard::default());
         let session = hub.open(Manner::Standing, Arc::<Heard>::clone(&heard));
@@ -134,7 +134,7 @@ fn bodies(transcript: &[String], kind: &str) -> Vec<Value> {
 
 #[test]
 fn the_same_calls_give_the_same_messages() {
-    assert_eq!(transcript(None), transcript(None));
+    assert!(transcript(None) == transcript(None));
 }
 
 #[test]
@@ -142,7 +142,7 @@ fn every_bug_shows() {
     let right = transcript(None);
     for bug in bugs().filter(|bug| !TRANSPORTS.iter().any(|family| bug.rule.starts_with(family))) {
         if bug.rule != "FW-ACK-06" {
-            assert_ne!(transcript(Some(bug)), right, "{}", bug.rule);
+            assert!(transcript(Some(bug)) != right, "{}", bug.rule);
         }
     }
 }
@@ -170,7 +170,7 @@ fn without_a_bug_messages_are_as_the_definitions_have_them() {
     ids.dedup();
     assert_eq!(ids.len(), count, "ids are unique");
     assert_eq!(answered.iter().filter(|refs| *refs == "höh 1").count(), 2, "it was asked twice");
-    assert_eq!(answered.len(), 44);
+    assert_eq!(answered.len(), 45);
     assert_eq!(right.last().map(String::as_str), Some("closed"));
 }
 

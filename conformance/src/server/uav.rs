@@ -377,7 +377,7 @@ impl Uav {
         // White, or a green that is easily told from it while it draws attention.
         let light = if self.signal > 0.0 { 0x07E0 } else { 0xFFFF };
         let codes = self.codes();
-        let debug = data_encoding::BASE64.encode(format!("{:?}", self.mode()).as_bytes());
+        let debug = data_encoding::BASE64.encode(self.mode().as_bytes());
         json!({
             "id": self.id,
             "timestamp": self.heard,

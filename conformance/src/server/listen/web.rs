@@ -38,7 +38,7 @@ pub(super) fn one_shots(shared: &Arc<Shared>, stream: TcpStream) -> io::Result<(
 /// Serves a connection that Socket.IO comes over.
 pub(super) fn socket_io(shared: &Arc<Shared>, stream: TcpStream) -> io::Result<()> {
     let mut connection = Connection::new(stream)?;
-    let is_wanted = || !shared.is_ending();
+    let is_wanted = || !shared.has_ended();
     loop {
         let request = match connection.next(&is_wanted)? {
             Came::Request(request) => request,
