@@ -31,6 +31,8 @@ It prints where it listens, a line for each transport; port 0 finds a free port.
 UAVs that are simulated, and OBJ-CMD with the commands error (args: codes; none clears them), battery (args: the
 charge in percent) and lose (nothing is heard of the UAV any more).
 
+HTTP and Socket.IO are both served at the addresses of either, as they mostly have one port.
+
 Whoever can reach an address can use the server: without a need, let it listen at this machine only.
 
 Exit status: 0 it ended as it should, 2 wrong usage, 3 an address can't be listened at.")]

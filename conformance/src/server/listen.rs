@@ -170,10 +170,7 @@ impl Bound {
             Socket::Stream(listener) if transport == Transport::Tcp => {
                 accept(&shared, &listener, tcp::converse);
             }
-            Socket::Stream(listener) if transport == Transport::Http => {
-                accept(&shared, &listener, web::one_shots);
-            }
-            Socket::Stream(listener) => accept(&shared, &listener, web::socket_io),
+            Socket::Stream(listener) => accept(&shared, &listener, web::converse),
         })
     }
 }

@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use proptest::prelude::*;
 use serde_json::{Value, json};
 
 use super::Options;
@@ -213,4 +214,162 @@ fn without_login_only_the_way_to_it_is_answered() {
     assert_eq!(bodies(&stage.said(), "AUTH-RESP")[0]["user"], json!("pilot"));
     stage.ask("c", &json!({ "type": "UAV-LIST" }));
     assert_eq!(bodies(&stage.said(), "UAV-LIST").len(), 1);
+}
+
+/// Types of requests, and some that are none.
+const KINDS: [&str; 56] = [
+    "",
+    "-",
+    "ACK-ACK",
+    "ASYNC-CANCEL",
+    "ASYNC-RESUME",
+    "AUTH-INF",
+    "AUTH-REQ",
+    "AUTH-WHOAMI",
+    "BCN-INF",
+    "BCN-PROPS",
+    "CLK-INF",
+    "CLK-LIST",
+    "CONN-INF",
+    "CONN-LIST",
+    "DEV-INF",
+    "DEV-LIST",
+    "DEV-LISTSUB",
+    "DEV-SUB",
+    "DEV-UNSUB",
+    "EXT-CFG",
+    "EXT-INF",
+    "EXT-LIST",
+    "EXT-LOAD",
+    "EXT-RELOAD",
+    "EXT-SETCFG",
+    "EXT-UNLOAD",
+    "GLIDE-INF",
+    "LOG-DATA",
+    "LOG-INF",
+    "OBJ-CMD",
+    "OBJ-LIST",
+    "PRM-GET",
+    "PRM-SET",
+    "PRM-SET-MANY",
+    "RTK-INF",
+    "RTK-LIST",
+    "RTK-SOURCE",
+    "RTK-STAT",
+    "RTK-SURVEY",
+    "SYS-PING",
+    "SYS-PORTS",
+    "SYS-TIME",
+    "SYS-VER",
+    "UAV-CALIB",
+    "UAV-FLY",
+    "UAV-HALT",
+    "UAV-INF",
+    "UAV-MOTOR",
+    "UAV-PREFLT",
+    "UAV-RST",
+    "UAV-SIGNAL",
+    "UAV-SLEEP",
+    "UAV-TAKEOFF",
+    "UAV-TEST",
+    "WTH-AT",
+    "WTH-INF",
+];
+
+/// Fields of requests.
+const FIELDS: [&str; 26] = [
+    "adjustment",
+    "args",
+    "command",
+    "component",
+    "data",
+    "duration",
+    "filter",
+    "force",
+    "id",
+    "ids",
+    "includeSubtrees",
+    "logId",
+    "method",
+    "name",
+    "parameters",
+    "pathFilter",
+    "paths",
+    "position",
+    "removeAll",
+    "settings",
+    "signals",
+    "start",
+    "target",
+    "transport",
+    "uavId",
+    "value",
+];
+
+/// Texts that mean something in some field.
+const TEXTS: [&str; 14] = [
+    "glider-1",
+    "glider-2",
+    "mark-1",
+    "r1",
+    "/",
+    "/glider-1",
+    "/glider-1/gps/position",
+    "//",
+    "compass",
+    "base",
+    "CRUISE_SPEED",
+    "error",
+    "lose",
+    "\u{1fa82}",
+];
+
+fn value() -> impl Strategy<Value = Value> {
+    let leaf = prop_oneof![
+        Just(Value::Null),
+        any::<bool>().prop_map(Value::from),
+        any::<i64>().prop_map(Value::from),
+        any::<f64>().prop_map(Value::from),
+        prop::sample::select(&TEXTS[..]).prop_map(Value::from),
+    ];
+    leaf.prop_recursive(3, 20, 5, |inner| {
+        let key = prop::sample::select([&TEXTS[..], &FIELDS[..]].concat()).prop_map(str::to_owned);
+        prop_oneof![
+            prop::collection::vec(inner.clone(), 0..5).prop_map(Value::from),
+            prop::collection::btree_map(key, inner, 0..5)
+                .prop_map(|map| Value::Object(map.into_iter().collect())),
+        ]
+    })
+}
+
+fn body() -> impl Strategy<Value = Value> {
+    let field = (prop::sample::select(&FIELDS[..]), value());
+    (prop::sample::select(&KINDS[..]), prop::collection::vec(field, 0..4)).prop_map(|(kind, fields)| {
+        let mut body = json!({ "type": kind, "ids": ["glider-1"], "paths": ["/glider-1"] });
+        for (name, value) in fields {
+            body[name] = value;
+        }
+        body
+    })
+}
+
+proptest! {
+    #[test]
+    fn whatever_is_asked_is_answered_once(
+        bodies in prop::collection::vec(body(), 1..12),
+        bug in prop::option::of(prop::sample::select(bugs().collect::<Vec<_>>())),
+    ) {
+        let mut stage = Rehearsal::new(bug, None);
+        for (number, body) in bodies.iter().enumerate() {
+            stage.ask(&number.to_string(), body);
+            stage.wait(1);
+        }
+        let said = stage.said();
+        if bug.is_none() {
+            let messages = said.iter().map(|text| serde_json::from_str::<Value>(text).expect("JSON"));
+            let refs: Vec<Value> = messages.filter_map(|message| message.get("refs").cloned()).collect();
+            let expected: Vec<Value> = (0..bodies.len()).map(|number| json!(number.to_string())).collect();
+            prop_assert_eq!(refs, expected);
+        }
+    }
 }

@@ -5,6 +5,9 @@ use serde_json::{Map, Value};
 /// The fields of a body.
 pub(super) type Body = Map<String, Value>;
 
+/// How many things a request may ask for. Answers are many times as long as the ids that they are about.
+const LIST_LIMIT: usize = 10_000;
+
 /// What came in.
 #[derive(Debug, PartialEq)]
 pub(super) enum Incoming {
@@ -75,6 +78,9 @@ pub(super) fn strings(body: &Body, name: &str) -> Result<Vec<String>, String> {
 pub(super) fn optional_strings(body: &Body, name: &str) -> Result<Option<Vec<String>>, String> {
     let items = match body.get(name) {
         None => return Ok(None),
+        Some(Value::Array(items)) if items.len() > LIST_LIMIT => {
+            return Err(format!("{name} has more than {LIST_LIMIT} elements: ask for less at once"));
+        }
         Some(Value::Array(items)) => items,
         Some(_) => return Err(format!("{name} is no list")),
     };

@@ -1,8 +1,8 @@
 //! A simulated UAV: what it does, where that takes it, and what it costs.
 
-use serde_json::{Value, json};
+mod state;
 
-use super::error_code::{BATTERY, CRASH, GROUND, LANDING, MOTORS, RETURNING, SLEEP, TAKING_OFF, settle};
+use super::error_code::{CRASH, settle};
 use super::random::Random;
 
 /// Where the fleet stands: a gliding airfield on a hill, in degrees.
@@ -27,10 +27,6 @@ const FALL: f64 = 15.0;
 const FLYING_DRAIN: f64 = 100.0 / 1200.0;
 const IDLE_DRAIN: f64 = FLYING_DRAIN / 3.0;
 const STANDBY_DRAIN: f64 = FLYING_DRAIN / 60.0;
-
-/// Volts of a battery that is full, and of one that is empty.
-const FULL: f64 = 12.6;
-const EMPTY: f64 = 9.9;
 
 /// How close to its target a UAV has arrived, in metres.
 const CLOSE: f64 = 0.05;
@@ -299,117 +295,12 @@ impl Uav {
         // It doesn't leave the neighbourhood, whatever it is told.
         [north.clamp(-5000.0, 5000.0), east.clamp(-5000.0, 5000.0), up.clamp(2.0, 500.0)]
     }
-
-    fn battery_code(&self) -> Option<u16> {
-        BATTERY.iter().find(|(limit, _)| self.charge < *limit).map(|(_, code)| *code)
-    }
-
-    /// All error codes that apply.
-    pub(super) fn codes(&self) -> Vec<u16> {
-        let state = match self.activity {
-            Activity::Sleeping => Some(SLEEP),
-            Activity::Standing => Some(GROUND),
-            Activity::MotorsOn => Some(MOTORS),
-            Activity::TakingOff => Some(TAKING_OFF),
-            Activity::Returning => Some(RETURNING),
-            Activity::Landing => Some(LANDING),
-            Activity::Hovering | Activity::FlyingTo(_) | Activity::Falling => None,
-        };
-        let mut codes: Vec<u16> =
-            self.errors.iter().copied().chain(state).chain(self.battery_code()).collect();
-        settle(&mut codes, self.is_flying());
-        codes
-    }
-
-    fn mode(&self) -> &'static str {
-        match self.activity {
-            Activity::Sleeping => "unknown",
-            Activity::Standing | Activity::MotorsOn => "stab",
-            Activity::TakingOff => "takeoff",
-            Activity::Hovering => "loiter",
-            Activity::FlyingTo(_) => "guided",
-            Activity::Returning => "rth",
-            Activity::Landing => "land",
-            Activity::Falling => "other",
-        }
-    }
-
-    /// Its voltage in tenths of volts.
-    pub(super) fn voltage(&self) -> i64 {
-        rounded((EMPTY + (FULL - EMPTY) * self.charge / 100.0) * 10.0)
-    }
-
-    /// Its charge in percent.
-    pub(super) fn percentage(&self) -> i64 {
-        rounded(self.charge)
-    }
-
-    /// The GPS fix and the number of satellites.
-    pub(super) fn gps(&self) -> (i64, i64) {
-        (if self.is_sleeping() { 1 } else { 4 }, if self.is_sleeping() { 0 } else { 14 + self.wobble(3) })
-    }
-
-    /// Where it is: latitude and longitude in 1e-7 degrees, altitudes in millimetres.
-    pub(super) fn coordinates(&self) -> [i64; 5] {
-        let north_degrees = self.position[0] / DEGREE;
-        let east_degrees = self.position[1] / (DEGREE * ORIGIN[0].to_radians().cos());
-        let up = rounded(self.position[2] * 1000.0);
-        [
-            rounded((ORIGIN[0] + north_degrees) * 1e7),
-            rounded((ORIGIN[1] + east_degrees) * 1e7),
-            rounded(ORIGIN_ALTITUDE * 1000.0) + up,
-            up,
-            up,
-        ]
-    }
-
-    /// A value that wavers a little from moment to moment, from 0 up to below `span`.
-    fn wobble(&self, span: u64) -> i64 {
-        (self.random.at(self.heard / 500) % span).cast_signed()
-    }
-
-    /// Its state as messages have it (`UAVStatusInfo`).
-    pub(super) fn status(&self) -> Value {
-        let [north, east, up] = self.velocity.map(|speed| rounded(speed * 1000.0));
-        let heading = rounded(self.heading * 10.0).rem_euclid(3600);
-        let tilt = rounded(self.velocity[0].hypot(self.velocity[1]) * 15.0);
-        let (fix, satellites) = self.gps();
-        // White, or a green that is easily told from it while it draws attention.
-        let light = if self.signal > 0.0 { 0x07E0 } else { 0xFFFF };
-        let codes = self.codes();
-        let debug = data_encoding::BASE64.encode(self.mode().as_bytes());
-        json!({
-            "id": self.id,
-            "timestamp": self.heard,
-            "mode": self.mode(),
-            "position": self.coordinates(),
-            "positionXYZ": [
-                rounded(self.position[0] * 1000.0),
-                rounded(-self.position[1] * 1000.0),
-                rounded(self.position[2] * 1000.0),
-            ],
-            "gps": [fix, satellites, 900, 1400],
-            "heading": heading,
-            "attitude": [self.wobble(5) - 2, -tilt, heading],
-            "velocity": [north, east, -up],
-            "velocityXYZ": [north, -east, up],
-            "battery": [self.voltage(), self.percentage()],
-            "light": light,
-            "rssi": [80 + self.wobble(20)],
-            "errors": codes,
-            "debug": debug,
-        })
-    }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "what is simulated stays far below the limits of an i64")]
-fn rounded(value: f64) -> i64 {
-    value.round() as i64
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::server::error_code::{GROUND, RETURNING, TAKING_OFF};
 
     fn flown(uav: &mut Uav, seconds: u64) {
         for step in 0..seconds * 10 {

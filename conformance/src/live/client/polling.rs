@@ -22,6 +22,9 @@ const POLL_LIMIT: Duration = Duration::from_secs(90);
 /// How many payloads wait to be heard before nothing more is asked for.
 const WAITING_LIMIT: usize = 16;
 
+/// How many packets may come before the namespace is joined. Some servers greet a client before they let it in.
+const EARLY_LIMIT: usize = 1000;
+
 /// The interval between pings, where a server doesn't say it.
 const USUAL_INTERVAL: Duration = Duration::from_secs(25);
 
@@ -73,11 +76,13 @@ pub(super) struct Opening {
     revision: Revision,
     sid: Option<String>,
     is_done: bool,
+    /// What came too early, and is to be heard afterwards.
+    pub(super) early: VecDeque<Packet>,
 }
 
 impl Opening {
     pub(super) fn new(revision: Revision) -> Self {
-        Self { revision, sid: None, is_done: false }
+        Self { revision, sid: None, is_done: false, early: VecDeque::new() }
     }
 
     pub(super) fn is_done(&self) -> bool {
@@ -102,7 +107,11 @@ impl Opening {
                 Some(socketio::Packet::Refusal(reason)) => {
                     Err(odd(format!("it refuses the namespace: {reason}")))
                 }
-                _ => Err(odd("something else came before the namespace was joined")),
+                _ if self.early.len() < EARLY_LIMIT => {
+                    self.early.push_back(packet.clone());
+                    Ok(None)
+                }
+                _ => Err(odd("too much came before the namespace was joined")),
             },
             Kind::Ping => Ok(Some(Packet::new(Kind::Pong, packet.data.clone()))),
             Kind::Pong | Kind::Noop => Ok(None),
@@ -170,6 +179,8 @@ impl Polling {
             let answer = opening.take(&packet, &mut client.heartbeat)?;
             client.send_packets(answer.as_slice())?;
         }
+        opening.early.append(&mut client.packets);
+        client.packets = opening.early;
         client.agent = agent(POLL_LIMIT);
         Ok(client)
     }
@@ -237,6 +248,58 @@ fn poll(url: &str, payloads: &SyncSender<io::Result<Vec<u8>>>) {
         let is_end = payload.is_err();
         if payloads.send(payload).is_err() || is_end {
             return;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is sent while these packets come, what is heard afterwards, and whether messages can be sent.
+    fn opened(revision: Revision, packets: &[&str]) -> io::Result<(Vec<String>, Vec<String>, bool)> {
+        let (mut opening, mut heartbeat) = (Opening::new(revision), Heartbeat::new(revision));
+        let mut sent = Vec::new();
+        for text in packets {
+            let packet = Packet::parse(text).ok_or_else(|| odd("no packet"))?;
+            sent.extend(opening.take(&packet, &mut heartbeat)?.map(|packet| packet.to_text()));
+        }
+        let early = opening.early.iter().map(Packet::to_text).collect();
+        Ok((sent, early, opening.is_done))
+    }
+
+    #[test]
+    fn a_session_opens_as_each_revision_has_it() {
+        let session = "0{\"sid\":\"a\",\"pingInterval\":25000}";
+        let (sent, early, is_done) = opened(Revision::Three, &[session, "40"]).expect("it opens");
+        assert_eq!((sent.len(), early.len(), is_done), (0, 0, true));
+        let (sent, _, is_done) = opened(Revision::Four, &[session]).expect("it opens");
+        assert_eq!((sent, is_done), (vec!["40".to_owned()], false));
+        assert!(opened(Revision::Four, &[session, "40{\"sid\":\"b\"}"]).expect("it opens").2);
+        for packets in [&["0{}"][..], &[session, "44{\"message\":\"full\"}"], &[session, "1"]] {
+            assert!(opened(Revision::Four, packets).is_err(), "{packets:?}");
+        }
+    }
+
+    #[test]
+    fn what_a_server_says_before_it_lets_a_client_in_is_heard() {
+        let session = "0{\"sid\":\"a\"}";
+        let (_, early, is_done) =
+            opened(Revision::Four, &[session, "42[\"fw\",{}]", "40"]).expect("it opens");
+        assert_eq!((early, is_done), (vec!["42[\"fw\",{}]".to_owned()], true));
+        let mut flood = vec![session];
+        flood.resize(EARLY_LIMIT + 2, "42[\"fw\",{}]");
+        assert!(opened(Revision::Four, &flood).is_err());
+    }
+
+    #[test]
+    fn clients_ask_for_signs_of_life_in_the_older_revision_only() {
+        for (revision, is_asking) in [(Revision::Three, true), (Revision::Four, false)] {
+            let mut heartbeat = Heartbeat::new(revision);
+            assert_eq!(heartbeat.due(), None);
+            heartbeat.next = Instant::now();
+            assert_eq!(heartbeat.due().is_some(), is_asking);
+            assert!(heartbeat.next() > Instant::now());
         }
     }
 }

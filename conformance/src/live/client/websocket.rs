@@ -1,5 +1,6 @@
 //! Socket.IO over a WebSocket.
 
+use std::collections::VecDeque;
 use std::io;
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
@@ -25,6 +26,8 @@ pub(super) struct WebSocketClient {
     _connection: Connection,
     socket: WebSocket<TcpStream>,
     heartbeat: Heartbeat,
+    /// What came before messages could be sent.
+    early: VecDeque<Packet>,
 }
 
 impl WebSocketClient {
@@ -41,7 +44,8 @@ impl WebSocketClient {
             HandshakeError::Failure(error) => to_io(error),
             HandshakeError::Interrupted(_) => late("no WebSocket handshake"),
         })?;
-        let mut client = Self { _connection: connection, socket, heartbeat: Heartbeat::new(revision) };
+        let heartbeat = Heartbeat::new(revision);
+        let mut client = Self { _connection: connection, socket, heartbeat, early: VecDeque::new() };
         let mut opening = Opening::new(revision);
         while !opening.is_done() {
             left(until)?;
@@ -52,6 +56,7 @@ impl WebSocketClient {
                 client.send_packet(&answer)?;
             }
         }
+        client.early = opening.early;
         Ok(client)
     }
 
@@ -61,6 +66,9 @@ impl WebSocketClient {
 
     /// The next packet; nothing where the connection has ended.
     fn packet(&mut self, until: Instant) -> io::Result<Option<Packet>> {
+        if let Some(packet) = self.early.pop_front() {
+            return Ok(Some(packet));
+        }
         loop {
             self.socket.get_ref().set_read_timeout(Some(left(until)?))?;
             match self.socket.read() {

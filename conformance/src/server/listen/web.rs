@@ -8,35 +8,8 @@ use super::{Shared, engine, one_shot};
 use crate::live::http::{Came, Connection, Request, Response};
 use crate::live::{ONE_SHOT_PATH, SOCKET_IO_PATH};
 
-/// Serves a connection that messages come over one by one.
-pub(super) fn one_shots(shared: &Arc<Shared>, stream: TcpStream) -> io::Result<()> {
-    let mut connection = Connection::new(stream)?;
-    let is_wanted = || !shared.is_ending();
-    loop {
-        let request = match connection.next(&is_wanted)? {
-            Came::Request(request) => request,
-            Came::Refused(response) => {
-                connection.respond(None, &response)?;
-                return Ok(());
-            }
-            Came::Nothing => return Ok(()),
-        };
-        let is_place = request.path.trim_end_matches('/') == ONE_SHOT_PATH;
-        let response = match request.method.as_str() {
-            "OPTIONS" => Response::new("204 No Content", "text/plain", ""),
-            _ if !is_place => Response::refusal("404 Not Found", format!("messages go to {ONE_SHOT_PATH}")),
-            "POST" => one_shot::answer(shared, &request),
-            _ => Response::refusal("405 Method Not Allowed", "messages are sent with POST")
-                .with("Allow", "POST"),
-        };
-        if !connection.respond(Some(&request), &for_browsers(&request, response))? {
-            return Ok(());
-        }
-    }
-}
-
-/// Serves a connection that Socket.IO comes over.
-pub(super) fn socket_io(shared: &Arc<Shared>, stream: TcpStream) -> io::Result<()> {
+/// Serves a connection. One-shots and Socket.IO have the same port, where a client expects them so.
+pub(super) fn converse(shared: &Arc<Shared>, stream: TcpStream) -> io::Result<()> {
     let mut connection = Connection::new(stream)?;
     let is_wanted = || !shared.has_ended();
     loop {
@@ -48,19 +21,34 @@ pub(super) fn socket_io(shared: &Arc<Shared>, stream: TcpStream) -> io::Result<(
             }
             Came::Nothing => return Ok(()),
         };
-        let is_place = format!("{}/", request.path.trim_end_matches('/')) == SOCKET_IO_PATH;
-        if is_place && request.has_word("upgrade", "websocket") {
+        let is_socket_io = is_at(&request, SOCKET_IO_PATH);
+        if is_socket_io && request.has_word("upgrade", "websocket") {
             return engine::over_web_socket(shared, connection, &request);
         }
         let response = match request.method.as_str() {
-            "OPTIONS" => Response::new("204 No Content", "text/plain", ""),
-            _ if is_place => engine::by_polling(shared, &request),
-            _ => Response::refusal("404 Not Found", format!("Socket.IO is served at {SOCKET_IO_PATH}")),
+            // Browsers ask so whether a page may ask.
+            "OPTIONS" => Response::new("200 OK", "text/plain", ""),
+            _ if is_socket_io => engine::by_polling(shared, &request),
+            "POST" if is_at(&request, ONE_SHOT_PATH) => one_shot::answer(shared, &request),
+            _ if is_at(&request, ONE_SHOT_PATH) => {
+                Response::refusal("405 Method Not Allowed", "messages are sent with POST")
+                    .with("Allow", "POST")
+            }
+            _ => {
+                let places =
+                    format!("messages go to {ONE_SHOT_PATH}, and Socket.IO is served at {SOCKET_IO_PATH}");
+                Response::refusal("404 Not Found", places)
+            }
         };
         if !connection.respond(Some(&request), &for_browsers(&request, response))? {
             return Ok(());
         }
     }
+}
+
+/// Whether a request is for a path, with or without a slash at its end.
+fn is_at(request: &Request, path: &str) -> bool {
+    request.path.trim_end_matches('/') == path.trim_end_matches('/')
 }
 
 /// Lets pages of any origin read the response, as clients in browsers are mostly served from elsewhere.
