@@ -10,6 +10,7 @@ mod progress;
 mod report;
 mod rules;
 mod self_test;
+mod serve;
 mod test;
 mod testee;
 
@@ -39,6 +40,9 @@ enum Command {
     /// Work on a testee, before it is asked in earnest.
     #[command(subcommand)]
     Testee(testee::TesteeCommand),
+    /// Be a Flockwave server with a simulated fleet, for those who write clients, and with a bug for those who judge
+    /// servers.
+    Serve(serve::ServeArgs),
     /// List the rules, or tell all of one.
     Rules(rules::RulesArgs),
     /// Judge recordings that are made of the definitions, and others that break each rule: whether this program
@@ -97,6 +101,7 @@ pub fn main() -> ExitCode {
         Command::Check(args) => check::check(&args),
         Command::Test(args) => test::test(&args),
         Command::Testee(command) => testee::testee(&command),
+        Command::Serve(args) => serve::serve(&args),
         Command::Rules(args) => rules::rules(&args),
         Command::SelfTest(args) => self_test::self_test(&args),
     };

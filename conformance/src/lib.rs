@@ -1,6 +1,6 @@
 //! Judges outputs of implementations by the definitions that `uavspec-codegen` reads: now logs of PX4
-//! (`ULog`), MCAP, messages as JSON, recorded conversations of Flockwave, and codecs ([`testee`]); live servers are to
-//! follow.
+//! (`ULog`), MCAP, messages as JSON, recorded conversations of Flockwave, and codecs ([`testee`]); probing of live
+//! servers is to follow. For these there are both ends of the connections ([`live`]) and a reference ([`server`]).
 //!
 //! ```text
 //!  bytes ──source──▶ records ──plan, rule──▶ findings ──▶ verdicts ──report──▶ terminal, JSON, HTML, SARIF, JUnit
@@ -21,6 +21,7 @@ pub mod input;
 pub mod json;
 pub mod judge;
 pub mod known;
+pub mod live;
 pub mod matrix;
 pub mod parallel;
 pub mod plan;
@@ -28,6 +29,7 @@ pub mod record;
 pub mod report;
 pub mod rule;
 pub mod sample;
+pub mod server;
 pub mod shape;
 pub mod source;
 pub mod testee;

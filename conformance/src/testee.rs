@@ -9,7 +9,7 @@
 
 pub mod case;
 pub mod compare;
-mod connection;
+pub(crate) mod connection;
 pub mod file;
 mod link;
 pub mod lint;

@@ -1,4 +1,4 @@
-//! A connection to a testee that listens. Nothing here waits longer than it is told to.
+//! A connection to somebody who listens: a testee, or a live server. Nothing here waits longer than it is told to.
 
 use std::io;
 use std::net::{Shutdown, SocketAddr, TcpStream, ToSocketAddrs as _};
@@ -12,11 +12,11 @@ use super::target::Address;
 const RETRY: Duration = Duration::from_millis(50);
 
 /// An open connection. Dropping it closes it.
-pub(super) struct Connection(TcpStream);
+pub(crate) struct Connection(TcpStream);
 
 impl Connection {
     /// Connects to the first address of the host that takes connections.
-    pub(super) fn open(address: &Address, until: Instant) -> io::Result<Self> {
+    pub(crate) fn open(address: &Address, until: Instant) -> io::Result<Self> {
         let mut failure = io::Error::new(io::ErrorKind::NotFound, "the host has no address");
         for found in resolve(address, until)? {
             let rest = until.saturating_duration_since(Instant::now());
@@ -37,7 +37,7 @@ impl Connection {
 
     /// Connects, trying again while the connection is refused: whoever watches over a testee that crashed takes a
     /// moment to start the next.
-    pub(super) fn open_again(address: &Address, until: Instant) -> io::Result<Self> {
+    pub(crate) fn open_again(address: &Address, until: Instant) -> io::Result<Self> {
         loop {
             match Self::open(address, until) {
                 Err(error) if error.kind() == io::ErrorKind::ConnectionRefused && Instant::now() < until => {
@@ -49,12 +49,12 @@ impl Connection {
     }
 
     /// One more handle of it: one is for reading, one for writing.
-    pub(super) fn stream(&self) -> io::Result<TcpStream> {
+    pub(crate) fn stream(&self) -> io::Result<TcpStream> {
         self.0.try_clone()
     }
 
     /// Ends it, both ways.
-    pub(super) fn cut(&self) {
+    pub(crate) fn cut(&self) {
         // It may have ended by itself.
         let _ = self.0.shutdown(Shutdown::Both);
     }
@@ -67,7 +67,7 @@ impl Drop for Connection {
 }
 
 /// The addresses of a host. The system's resolver knows no time limit, so a thread asks it, which nobody waits for.
-fn resolve(address: &Address, until: Instant) -> io::Result<Vec<SocketAddr>> {
+pub(crate) fn resolve(address: &Address, until: Instant) -> io::Result<Vec<SocketAddr>> {
     let (sender, found) = channel();
     let (host, port) = (address.host.clone(), address.port);
     thread::spawn(move || {

@@ -1,0 +1,256 @@
+//! Packets of Engine.IO, which carries Socket.IO. Two revisions are in use, and differ in who asks for a sign of life
+//! and in how long polling puts several packets together.
+
+use std::fmt::Write as _;
+
+/// What separates packets in a payload of revision 4.
+const SEPARATOR: char = '\u{1e}';
+
+/// The revisions that are in use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Revision {
+    /// Engine.IO 3, below Socket.IO 4 (clients up to version 2 of the JavaScript library).
+    Three,
+    /// Engine.IO 4, below Socket.IO 5 (clients from version 3 on).
+    Four,
+}
+
+impl Revision {
+    /// The revision with a number of Engine.IO's.
+    pub fn of(number: &str) -> Option<Self> {
+        match number {
+            "3" => Some(Self::Three),
+            "4" => Some(Self::Four),
+            _ => None,
+        }
+    }
+
+    /// The number that Engine.IO gives it.
+    pub fn engine_io(self) -> u8 {
+        match self {
+            Self::Three => 3,
+            Self::Four => 4,
+        }
+    }
+
+    /// The number that Socket.IO gives the revision above it.
+    pub fn socket_io(self) -> u8 {
+        self.engine_io() + 1
+    }
+}
+
+/// What a packet is for. The numbers are those that it begins with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Kind {
+    /// The server has opened a session.
+    Open = b'0',
+    /// The session ends.
+    Close = b'1',
+    /// Asks for a sign of life.
+    Ping = b'2',
+    /// The sign of life.
+    Pong = b'3',
+    /// What the protocol above has to say.
+    Message = b'4',
+    /// From now on packets travel over the WebSocket.
+    Upgrade = b'5',
+    /// Nothing: it ends a poll.
+    Noop = b'6',
+}
+
+/// A packet. Only text is known: Flockwave has no binary messages.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Packet {
+    /// What it is for.
+    pub kind: Kind,
+    /// What it carries.
+    pub data: String,
+}
+
+impl Packet {
+    /// A packet.
+    pub fn new(kind: Kind, data: impl Into<String>) -> Self {
+        Self { kind, data: data.into() }
+    }
+
+    /// Reads a packet; nothing where it isn't one, or is binary.
+    pub fn parse(text: &str) -> Option<Self> {
+        let kind = match text.as_bytes().first()? {
+            b'0' => Kind::Open,
+            b'1' => Kind::Close,
+            b'2' => Kind::Ping,
+            b'3' => Kind::Pong,
+            b'4' => Kind::Message,
+            b'5' => Kind::Upgrade,
+            b'6' => Kind::Noop,
+            _ => return None,
+        };
+        Some(Self::new(kind, &text[1..]))
+    }
+
+    /// The packet as it travels over a WebSocket.
+    pub fn to_text(&self) -> String {
+        format!("{}{}", char::from(self.kind as u8), self.data)
+    }
+}
+
+/// Several packets as long polling carries them.
+pub fn encode(revision: Revision, packets: &[Packet]) -> String {
+    let mut payload = String::new();
+    for (at, packet) in packets.iter().enumerate() {
+        match revision {
+            Revision::Three => {
+                let text = to_ascii(&packet.to_text());
+                let _ = write!(payload, "{}:{text}", text.len());
+            }
+            Revision::Four => {
+                if at > 0 {
+                    payload.push(SEPARATOR);
+                }
+                payload.push_str(&packet.to_text());
+            }
+        }
+    }
+    payload
+}
+
+/// The packets of what long polling carried. An error says what is wrong, and then none of them counts.
+pub fn decode(revision: Revision, payload: &[u8]) -> Result<Vec<Packet>, String> {
+    let texts = match revision {
+        Revision::Three if payload.first().is_some_and(|first| *first <= 1) => binary_lengths(payload)?,
+        Revision::Three => {
+            let text = utf8(payload)?;
+            // Clients in JavaScript count units of UTF-16, those in Python code points.
+            text_lengths(text, |_| 1).or_else(|_| text_lengths(text, char::len_utf16))?
+        }
+        Revision::Four => utf8(payload)?.split(SEPARATOR).map(str::to_owned).collect(),
+    };
+    let packets = texts.iter().map(|text| {
+        Packet::parse(text).ok_or_else(|| "a packet is binary, or of no kind that there is".to_owned())
+    });
+    packets.collect()
+}
+
+fn utf8(bytes: &[u8]) -> Result<&str, String> {
+    std::str::from_utf8(bytes).map_err(|error| format!("no UTF-8: {error}"))
+}
+
+/// JSON with all that isn't ASCII escaped. Revision 3 counts characters, and its clients don't agree on what one is.
+fn to_ascii(json: &str) -> String {
+    if json.is_ascii() {
+        return json.to_owned();
+    }
+    let mut text = String::with_capacity(json.len() * 2);
+    for character in json.chars() {
+        if character.is_ascii() {
+            text.push(character);
+        } else {
+            for unit in character.encode_utf16(&mut [0; 2]) {
+                let _ = write!(text, "\\u{unit:04x}");
+            }
+        }
+    }
+    text
+}
+
+/// Packets that have their lengths and a colon before them.
+fn text_lengths(mut text: &str, length_of: fn(char) -> usize) -> Result<Vec<String>, String> {
+    let mut packets = Vec::new();
+    while !text.is_empty() {
+        let (length, rest) = text.split_once(':').ok_or("no length before a packet")?;
+        let mut left: usize = length.parse().map_err(|_| "the length of a packet is no number".to_owned())?;
+        let mut end = 0;
+        for character in rest.chars() {
+            if left == 0 {
+                break;
+            }
+            left = left.checked_sub(length_of(character)).ok_or("a length ends inside of a character")?;
+            end += character.len_utf8();
+        }
+        if left > 0 {
+            return Err("a packet is shorter than its length says".to_owned());
+        }
+        let (packet, after) = rest.split_at(end);
+        packets.push(packet.to_owned());
+        text = after;
+    }
+    Ok(packets)
+}
+
+/// Packets of text in the binary form: 0, the digits of the length in bytes as numbers, 255, the packet.
+fn binary_lengths(mut payload: &[u8]) -> Result<Vec<String>, String> {
+    let mut packets = Vec::new();
+    while let Some((kind, rest)) = payload.split_first() {
+        if *kind != 0 {
+            return Err("a packet is binary".to_owned());
+        }
+        let end = rest.iter().position(|byte| *byte == 255).ok_or("a length has no end")?;
+        let (digits, rest) = (&rest[..end], &rest[end + 1..]);
+        let length = digits.iter().try_fold(0_usize, |sum, digit| {
+            sum.checked_mul(10)?.checked_add(usize::from(*digit)).filter(|_| *digit < 10)
+        });
+        let packet = length.and_then(|length| rest.get(..length));
+        let packet = packet.ok_or("a packet is shorter than its length says")?;
+        packets.push(utf8(packet)?.to_owned());
+        payload = &rest[packet.len()..];
+    }
+    Ok(packets)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn payloads_look_as_each_revision_has_them() {
+        let packets = [Packet::new(Kind::Message, "2[\"fw\"]"), Packet::new(Kind::Ping, "")];
+        assert_eq!(encode(Revision::Three, &packets), "8:42[\"fw\"]1:2");
+        assert_eq!(encode(Revision::Four, &packets), "42[\"fw\"]\u{1e}2");
+    }
+
+    #[test]
+    fn revision_3_counts_differently_from_client_to_client() {
+        let glider = Packet::new(Kind::Message, "2[\"fw\",\"\u{1fa82}\"]");
+        let text = glider.to_text();
+        for length in [text.chars().count(), text.encode_utf16().count()] {
+            let payload = format!("{length}:{text}1:2");
+            let packets = decode(Revision::Three, payload.as_bytes()).expect("a payload");
+            assert_eq!(packets, [glider.clone(), Packet::new(Kind::Ping, "")]);
+        }
+        assert_eq!(text.len(), 15);
+        let mut binary = vec![0, 1, 5, 255];
+        binary.extend(text.as_bytes());
+        assert_eq!(decode(Revision::Three, &binary), Ok(vec![glider]));
+    }
+
+    #[test]
+    fn what_is_no_payload_says_why() {
+        for payload in
+            [&b"x"[..], b"9:4", b"1", b":4", b"99999999999999999999999:4", b"\x00\x09\xff4", b"\x01\x01\xffx"]
+        {
+            assert!(decode(Revision::Three, payload).is_err(), "{payload:?}");
+        }
+        for payload in [&b""[..], b"b4", b"4\x1e", b"\xff"] {
+            assert!(decode(Revision::Four, payload).is_err(), "{payload:?}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_encoded_is_decoded(texts in prop::collection::vec("[ -~]{0,20}", 1..5)) {
+            let packets: Vec<Packet> = texts.iter().map(|text| Packet::new(Kind::Message, text.as_str())).collect();
+            for revision in [Revision::Three, Revision::Four] {
+                prop_assert_eq!(decode(revision, encode(revision, &packets).as_bytes()), Ok(packets.clone()));
+            }
+        }
+
+        #[test]
+        fn no_payload_makes_it_panic(payload in prop::collection::vec(any::<u8>(), 0..100)) {
+            let _ = decode(Revision::Three, &payload);
+            let _ = decode(Revision::Four, &payload);
+        }
+    }
+}

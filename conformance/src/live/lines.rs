@@ -1,0 +1,146 @@
+//! Lines out of a stream that comes in pieces.
+
+use memchr::memchr;
+
+use super::MESSAGE_LIMIT;
+
+/// What stands between two line ends.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Line {
+    /// A line without its end. A carriage return before the end isn't part of it.
+    Whole(Vec<u8>),
+    /// A line over [`MESSAGE_LIMIT`], of which nothing is kept.
+    TooLong,
+}
+
+/// Collects the pieces, wherever they were cut.
+#[derive(Debug, Default)]
+pub struct Lines {
+    buffer: Vec<u8>,
+    /// Where the first line that wasn't taken begins.
+    start: usize,
+    /// Up to where there is no line end.
+    searched: usize,
+    /// Whether all up to the next line end belongs to a line that is too long.
+    is_skipping: bool,
+}
+
+impl Lines {
+    /// Adds what came in.
+    pub fn feed(&mut self, bytes: &[u8]) {
+        if self.start > 0 {
+            self.buffer.drain(..self.start);
+            self.searched -= self.start;
+            self.start = 0;
+        }
+        self.buffer.extend_from_slice(bytes);
+    }
+
+    /// The next line, where one has come to its end.
+    pub fn take(&mut self) -> Option<Line> {
+        let Some(found) = memchr(b'\n', &self.buffer[self.searched..]) else {
+            self.searched = self.buffer.len();
+            return self.drop_excess();
+        };
+        let end = self.searched + found;
+        let line = &self.buffer[self.start..end];
+        let is_too_long = line.len() > MESSAGE_LIMIT;
+        let line = Line::Whole(line.strip_suffix(b"\r").unwrap_or(line).to_vec());
+        (self.start, self.searched) = (end + 1, end + 1);
+        if std::mem::take(&mut self.is_skipping) {
+            return self.take();
+        }
+        Some(if is_too_long { Line::TooLong } else { line })
+    }
+
+    /// Whether something has come of a line that hasn't ended.
+    pub fn has_rest(&self) -> bool {
+        self.is_skipping || self.start < self.buffer.len()
+    }
+
+    /// Forgets what has come of a line that hasn't ended.
+    pub fn drop_rest(&mut self) {
+        *self = Self::default();
+    }
+
+    fn drop_excess(&mut self) -> Option<Line> {
+        if self.is_skipping {
+            *self = Self { is_skipping: true, ..Self::default() };
+            return None;
+        }
+        if self.buffer.len() - self.start <= MESSAGE_LIMIT {
+            return None;
+        }
+        *self = Self { is_skipping: true, ..Self::default() };
+        Some(Line::TooLong)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn all(lines: &mut Lines) -> Vec<Line> {
+        std::iter::from_fn(|| lines.take()).collect()
+    }
+
+    fn whole(text: &str) -> Line {
+        Line::Whole(text.as_bytes().to_vec())
+    }
+
+    #[test]
+    fn lines_end_with_either_line_end_and_the_rest_waits() {
+        let mut lines = Lines::default();
+        lines.feed(b"one\r\n\ntw");
+        assert_eq!(all(&mut lines), [whole("one"), whole("")]);
+        assert!(lines.has_rest());
+        lines.feed(b"o\n");
+        assert_eq!(all(&mut lines), [whole("two")]);
+        assert!(!lines.has_rest());
+    }
+
+    #[test]
+    fn a_line_without_end_is_not_kept() {
+        let mut lines = Lines::default();
+        let piece = vec![b'x'; 1 << 20];
+        let mut found = Vec::new();
+        for _ in 0..40 {
+            lines.feed(&piece);
+            found.extend(all(&mut lines));
+            assert!(lines.buffer.len() <= MESSAGE_LIMIT + piece.len());
+        }
+        lines.feed(b"\nnext\n");
+        found.extend(all(&mut lines));
+        assert_eq!(found, [Line::TooLong, whole("next")]);
+    }
+
+    #[test]
+    fn the_limit_holds_for_lines_that_come_at_once() {
+        let mut lines = Lines::default();
+        let mut text = vec![b'x'; MESSAGE_LIMIT + 1];
+        text.extend(b"\nnext\n");
+        lines.feed(&text);
+        assert_eq!(all(&mut lines), [Line::TooLong, whole("next")]);
+    }
+
+    proptest! {
+        #[test]
+        fn it_is_all_the_same_where_a_stream_is_cut(
+            pieces in prop::collection::vec(prop::collection::vec(prop_oneof![Just(b'\n'), any::<u8>()], 0..20), 0..20)
+        ) {
+            let whole = pieces.concat();
+            let mut at_once = Lines::default();
+            at_once.feed(&whole);
+            let expected = all(&mut at_once);
+            let mut lines = Lines::default();
+            let mut found = Vec::new();
+            for piece in &pieces {
+                lines.feed(piece);
+                found.extend(all(&mut lines));
+            }
+            prop_assert_eq!(found, expected);
+        }
+    }
+}

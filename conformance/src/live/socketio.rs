@@ -1,0 +1,117 @@
+//! Packets of Socket.IO, as far as Flockwave needs them: one namespace, one event, no binary data.
+
+use serde_json::value::RawValue;
+
+/// The event that messages travel as.
+pub const EVENT: &str = "fw";
+
+/// A packet, as one side reads it from the other.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Packet {
+    /// A side joins a namespace; the server answers so, too.
+    Connect {
+        /// The namespace; `/` is the one that is always there.
+        namespace: String,
+    },
+    /// A side leaves the namespace.
+    Disconnect,
+    /// The event of Flockwave.
+    Message {
+        /// The message as it stood in the packet.
+        text: String,
+        /// The number under which the sender wants to hear that it has arrived.
+        receipt: Option<u64>,
+    },
+    /// The server won't let the client join a namespace: why.
+    Refusal(String),
+    /// Anything else: other events, other namespaces, receipts, binary data.
+    Other,
+}
+
+impl Packet {
+    /// Reads a packet; nothing where it isn't one.
+    pub fn parse(text: &str) -> Option<Self> {
+        let (kind, rest) = text.split_at_checked(1)?;
+        let (namespace, rest) = namespace(rest);
+        match kind {
+            "0" => Some(Self::Connect { namespace: namespace.to_owned() }),
+            "1" if namespace == "/" => Some(Self::Disconnect),
+            "2" => event(namespace, rest),
+            "4" => Some(Self::Refusal(rest.to_owned())),
+            "1" | "3" | "5" | "6" => Some(Self::Other),
+            _ => None,
+        }
+    }
+}
+
+/// The packet that carries a message.
+pub fn message(text: &str) -> String {
+    message_as(EVENT, text)
+}
+
+/// The packet that carries a message as some event.
+pub fn message_as(event: &str, text: &str) -> String {
+    format!("2[\"{event}\",{text}]")
+}
+
+/// The packet that says that an event has arrived.
+pub fn receipt(number: u64) -> String {
+    format!("3{number}[]")
+}
+
+/// Takes the namespace off: `/name,` or nothing.
+fn namespace(text: &str) -> (&str, &str) {
+    if !text.starts_with('/') {
+        return ("/", text);
+    }
+    let (name, rest) = text.split_once(',').unwrap_or((text, ""));
+    // Revision 4 lets clients write a query after the name.
+    (name.split('?').next().unwrap_or(name), rest)
+}
+
+fn event(namespace: &str, text: &str) -> Option<Packet> {
+    let digits = text.bytes().take_while(u8::is_ascii_digit).count();
+    let (number, arguments) = text.split_at(digits);
+    let receipt = if number.is_empty() { None } else { Some(number.parse().ok()?) };
+    let arguments: Vec<&RawValue> = serde_json::from_str(arguments).ok()?;
+    let name: String = serde_json::from_str(arguments.first()?.get()).ok()?;
+    if namespace != "/" || name != EVENT {
+        return Some(Packet::Other);
+    }
+    let text = arguments.get(1).map_or("null", |message| message.get()).to_owned();
+    Some(Packet::Message { text, receipt })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packets_are_read() {
+        let connect = |namespace: &str| Some(Packet::Connect { namespace: namespace.to_owned() });
+        let message = |text: &str, receipt| Some(Packet::Message { text: text.to_owned(), receipt });
+        for (text, expected) in [
+            ("0", connect("/")),
+            ("0{\"token\":1}", connect("/")),
+            ("0/fw,", connect("/fw")),
+            ("0/fw?a=b", connect("/fw")),
+            ("1", Some(Packet::Disconnect)),
+            ("2[\"fw\", {\"id\": 1.50}]", message("{\"id\": 1.50}", None)),
+            ("217[\"fw\",{}]", message("{}", Some(17))),
+            ("2[\"fw\"]", message("null", None)),
+            ("2[\"wind\",{}]", Some(Packet::Other)),
+            ("2/fw,[\"fw\",{}]", Some(Packet::Other)),
+            ("4{\"message\":\"no\"}", Some(Packet::Refusal("{\"message\":\"no\"}".to_owned()))),
+            ("51-[\"fw\",{}]", Some(Packet::Other)),
+            ("2", None),
+            ("2[]", None),
+            ("2[7]", None),
+            ("299999999999999999999[\"fw\"]", None),
+            ("7", None),
+            ("", None),
+            ("é", None),
+        ] {
+            assert_eq!(Packet::parse(text), expected, "{text}");
+        }
+    }
+}

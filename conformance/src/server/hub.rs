@@ -1,0 +1,400 @@
+//! The middle of the server: takes requests of all connections, and lets the simulation go on. It knows neither sockets
+//! nor the time of day: whoever calls says how much time has passed, so the same calls always give the same messages.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::Duration;
+
+use serde_json::{Value, json};
+
+use super::Options;
+use super::bug::Outgoing;
+use super::family;
+use super::message::{envelope, refusal};
+use super::operation::{Operation, Report};
+use super::request::{Body, Incoming};
+use super::uav::Uav;
+use super::world::World;
+
+/// The step of the simulation, in seconds.
+const STEP: f64 = 0.05;
+
+/// How many steps are made at once at most. Where the machine slept for longer, the simulation lost that time.
+const STEPS_AT_ONCE: u32 = 10_000;
+
+/// How many UAVs a notification has at most: so many fit into a datagram of UDP.
+const UAVS_AT_ONCE: usize = 50;
+
+/// How many operations a connection may have under way.
+const OPERATION_LIMIT: usize = 1000;
+
+/// How many ids a server remembers that doesn't take them again.
+const ANSWERED_LIMIT: usize = 1000;
+
+/// Where messages to a client go.
+pub(super) trait Sink: Send + Sync {
+    /// Takes a message.
+    fn send(&self, text: &str);
+
+    /// Ends the connection, after what was sent.
+    fn close(&self);
+}
+
+/// What a connection is, as far as it makes a difference here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Manner {
+    /// It stands until somebody ends it.
+    Standing,
+    /// Datagrams: nobody knows how long the other side is there.
+    Datagrams,
+    /// A single request: notifications that it didn't cause aren't for it.
+    OneShot,
+}
+
+/// Names a connection.
+pub(super) type SessionId = u64;
+
+/// What the server knows of a connection.
+pub(super) struct Session {
+    pub(super) manner: Manner,
+    sink: Arc<dyn Sink>,
+    /// Who has logged in.
+    pub(super) user: Option<String>,
+    /// Paths of the device tree that the client has subscribed to, and how often.
+    pub(super) subscriptions: BTreeMap<String, usize>,
+    /// The values that the client was told last, by path.
+    pub(super) told: BTreeMap<String, Value>,
+    operations: Vec<Operation>,
+    /// How many messages were sent.
+    sent: u64,
+    /// Ids that won't be taken again: of a server that has this bug.
+    answered: Vec<String>,
+}
+
+/// A request, and on which connection it came.
+pub(super) struct Call<'c> {
+    pub(super) session: SessionId,
+    pub(super) kind: &'c str,
+    pub(super) body: &'c Body,
+}
+
+/// The body of the answer, or why there is none.
+pub(super) type Answer = Result<Value, String>;
+
+/// The middle of the server.
+pub(super) struct Hub {
+    pub(super) options: Options,
+    pub(super) world: World,
+    /// How far the clock was put forward, in milliseconds.
+    pub(super) adjustment: u64,
+    /// Time since the start.
+    pub(super) elapsed: Duration,
+    /// The ports of the transports, by name.
+    pub(super) ports: BTreeMap<&'static str, u16>,
+    sessions: BTreeMap<SessionId, Session>,
+    next_session: SessionId,
+    next_receipt: u64,
+    simulated: f64,
+    notified: Duration,
+}
+
+impl Hub {
+    pub(super) fn new(options: Options) -> Self {
+        Self {
+            world: World::new(&options),
+            options,
+            adjustment: 0,
+            elapsed: Duration::ZERO,
+            ports: BTreeMap::new(),
+            sessions: BTreeMap::new(),
+            next_session: 1,
+            next_receipt: 1,
+            simulated: 0.0,
+            notified: Duration::ZERO,
+        }
+    }
+
+    /// Whether the server is to break this rule.
+    pub(super) fn breaks(&self, rule: &str) -> bool {
+        self.options.bug.is_some_and(|bug| bug.rule == rule)
+    }
+
+    /// The time of the server, in milliseconds since 1970.
+    pub(super) fn now(&self) -> u64 {
+        let passed = u64::try_from(self.elapsed.as_millis()).unwrap_or(u64::MAX);
+        self.options.start.saturating_add(passed).saturating_add(self.adjustment)
+    }
+
+    /// A connection of a session that is there.
+    pub(super) fn session(&mut self, id: SessionId) -> Option<&mut Session> {
+        self.sessions.get_mut(&id)
+    }
+
+    /// A client has connected.
+    pub(super) fn open(&mut self, manner: Manner, sink: Arc<dyn Sink>) -> SessionId {
+        let id = self.next_session;
+        self.next_session += 1;
+        let session = Session {
+            manner,
+            sink,
+            user: None,
+            subscriptions: BTreeMap::new(),
+            told: BTreeMap::new(),
+            operations: Vec::new(),
+            sent: 0,
+            answered: Vec::new(),
+        };
+        self.sessions.insert(id, session);
+        if self.may_hear(id) {
+            self.greet(id);
+        }
+        id
+    }
+
+    /// A client is gone.
+    pub(super) fn close(&mut self, id: SessionId) {
+        self.sessions.remove(&id);
+    }
+
+    /// Tells a client which server this is.
+    pub(super) fn greet(&mut self, id: SessionId) {
+        if self.sessions.get(&id).is_some_and(|session| session.manner == Manner::Standing) {
+            let message = format!("a simulated fleet of {} UAVs", self.world.uavs.len());
+            let item = json!({ "message": message, "severity": "info", "timestamp": self.now() });
+            self.notify(id, json!({ "type": "SYS-MSG", "items": [item] }));
+        }
+    }
+
+    /// Takes what a client sent, `elapsed` after the start.
+    pub(super) fn receive(&mut self, id: SessionId, bytes: &[u8], elapsed: Duration) {
+        self.elapsed = self.elapsed.max(elapsed);
+        self.take(id, Incoming::parse(bytes));
+    }
+
+    /// The same of a message that was read.
+    pub(super) fn take(&mut self, id: SessionId, incoming: Incoming) {
+        match incoming {
+            Incoming::Request { id: request, kind, body } => {
+                let answer = self.answer(&Call { session: id, kind: &kind, body: &body }, &request);
+                let answer = answer.unwrap_or_else(|reason| refusal(&reason));
+                if self.breaks("FW-ENV-19") {
+                    self.remember(id, &request);
+                }
+                self.send(id, Some((&request, &body)), answer);
+                if kind == "AUTH-REQ" && self.is_logged_in(id) {
+                    self.greet(id);
+                }
+            }
+            Incoming::Malformed { .. } if self.breaks("FW-ENV-22") => self.cut(id),
+            Incoming::Malformed { id: request, reason } => {
+                self.send(id, Some((&request, &Body::new())), refusal(&reason));
+            }
+            Incoming::Ignored => {}
+        }
+    }
+
+    /// Lets time go on, up to `elapsed` after the start.
+    pub(super) fn advance(&mut self, elapsed: Duration) {
+        self.elapsed = self.elapsed.max(elapsed);
+        let target = self.elapsed.as_secs_f64() * self.options.speed;
+        let now = self.now();
+        let before = self.simulated;
+        for _ in 0..STEPS_AT_ONCE {
+            if self.simulated + STEP > target {
+                break;
+            }
+            self.simulated += STEP;
+            for uav in &mut self.world.uavs {
+                uav.advance(STEP, now);
+            }
+        }
+        let passed = self.simulated - before;
+        if target - self.simulated > STEP {
+            self.simulated = target;
+        }
+        self.advance_operations(passed);
+        let remarks = self.world.remarks();
+        if !remarks.is_empty() {
+            let items: Vec<Value> = remarks.iter().map(|remark| remark.to_item(now)).collect();
+            self.notify_all(&json!({ "type": "SYS-MSG", "items": items }));
+        }
+        if self.elapsed.saturating_sub(self.notified).as_secs_f64() * self.options.rate >= 1.0 {
+            self.notified = self.elapsed;
+            self.notify_of_uavs();
+            self.notify_of_devices();
+        }
+    }
+
+    /// Says farewell to all, and ends their connections.
+    pub(super) fn end(&mut self) {
+        self.notify_all(&json!({ "type": "SYS-CLOSE", "reason": "the server ends" }));
+        for session in self.sessions.values() {
+            session.sink.close();
+        }
+    }
+
+    /// Starts an operation; its receipt.
+    pub(super) fn start(
+        &mut self,
+        session: SessionId,
+        operation: impl FnOnce(String) -> Operation,
+    ) -> Result<String, String> {
+        let mut receipt = format!("r{}", self.next_receipt);
+        if self.breaks("FW-ASY-04") {
+            receipt = format!("{receipt:0>70}");
+        }
+        let session = self.sessions.get_mut(&session).ok_or("the connection has ended")?;
+        if session.operations.len() >= OPERATION_LIMIT {
+            return Err("too many operations are under way".to_owned());
+        }
+        session.operations.push(operation(receipt.clone()));
+        self.next_receipt += 1;
+        Ok(receipt)
+    }
+
+    /// An operation of a connection that is under way.
+    pub(super) fn operation(&mut self, session: SessionId, receipt: &str) -> Option<&mut Operation> {
+        let operations = &mut self.sessions.get_mut(&session)?.operations;
+        operations.iter_mut().find(|operation| operation.receipt == receipt)
+    }
+
+    /// The UAV with an id.
+    pub(super) fn uav(&mut self, id: &str) -> Option<&mut Uav> {
+        self.world.uavs.iter_mut().find(|uav| uav.id == id)
+    }
+
+    /// Sends a notification to a connection.
+    pub(super) fn notify(&mut self, id: SessionId, body: Value) {
+        self.send(id, None, body);
+    }
+
+    /// Sends a notification to all who may hear it.
+    pub(super) fn notify_all(&mut self, body: &Value) {
+        for id in self.listeners() {
+            self.notify(id, body.clone());
+        }
+    }
+
+    /// The connections that hear what happens.
+    fn listeners(&self) -> Vec<SessionId> {
+        let is_standing = |id: &SessionId| self.sessions.get(id).is_some_and(|s| s.manner != Manner::OneShot);
+        self.sessions.keys().copied().filter(|id| is_standing(id) && self.may_hear(*id)).collect()
+    }
+
+    /// Whether a client needs no login, or has logged in.
+    fn may_hear(&self, id: SessionId) -> bool {
+        self.options.login.is_none() || self.is_logged_in(id)
+    }
+
+    fn is_logged_in(&self, id: SessionId) -> bool {
+        self.sessions.get(&id).is_some_and(|session| session.user.is_some())
+    }
+
+    fn answer(&mut self, call: &Call<'_>, request: &str) -> Answer {
+        let is_open = ["AUTH-INF", "AUTH-REQ", "AUTH-WHOAMI", "SYS-PING", "SYS-VER"].contains(&call.kind);
+        if !is_open && !self.may_hear(call.session) && !self.breaks("FW-ACK-06") {
+            return Err("log in first".to_owned());
+        }
+        let is_known = |session: &Session| session.answered.iter().any(|known| known == request);
+        if self.breaks("FW-ENV-19") && self.sessions.get(&call.session).is_some_and(is_known) {
+            return Err("this id was used before".to_owned());
+        }
+        family::answer(self, call)
+    }
+
+    /// Notes an id that was answered.
+    fn remember(&mut self, id: SessionId, request: &str) {
+        if let Some(session) = self.sessions.get_mut(&id) {
+            session.answered.push(request.to_owned());
+            session.answered.truncate(ANSWERED_LIMIT);
+        }
+    }
+
+    fn advance_operations(&mut self, seconds: f64) {
+        let is_overrunning = self.breaks("FW-ASY-14");
+        let mut reports = Vec::new();
+        for (id, session) in &mut self.sessions {
+            session.operations.retain_mut(|operation| {
+                if is_overrunning && operation.is_suspended() {
+                    operation.overrun();
+                }
+                let Some(report) = operation.advance(seconds) else { return true };
+                let is_last = report.is_last();
+                reports.push((*id, operation.receipt.clone(), report));
+                !is_last
+            });
+        }
+        for (id, receipt, report) in reports {
+            self.notify(id, report_body(&receipt, report));
+        }
+    }
+
+    fn notify_of_uavs(&mut self) {
+        let heard: Vec<&Uav> = self.world.uavs.iter().filter(|uav| !uav.is_sleeping()).collect();
+        let of_some = |uavs: &[&Uav]| {
+            let status = uavs.iter().map(|uav| (uav.id.clone(), uav.status())).collect();
+            json!({ "type": "UAV-INF", "status": Value::Object(status) })
+        };
+        let bodies: Vec<Value> = heard.chunks(UAVS_AT_ONCE).map(of_some).collect();
+        for body in &bodies {
+            self.notify_all(body);
+        }
+    }
+
+    fn notify_of_devices(&mut self) {
+        for id in self.listeners() {
+            let Some(session) = self.sessions.get_mut(&id) else { continue };
+            let mut changed = serde_json::Map::new();
+            for path in session.subscriptions.keys() {
+                let Ok(value) = self.world.values_at(path) else { continue };
+                if session.told.get(path) != Some(&value) {
+                    session.told.insert(path.clone(), value.clone());
+                    changed.insert(path.clone(), value);
+                }
+            }
+            if !changed.is_empty() {
+                self.notify(id, json!({ "type": "DEV-INF", "values": changed }));
+            }
+        }
+    }
+
+    /// Sends a body, in answer to a request or by itself.
+    fn send(&mut self, id: SessionId, request: Option<(&str, &Body)>, body: Value) {
+        let Some(session) = self.sessions.get_mut(&id) else { return };
+        session.sent += 1;
+        let name = format!("s{}", session.sent);
+        let message = envelope(&name, request.map(|(refs, _)| refs), body);
+        let Some(bug) = self.options.bug else { return session.sink.send(&message.to_string()) };
+        let mut outgoing = Outgoing::new(message, request.map(|(_, body)| body), session.sent);
+        bug.apply(&mut outgoing);
+        for text in outgoing.into_texts() {
+            session.sink.send(&text);
+        }
+    }
+
+    /// Ends a connection without a word.
+    fn cut(&mut self, id: SessionId) {
+        if let Some(session) = self.sessions.get(&id) {
+            session.sink.close();
+        }
+    }
+}
+
+/// The notification about an operation.
+fn report_body(receipt: &str, report: Report) -> Value {
+    let progress = |percentage: u8| json!({ "percentage": percentage });
+    match report {
+        Report::Progress(percentage) => {
+            json!({ "type": "ASYNC-ST", "id": receipt, "progress": progress(percentage) })
+        }
+        Report::Suspension(percentage) => {
+            let progress = json!({ "percentage": percentage, "message": "turn the UAV, and then resume" });
+            json!({ "type": "ASYNC-ST", "id": receipt, "progress": progress, "suspended": true })
+        }
+        Report::Result(result) => json!({ "type": "ASYNC-RESP", "id": receipt, "result": result }),
+        Report::Cancellation => {
+            json!({ "type": "ASYNC-RESP", "id": receipt, "error": "cancelled by the client" })
+        }
+        Report::Timeout => json!({ "type": "ASYNC-TIMEOUT", "ids": [receipt] }),
+    }
+}

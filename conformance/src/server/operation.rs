@@ -1,0 +1,174 @@
+//! Operations that go on after the response to the request that started them.
+
+use serde_json::Value;
+
+/// How long an operation without an answer is waited for, in seconds of the simulation.
+const PATIENCE: f64 = 5.0;
+
+/// At what percentages a client is told how an operation is getting on.
+const MILESTONES: [u8; 3] = [25, 50, 75];
+
+/// Where an operation stops until the client says that it may go on.
+const SUSPENSION: u8 = 50;
+
+/// An operation.
+#[derive(Debug)]
+pub(super) struct Operation {
+    pub(super) receipt: String,
+    /// How it ends, and what comes of it.
+    ending: Ending,
+    /// How long it takes, in seconds of the simulation.
+    length: f64,
+    passed: f64,
+    /// The last percentage that the client was told.
+    told: u8,
+    /// Whether it has to wait for the client half-way.
+    is_suspending: bool,
+    is_suspended: bool,
+    is_cancelled: bool,
+}
+
+#[derive(Debug)]
+enum Ending {
+    Result(Value),
+    Silence,
+}
+
+/// What is to be said about an operation.
+#[derive(Debug, PartialEq)]
+pub(super) enum Report {
+    /// How far it has got, in percent.
+    Progress(u8),
+    /// That it waits for the client, and for what.
+    Suspension(u8),
+    /// What came of it.
+    Result(Value),
+    /// That it was cancelled.
+    Cancellation,
+    /// That it is no longer waited for.
+    Timeout,
+}
+
+impl Report {
+    /// Whether nothing follows.
+    pub(super) fn is_last(&self) -> bool {
+        !matches!(self, Self::Progress(_) | Self::Suspension(_))
+    }
+}
+
+impl Operation {
+    /// An operation that takes some seconds and then gives a result.
+    pub(super) fn lasting(receipt: String, seconds: f64, result: Value) -> Self {
+        Self {
+            receipt,
+            ending: Ending::Result(result),
+            length: seconds,
+            passed: 0.0,
+            told: 0,
+            is_suspending: false,
+            is_suspended: false,
+            is_cancelled: false,
+        }
+    }
+
+    /// The same, but half-way it waits for the client.
+    pub(super) fn suspending(receipt: String, seconds: f64, result: Value) -> Self {
+        Self { is_suspending: true, ..Self::lasting(receipt, seconds, result) }
+    }
+
+    /// An operation that nothing is ever heard of.
+    pub(super) fn unanswered(receipt: String) -> Self {
+        Self { ending: Ending::Silence, ..Self::lasting(receipt, PATIENCE, Value::Null) }
+    }
+
+    /// Cancels it; it still comes to its end.
+    pub(super) fn cancel(&mut self) {
+        self.is_cancelled = true;
+    }
+
+    /// Lets it go on: whether it was suspended.
+    pub(super) fn resume(&mut self) -> bool {
+        std::mem::take(&mut self.is_suspended)
+    }
+
+    /// Lets a suspended operation go on as if the client had said so.
+    pub(super) fn overrun(&mut self) {
+        self.is_suspended = false;
+    }
+
+    /// Whether it waits for the client.
+    pub(super) fn is_suspended(&self) -> bool {
+        self.is_suspended
+    }
+
+    /// Lets time pass; what is to be said.
+    pub(super) fn advance(&mut self, seconds: f64) -> Option<Report> {
+        if self.is_cancelled {
+            return Some(Report::Cancellation);
+        }
+        if self.is_suspended {
+            return None;
+        }
+        self.passed += seconds;
+        if let Ending::Silence = self.ending {
+            return (self.passed >= self.length).then_some(Report::Timeout);
+        }
+        let reached = MILESTONES.into_iter().find(|milestone| {
+            *milestone > self.told && self.passed >= self.length * f64::from(*milestone) / 100.0
+        });
+        match (reached, &self.ending) {
+            (Some(milestone), _) => {
+                self.told = milestone;
+                self.is_suspended = self.is_suspending && milestone == SUSPENSION;
+                Some(if self.is_suspended {
+                    Report::Suspension(milestone)
+                } else {
+                    Report::Progress(milestone)
+                })
+            }
+            (None, Ending::Result(result)) if self.passed >= self.length => {
+                Some(Report::Result(result.clone()))
+            }
+            _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn reports(operation: &mut Operation, seconds: u32) -> Vec<Report> {
+        let mut found = Vec::new();
+        for _ in 0..seconds {
+            let report = operation.advance(1.0);
+            let is_last = report.as_ref().is_some_and(Report::is_last);
+            found.extend(report);
+            if is_last {
+                break;
+            }
+        }
+        found
+    }
+
+    #[test]
+    fn it_tells_how_it_gets_on_and_how_it_ends() {
+        let mut operation = Operation::lasting("r1".to_owned(), 4.0, json!(true));
+        let [first, second, third] = [25, 50, 75].map(Report::Progress);
+        assert_eq!(reports(&mut operation, 9), [first, second, third, Report::Result(json!(true))]);
+        assert_eq!(reports(&mut Operation::unanswered("r2".to_owned()), 9), [Report::Timeout]);
+    }
+
+    #[test]
+    fn a_suspended_one_waits() {
+        let mut operation = Operation::suspending("r1".to_owned(), 4.0, json!(true));
+        assert!(!operation.resume());
+        assert_eq!(reports(&mut operation, 9), [Report::Progress(25), Report::Suspension(50)]);
+        assert!(operation.resume());
+        assert_eq!(reports(&mut operation, 9), [Report::Progress(75), Report::Result(json!(true))]);
+        operation.cancel();
+        assert_eq!(operation.advance(0.0), Some(Report::Cancellation));
+    }
+}

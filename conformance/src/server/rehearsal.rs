@@ -1,0 +1,375 @@
+//! A conversation with the hub alone, at times that are given: what the server says with each bug, and without.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use proptest::prelude::*;
+use serde_json::{Value, json};
+
+use super::Options;
+use super::bug::{Bug, bug, bugs};
+use super::hub::{Hub, Manner, SessionId, Sink};
+
+/// Rules that sockets alone can show: `tests/serve.rs` looks at them.
+const TRANSPORTS: [&str; 3] = ["FW-TCP-", "FW-UDP-", "FW-SIO-"];
+
+#[derive(Default)]
+struct Heard(Mutex<Vec<String>>);
+
+impl Sink for Heard {
+    fn send(&self, text: &str) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(text.to_owned());
+    }
+
+    fn close(&self) {
+        self.send("closed");
+    }
+}
+
+struct Rehearsal {
+    hub: Hub,
+    session: SessionId,
+    heard: Arc<Heard>,
+    time: Duration,
+}
+
+impl Rehearsal {
+    fn new(bug: Option<&'static Bug>, login: Option<(String, String)>) -> Self {
+        let errors = vec![("glider-5".to_owned(), 193)];
+        let mut hub =
+            Hub::new(Options { bug, login, errors, start: 1_750_000_000_000, ..Options::default() });
+        hub.ports = [("tcp", 5001), ("udp", 5001)].into();
+        let heard = Arc::new(Heard::default());
+        let session = hub.open(Manner::Standing, Arc::<Heard>::clone(&heard));
+        Self { hub, session, heard, time: Duration::ZERO }
+    }
+
+    fn wait(&mut self, seconds: u32) {
+        for _ in 0..seconds * 10 {
+            self.time += Duration::from_millis(100);
+            self.hub.advance(self.time);
+        }
+    }
+
+    fn raw(&mut self, text: &str) {
+        self.hub.receive(self.session, text.as_bytes(), self.time);
+    }
+
+    fn ask(&mut self, id: &str, body: &Value) {
+        self.raw(&json!({ "$fw.version": "1.0", "id": id, "body": body }).to_string());
+    }
+
+    /// What was said since this was asked last.
+    fn said(&mut self) -> Vec<String> {
+        std::mem::take(&mut *self.heard.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+/// Requests that let each rule show, and what is said to them.
+fn transcript(bug: Option<&'static Bug>) -> Vec<String> {
+    let mut stage = Rehearsal::new(bug, None);
+    let both = ["glider-1", "nobody-1"];
+    let requests = [
+        json!({ "type": "SYS-PING" }),
+        json!({ "type": "SYS-VER" }),
+        json!({ "type": "SYS-VER" }),
+        json!({ "type": "SYS-TIME" }),
+        json!({ "type": "SYS-TIME", "adjustment": 0 }),
+        json!({ "type": "SYS-TIME" }),
+        json!({ "type": "SYS-PORTS" }),
+        json!({ "type": "GLIDE-INF" }),
+        json!({ "type": "OBJ-LIST" }),
+        json!({ "type": "OBJ-LIST", "filter": ["beacon"] }),
+        json!({ "type": "OBJ-LIST", "filter": ["kite"] }),
+        json!({ "type": "UAV-LIST" }),
+        json!({ "type": "UAV-INF", "ids": both }),
+        json!({ "type": "UAV-INF", "ids": [] }),
+        json!({ "type": "UAV-INF", "ids": ["glider-1", "glider-1"] }),
+        json!({ "type": "UAV-PREFLT", "ids": both }),
+        json!({ "type": "UAV-VER", "ids": both }),
+        json!({ "type": "AUTH-INF" }),
+        json!({ "type": "AUTH-REQ", "method": "basic", "data": "YTpi" }),
+        json!({ "type": "CONN-LIST" }),
+        json!({ "type": "CONN-INF", "ids": ["radio-1", "nobody-1"] }),
+        json!({ "type": "BCN-INF", "ids": ["mark-1", "nobody-1"] }),
+        json!({ "type": "CLK-INF", "ids": ["system", "nobody-1"] }),
+        json!({ "type": "WTH-INF", "ids": ["wind-1", "nobody-1"] }),
+        json!({ "type": "WTH-AT", "position": [504_980_000, 99_520_000] }),
+        json!({ "type": "RTK-LIST" }),
+        json!({ "type": "RTK-SOURCE", "id": "base" }),
+        json!({ "type": "EXT-LIST" }),
+        json!({ "type": "DEV-LIST", "ids": both }),
+        json!({ "type": "DEV-INF", "paths": ["/glider-1/battery", "/nobody-1"] }),
+        json!({ "type": "DEV-SUB", "paths": ["/glider-1/gps/satellites"] }),
+        json!({ "type": "PRM-SET-MANY", "ids": both, "parameters": { "CRUISE_SPEED": 7, "COLOUR": 1 } }),
+        json!({ "type": "LOG-DATA", "uavId": "glider-1", "logId": "1" }),
+        json!({ "type": "UAV-TAKEOFF", "ids": both }),
+        json!({ "type": "UAV-TEST", "ids": both, "component": "led" }),
+        json!({ "type": "UAV-CALIB", "ids": ["glider-2"], "component": "compass" }),
+        json!({ "type": "UAV-CALIB", "ids": ["glider-3"], "component": "baro" }),
+        json!({ "type": "ASYNC-RESUME", "ids": ["r3", "nobody-1"] }),
+        json!({ "type": "UAV-SLEEP", "ids": ["glider-4"] }),
+        json!({ "type": "UAV-SIGNAL", "ids": ["glider-4"] }),
+    ];
+    for (number, body) in requests.iter().enumerate() {
+        stage.ask(&format!("höh {number}"), body);
+    }
+    stage.ask("höh 1", &json!({ "type": "SYS-PING" }));
+    stage.wait(1);
+    // The calibration of the barometer, by its receipt: a bug may have made it another.
+    stage.ask("cancel", &json!({ "type": "ASYNC-CANCEL", "ids": ["r4", "nobody-1"] }));
+    stage.wait(7);
+    stage.ask("lose", &json!({ "type": "OBJ-CMD", "ids": ["glider-5"], "command": "lose" }));
+    stage.ask("list", &json!({ "type": "UAV-LIST" }));
+    stage.raw(r#"{"$fw.version":"1.0","id":"broken"}"#);
+    stage.hub.end();
+    stage.said()
+}
+
+/// The bodies of a type.
+fn bodies(transcript: &[String], kind: &str) -> Vec<Value> {
+    let messages = transcript.iter().filter_map(|text| serde_json::from_str::<Value>(text).ok());
+    let mut bodies = messages.map(|mut message| message["body"].take());
+    bodies.by_ref().filter(|body| body["type"] == kind).collect()
+}
+
+#[test]
+fn the_same_calls_give_the_same_messages() {
+    assert!(transcript(None) == transcript(None));
+}
+
+#[test]
+fn every_bug_shows() {
+    let right = transcript(None);
+    for bug in bugs().filter(|bug| !TRANSPORTS.iter().any(|family| bug.rule.starts_with(family))) {
+        if bug.rule != "FW-ACK-06" {
+            assert!(transcript(Some(bug)) != right, "{}", bug.rule);
+        }
+    }
+}
+
+#[test]
+fn without_a_bug_messages_are_as_the_definitions_have_them() {
+    let right = transcript(None);
+    let mut ids = Vec::new();
+    let mut answered = Vec::new();
+    for text in right.iter().filter(|text| *text != "closed") {
+        let message: Value = serde_json::from_str(text).expect("JSON");
+        assert_eq!(message["$fw.version"], "1.0");
+        ids.push(message["id"].as_str().expect("an id").to_owned());
+        answered.extend(message.get("refs").map(|refs| refs.as_str().expect("an id").to_owned()));
+        let body = message["body"].as_object().expect("a body");
+        for state in body.get("status").and_then(Value::as_object).into_iter().flatten() {
+            if body["type"] == "UAV-INF" {
+                assert_eq!(state.1["id"], *state.0);
+                assert!((0..3600).contains(&state.1["heading"].as_i64().expect("a heading")));
+            }
+        }
+    }
+    let count = ids.len();
+    ids.sort();
+    ids.dedup();
+    assert_eq!(ids.len(), count, "ids are unique");
+    assert_eq!(answered.iter().filter(|refs| *refs == "höh 1").count(), 2, "it was asked twice");
+    assert_eq!(answered.len(), 45);
+    assert_eq!(right.last().map(String::as_str), Some("closed"));
+}
+
+#[test]
+fn operations_end_once() {
+    let right = transcript(None);
+    let started = bodies(&right, "UAV-TEST");
+    assert_eq!(started[0]["receipt"], json!({ "glider-1": "r2" }));
+    assert_eq!(started[0]["error"], json!({ "nobody-1": "there is no such UAV" }));
+    let ends = bodies(&right, "ASYNC-RESP");
+    let results: Vec<(&Value, bool)> =
+        ends.iter().map(|end| (&end["id"], end.get("error").is_some())).collect();
+    let expected = [json!("r4"), json!("r1"), json!("r2")];
+    assert_eq!(results, [(&expected[0], true), (&expected[1], false), (&expected[2], false)]);
+    assert_eq!(ends[1]["result"]["kind"], "text");
+    let suspended = bodies(&right, "ASYNC-ST").into_iter().filter(|body| body["suspended"] == json!(true));
+    assert_eq!(suspended.map(|body| body["id"].clone()).collect::<Vec<_>>(), ["r3"]);
+    let timeouts = bodies(&right, "ASYNC-TIMEOUT");
+    assert_eq!(timeouts, [json!({ "type": "ASYNC-TIMEOUT", "ids": ["r5"] })]);
+    let resumed = bodies(&right, "ASYNC-RESUME");
+    assert_eq!(resumed[0]["success"], json!([]));
+    let devices = bodies(&right, "DEV-INF");
+    assert!(devices.iter().any(|body| body["values"].get("/glider-1/gps/satellites").is_some()));
+}
+
+#[test]
+fn without_login_only_the_way_to_it_is_answered() {
+    let login = || Some(("pilot".to_owned(), "soar".to_owned()));
+    for (bug, expected) in [(None, "ACK-NAK"), (bug("FW-ACK-06"), "UAV-LIST")] {
+        let mut stage = Rehearsal::new(bug, login());
+        stage.wait(2);
+        assert!(stage.said().is_empty(), "notifications are for those who have logged in");
+        stage.ask("a", &json!({ "type": "UAV-LIST" }));
+        assert_eq!(bodies(&stage.said(), expected).len(), 1);
+    }
+    let mut stage = Rehearsal::new(None, login());
+    stage.ask("a", &json!({ "type": "AUTH-REQ", "method": "basic", "data": "cGlsb3Q6d3Jvbmc=" }));
+    assert_eq!(bodies(&stage.said(), "AUTH-RESP")[0]["result"], json!(false));
+    stage.ask("b", &json!({ "type": "AUTH-REQ", "method": "basic", "data": "cGlsb3Q6c29hcg==" }));
+    assert_eq!(bodies(&stage.said(), "AUTH-RESP")[0]["user"], json!("pilot"));
+    stage.ask("c", &json!({ "type": "UAV-LIST" }));
+    assert_eq!(bodies(&stage.said(), "UAV-LIST").len(), 1);
+}
+
+/// Types of requests, and some that are none.
+const KINDS: [&str; 56] = [
+    "",
+    "-",
+    "ACK-ACK",
+    "ASYNC-CANCEL",
+    "ASYNC-RESUME",
+    "AUTH-INF",
+    "AUTH-REQ",
+    "AUTH-WHOAMI",
+    "BCN-INF",
+    "BCN-PROPS",
+    "CLK-INF",
+    "CLK-LIST",
+    "CONN-INF",
+    "CONN-LIST",
+    "DEV-INF",
+    "DEV-LIST",
+    "DEV-LISTSUB",
+    "DEV-SUB",
+    "DEV-UNSUB",
+    "EXT-CFG",
+    "EXT-INF",
+    "EXT-LIST",
+    "EXT-LOAD",
+    "EXT-RELOAD",
+    "EXT-SETCFG",
+    "EXT-UNLOAD",
+    "GLIDE-INF",
+    "LOG-DATA",
+    "LOG-INF",
+    "OBJ-CMD",
+    "OBJ-LIST",
+    "PRM-GET",
+    "PRM-SET",
+    "PRM-SET-MANY",
+    "RTK-INF",
+    "RTK-LIST",
+    "RTK-SOURCE",
+    "RTK-STAT",
+    "RTK-SURVEY",
+    "SYS-PING",
+    "SYS-PORTS",
+    "SYS-TIME",
+    "SYS-VER",
+    "UAV-CALIB",
+    "UAV-FLY",
+    "UAV-HALT",
+    "UAV-INF",
+    "UAV-MOTOR",
+    "UAV-PREFLT",
+    "UAV-RST",
+    "UAV-SIGNAL",
+    "UAV-SLEEP",
+    "UAV-TAKEOFF",
+    "UAV-TEST",
+    "WTH-AT",
+    "WTH-INF",
+];
+
+/// Fields of requests.
+const FIELDS: [&str; 26] = [
+    "adjustment",
+    "args",
+    "command",
+    "component",
+    "data",
+    "duration",
+    "filter",
+    "force",
+    "id",
+    "ids",
+    "includeSubtrees",
+    "logId",
+    "method",
+    "name",
+    "parameters",
+    "pathFilter",
+    "paths",
+    "position",
+    "removeAll",
+    "settings",
+    "signals",
+    "start",
+    "target",
+    "transport",
+    "uavId",
+    "value",
+];
+
+/// Texts that mean something in some field.
+const TEXTS: [&str; 14] = [
+    "glider-1",
+    "glider-2",
+    "mark-1",
+    "r1",
+    "/",
+    "/glider-1",
+    "/glider-1/gps/position",
+    "//",
+    "compass",
+    "base",
+    "CRUISE_SPEED",
+    "error",
+    "lose",
+    "\u{1fa82}",
+];
+
+fn value() -> impl Strategy<Value = Value> {
+    let leaf = prop_oneof![
+        Just(Value::Null),
+        any::<bool>().prop_map(Value::from),
+        any::<i64>().prop_map(Value::from),
+        any::<f64>().prop_map(Value::from),
+        prop::sample::select(&TEXTS[..]).prop_map(Value::from),
+    ];
+    leaf.prop_recursive(3, 20, 5, |inner| {
+        let key = prop::sample::select([&TEXTS[..], &FIELDS[..]].concat()).prop_map(str::to_owned);
+        prop_oneof![
+            prop::collection::vec(inner.clone(), 0..5).prop_map(Value::from),
+            prop::collection::btree_map(key, inner, 0..5)
+                .prop_map(|map| Value::Object(map.into_iter().collect())),
+        ]
+    })
+}
+
+fn body() -> impl Strategy<Value = Value> {
+    let field = (prop::sample::select(&FIELDS[..]), value());
+    (prop::sample::select(&KINDS[..]), prop::collection::vec(field, 0..4)).prop_map(|(kind, fields)| {
+        let mut body = json!({ "type": kind, "ids": ["glider-1"], "paths": ["/glider-1"] });
+        for (name, value) in fields {
+            body[name] = value;
+        }
+        body
+    })
+}
+
+proptest! {
+    #[test]
+    fn whatever_is_asked_is_answered_once(
+        bodies in prop::collection::vec(body(), 1..12),
+        bug in prop::option::of(prop::sample::select(bugs().collect::<Vec<_>>())),
+    ) {
+        let mut stage = Rehearsal::new(bug, None);
+        for (number, body) in bodies.iter().enumerate() {
+            stage.ask(&number.to_string(), body);
+            stage.wait(1);
+        }
+        let said = stage.said();
+        if bug.is_none() {
+            let messages = said.iter().map(|text| serde_json::from_str::<Value>(text).expect("JSON"));
+            let refs: Vec<Value> = messages.filter_map(|message| message.get("refs").cloned()).collect();
+            let expected: Vec<Value> = (0..bodies.len()).map(|number| json!(number.to_string())).collect();
+            prop_assert_eq!(refs, expected);
+        }
+    }
+}
