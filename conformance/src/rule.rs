@@ -449,11 +449,14 @@ impl Judged<'_> {
 const _: () = assert!(have_mutants(&RULES), "a rule without a mutant");
 
 /// Whether each of these rules has a mutant.
-const fn have_mutants(rules: &[&Rule]) -> bool {
-    match rules {
-        [] => true,
-        [first, rest @ ..] => !first.mutants.is_empty() && have_mutants(rest),
+const fn have_mutants(mut rules: &[&Rule]) -> bool {
+    while let [first, rest @ ..] = rules {
+        if first.mutants.is_empty() {
+            return false;
+        }
+        rules = rest;
     }
+    true
 }
 
 /// The rule of an id.
