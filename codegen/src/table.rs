@@ -1,6 +1,6 @@
 //! Pages of a specification: text to headings and tables of cells, whatever form the page has.
 //!
-//! What a table defines is not decided here: [`error_code`] and its siblings know their tables by the
+//! What a table defines is not decided here: [`error_code`] and [`type_table`] know their tables by the
 //! header. A table keeps the rows that were written, also those with too few or too many cells.
 
 pub(crate) mod asciidoc;
@@ -9,6 +9,7 @@ mod flattened;
 pub(crate) mod markdown;
 pub(crate) mod pipe;
 mod text;
+pub mod type_table;
 
 pub use text::Text;
 
@@ -25,11 +26,14 @@ pub struct Page {
     pub headings: Vec<Heading>,
     /// Its tables in order.
     pub tables: Vec<Table>,
+    /// Its paragraphs in order, but those of lists and quotations. A flattened page has none: which lines belong
+    /// together is lost there.
+    pub paragraphs: Vec<Paragraph>,
 }
 
 impl Page {
     fn new(span: Span) -> Self {
-        Self { span, headings: Vec::new(), tables: Vec::new() }
+        Self { span, headings: Vec::new(), tables: Vec::new(), paragraphs: Vec::new() }
     }
 
     /// The nearest heading above `table`.
@@ -43,6 +47,15 @@ impl Page {
 pub struct Heading {
     /// 1 for the title of a page, 2 for its sections, and so on. All are 1 in the flattened form.
     pub level: usize,
+    /// What it says.
+    pub text: Text,
+}
+
+/// A paragraph.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Paragraph {
+    /// Which of the page's headings is the nearest above it.
+    pub heading: Option<usize>,
     /// What it says.
     pub text: Text,
 }

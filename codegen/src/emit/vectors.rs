@@ -71,11 +71,12 @@ pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
     let emitter = Emitter { schema, options };
     let mut files = vec![form::file(options)];
     for (index, package) in schema.packages.iter().enumerate() {
-        for target in json_schema::targets(package, index) {
+        for target in json_schema::targets(schema, package, index) {
             let (head, cases) = match target {
                 Target::Message(id) => (emitter.message(id), message::cases(schema, id, &parts, &types)),
                 Target::ErrorCode(_) => (emitter.head(target, Vec::new()), error_code::codes(package)),
                 Target::ErrorList(_) => (emitter.head(target, Vec::new()), error_code::lists(package)),
+                Target::JsonType(_) | Target::JsonPart(..) => continue,
             };
             files.extend(emitter.files(target, &head, &cases));
         }
