@@ -209,7 +209,6 @@ impl<'p> Reader<'p> {
             self.report(Problem::MisplacedAnswer { direction: direction.name() }, answer.span());
         }
         let answers = answer.into_iter().flat_map(answers).collect();
-        let paragraphs = paragraphs.into_iter().filter(|text| !has_no_fields(text)).collect();
         PartDefinition { direction, span, paragraphs, answers, fields }
     }
 }
