@@ -321,6 +321,8 @@ problems! {
         "no type `{name}` in package {package}", "define it under a heading of that name, in any page of the package";
     EndlessType { path: String } = Error "endless-type"
         "a value of this type would never end: {path}", "let a type hold itself only in a list, in a map, in a field that may be left out, or where null may stand";
+    TooManyParts { name: String, what: &'static str, max: usize } = Error "too-many-parts"
+        "`{name}` has more than {max} {what}", "define types of their own for some of them, or an object in the place of a tuple";
     EmptyType { name: String } = Error "empty-type"
         "the table of `{name}` has no rows", "give it one at least: nothing else could be a value";
     Openness { name: String, found: &'static str } = Error "openness"

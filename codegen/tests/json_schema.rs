@@ -427,7 +427,12 @@ fn judge(documents: &Documents, name: &str, good: &[Json], bad: &[Json]) {
 fn named_types_and_sets_hold_their_values() {
     let documents = gliders();
     let none = json!(null);
-    judge(&documents, "Instant", &[json!(0), json!(4_102_444_800_000_u64)], &[json!(-1), json!(0.5), none.clone()]);
+    judge(
+        &documents,
+        "Instant",
+        &[json!(0), json!(4_102_444_800_000_u64)],
+        &[json!(-1), json!(0.5), none.clone()],
+    );
     judge(&documents, "Callsign", &[json!("D1")], &[json!(""), json!("d"), json!("ABCDEFGHI"), json!(1)]);
     judge(&documents, "Phase", &[json!("towed"), json!("else")], &[json!(0), none.clone()]);
     judge(&documents, "Fix", &[json!(0), json!(3)], &[json!(1), json!("0"), none.clone()]);
@@ -477,7 +482,12 @@ fn objects_are_closed_where_the_page_says_so() {
     ];
     judge(&documents, "Glider", &good, &bad);
     let known = json!({ "type": "GLIDER-INF", "status": { "D1": { "id": "D1", "time": 1 } }, "else": 1 });
-    judge(&documents, "GLIDER-INF.notification", std::slice::from_ref(&known), &[json!({ "type": "GLIDER-INF" })]);
+    judge(
+        &documents,
+        "GLIDER-INF.notification",
+        std::slice::from_ref(&known),
+        &[json!({ "type": "GLIDER-INF" })],
+    );
     let response = [json!({ "type": "GLIDER-INF" }), known];
     judge(&documents, "GLIDER-INF.response", &response, &[json!({}), json!({ "type": "GLIDER" })]);
     let ack = json!({ "type": "TOWER-ACK" });
@@ -491,7 +501,12 @@ fn what_restricts_a_type_in_its_place_holds_beside_it() {
         |load|no|Load or null|[@range 10, 20000] Now|\n|loads|no|list of Load|[@length 2] [@range , 50] Then|\n\
         |codes|no|ErrorList|[@length , 1] [@unique] Codes|\n";
     let documents = Documents::texts(Form::Table, &[("winch.md", text), ("codes.md", CODES)]);
-    let good = [json!({ "load": null }), json!({ "load": 10 }), json!({ "loads": [0, 50] }), json!({ "codes": [66] })];
+    let good = [
+        json!({ "load": null }),
+        json!({ "load": 10 }),
+        json!({ "loads": [0, 50] }),
+        json!({ "codes": [66] }),
+    ];
     let bad = [
         json!({ "load": 9 }),
         json!({ "load": 9001 }),

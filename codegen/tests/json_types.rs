@@ -15,13 +15,13 @@ use std::path::Path;
 
 use emitted::{gliders, odd};
 use gliders::json::{
-    Callsign, Fix, Glider, GliderWinch, Instant, Mark, Marks, MarksValue, Notification, Phase, Request, Response,
-    field_close, glider_inf, tower_ack,
+    Callsign, Fix, Glider, GliderWinch, Instant, Mark, Marks, MarksValue, Notification, Phase, Request,
+    Response, field_close, glider_inf, tower_ack,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value as Json, json};
-use uavspec_codegen::emit::{GENERATED_BY, rust};
+use uavspec_codegen::emit::{GENERATED_BY, rust, vectors};
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::{SourceMap, read};
 
@@ -50,7 +50,12 @@ fn what_is_compiled_here_is_what_is_emitted() {
     }
     let known: Vec<_> = files.iter().map(|file| folder.join(&file.path)).collect();
     let found = support::files_below(&folder, &["rs"]);
-    failures.extend(found.iter().filter(|path| !known.contains(path)).map(|path| format!("{} is left over", path.display())));
+    failures.extend(
+        found
+            .iter()
+            .filter(|path| !known.contains(path))
+            .map(|path| format!("{} is left over", path.display())),
+    );
     assert!(failures.is_empty(), "{}", failures.concat());
 }
 
@@ -94,7 +99,10 @@ fn what_is_left_out_is_not_what_is_null() {
         position: Some(mark(1, None, None)),
         phase: Some(Phase::from("sleeping")),
         fix: Some(Some(Fix::Value3)),
-        marks: Some(Marks(vec![MarksValue::Mark(mark(1, None, None)), MarksValue::Callsign(glider.id.clone())])),
+        marks: Some(Marks(vec![
+            MarksValue::Mark(mark(1, None, None)),
+            MarksValue::Callsign(glider.id.clone()),
+        ])),
         climb: Some(vec![-0.5]),
         crew: Some(vec!["a".to_owned()]),
         winch: Some(GliderWinch::TheMiddle),
@@ -159,6 +167,62 @@ fn messages_are_told_apart_by_their_type() {
     refused::<Request>(&json!([]), "an object");
     refused::<Request>(&json!({ "type": "GLIDER-INF" }), "GLIDER-INF: missing field `ids`");
     refused::<Response>(&json!({ "type": "TOWER-ACK", "else": 1 }), "unknown field `else`");
+}
+
+/// What the vectors say of a type, and what its Rust does: it reads what is valid, and writes it so that it reads the
+/// same again. What is of another shape is refused; ranges, lengths and patterns are not looked at.
+fn keeps_to_the_vectors<T: DeserializeOwned + Serialize + PartialEq + Debug>(
+    vectors: &[(String, Json)],
+    name: &str,
+) {
+    let path = format!("{name}.vectors.json");
+    let (_, file) = vectors.iter().find(|(found, _)| *found == path).unwrap_or_else(|| panic!("{path}"));
+    for case in file["cases"].as_array().expect("cases") {
+        let read = serde_json::from_value::<T>(case["json"].clone());
+        match (case["rule"].as_str(), read) {
+            (Some("SHAPE-RANGE" | "SHAPE-PATTERN" | "SHAPE-UNIQUE") | None, read) => {
+                let read = read.unwrap_or_else(|error| panic!("{name}: {case}: {error}"));
+                let written = serde_json::to_value(&read).expect("JSON");
+                let again: T = serde_json::from_value(written).expect("what was written");
+                assert_eq!(again, read, "{name}: {case}");
+            }
+            // Those of tuples are part of their shape, those of lists and strings are not.
+            (Some("SHAPE-LENGTH"), read) if !name.ends_with("/Mark") => drop(read),
+            // A message of another type is kept as it is.
+            (Some("SHAPE-VALUE"), read) if name.contains('.') => assert!(read.is_ok(), "{case}"),
+            (Some(_), read) => assert!(read.is_err(), "{name}: {case}: {read:?}"),
+        }
+    }
+}
+
+#[test]
+fn vectors_say_what_is_read() {
+    let mut sources = SourceMap::default();
+    let packages = PAGES.map(|(name, text)| {
+        let mut package = support::package(name, Form::Table);
+        package.sources.push(sources.add(format!("{name}.md"), text.into()).expect("a page"));
+        package
+    });
+    let (schema, _) = read(&sources, &packages);
+    let files = vectors::emit(&schema, &vectors::Options::default());
+    let files = files.iter().filter(|file| file.path.ends_with(".vectors.json"));
+    let vectors: Vec<(String, Json)> =
+        files.map(|file| (file.path.clone(), serde_json::from_str(&file.text).expect("JSON"))).collect();
+    macro_rules! check {
+        ($($package:ident: $($type:ident)*;)*) => {
+            $($(keeps_to_the_vectors::<$package::json::$type>(
+                &vectors,
+                concat!(stringify!($package), "/", stringify!($type)),
+            );)*)*
+        };
+    }
+    check! {
+        gliders: Callsign Fix Glider Instant Mark Marks Phase;
+        odd: A B D Option Result S Vec Visitor;
+    }
+    keeps_to_the_vectors::<Request>(&vectors, "gliders/GLIDER-INF.request");
+    keeps_to_the_vectors::<Response>(&vectors, "gliders/TOWER-ACK.response");
+    keeps_to_the_vectors::<Notification>(&vectors, "gliders/GLIDER-INF.notification");
 }
 
 #[test]

@@ -81,7 +81,9 @@ pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
     }
     let mut files: Vec<OutputFile> = emitter.definitions.keys().map(|target| emitter.file(*target)).collect();
     let bundles = schema.packages.iter().enumerate();
-    files.extend(bundles.filter_map(|(index, package)| emitter.bundle(package, targets(schema, package, index))));
+    files.extend(
+        bundles.filter_map(|(index, package)| emitter.bundle(package, targets(schema, package, index))),
+    );
     files.sort_by(|left, right| left.path.cmp(&right.path));
     files
 }

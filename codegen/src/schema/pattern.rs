@@ -55,7 +55,8 @@ fn character(class: &Class) -> Option<char> {
     let Class::Bytes(class) = class else { return None };
     let holds = |byte: u8| class.ranges().iter().any(|range| (range.start()..=range.end()).contains(&byte));
     let mut letters = (b'a'..=b'z').chain(b'A'..=b'Z').chain(b'0'..=b'9');
-    let found = letters.find(|byte| holds(*byte)).or_else(|| (b'!'..=b'~').chain([b' ']).find(|byte| holds(*byte)));
+    let found =
+        letters.find(|byte| holds(*byte)).or_else(|| (b'!'..=b'~').chain([b' ']).find(|byte| holds(*byte)));
     found.map(char::from)
 }
 

@@ -95,13 +95,18 @@ pub struct Entry<'p> {
 pub fn read(page: &Page) -> (Definitions<'_>, Vec<Diagnostic>) {
     let mut reader = Reader { page, diagnostics: Vec::new(), is_defined: vec![false; page.headings.len()] };
     let messages = message::headings(page);
+    let mut is_part = vec![false; page.headings.len()];
+    let mut is_message = vec![false; page.headings.len()];
+    for message in &messages {
+        is_message[message.index()] = true;
+        message.parts().for_each(|part| is_part[part] = true);
+    }
     let mut definitions = Definitions::default();
     for table in &page.tables {
         match columns::header_of(table) {
             Some(Header::Near(columns)) => reader.report_near_miss(table, columns),
             Some(Header::Known(columns)) => {
-                let is_part = |heading: usize| messages.iter().any(|message| message.has_part(heading));
-                if !table.heading.is_some_and(is_part) {
+                if !table.heading.is_some_and(|heading| is_part[heading]) {
                     definitions.types.extend(reader.type_of_table(table, &columns));
                 }
             }
@@ -109,8 +114,7 @@ pub fn read(page: &Page) -> (Definitions<'_>, Vec<Diagnostic>) {
         }
     }
     for index in 0..page.headings.len() {
-        let is_message = messages.iter().any(|message| message.is_at(index));
-        if !reader.is_defined[index] && !is_message {
+        if !reader.is_defined[index] && !is_message[index] && !is_part[index] {
             definitions.types.extend(reader.named_type(index));
         }
     }
@@ -168,8 +172,8 @@ impl<'p> Reader<'p> {
     /// The paragraphs under a heading, those above `table` alone where there is one.
     fn paragraphs(&self, heading: usize, table: Option<&Table>) -> Vec<&'p Text> {
         let belongs = |text: &Text| table.is_none_or(|table| text.span() < table.span);
-        let under = self.page.paragraphs.iter().filter(|paragraph| paragraph.heading == Some(heading));
-        under.map(|paragraph| &paragraph.text).filter(|text| belongs(text)).collect()
+        let found = under(&self.page.paragraphs, heading, |paragraph| paragraph.heading);
+        found.iter().map(|paragraph| &paragraph.text).filter(|text| belongs(text)).collect()
     }
 
     fn body(&mut self, table: &'p Table, columns: &Columns) -> Body<'p> {
@@ -197,8 +201,9 @@ impl<'p> Reader<'p> {
             let cell = &row.cells[name].text;
             if cell.is_empty() || cell.as_str().contains(char::is_whitespace) {
                 let problem = Problem::InvalidName { name: cell.as_str().to_owned() };
-                self.diagnostics
-                    .push(Diagnostic::new(problem, cell.span()).with_hint("a name is one word, as JSON has it"));
+                self.diagnostics.push(
+                    Diagnostic::new(problem, cell.span()).with_hint("a name is one word, as JSON has it"),
+                );
                 continue;
             }
             members.push(Member {
@@ -222,7 +227,8 @@ impl<'p> Reader<'p> {
             if value.is_empty() {
                 let problem = Problem::InvalidName { name: String::new() };
                 self.diagnostics.push(
-                    Diagnostic::new(problem, value.span()).with_hint("write the value; an empty string is `\"\"`"),
+                    Diagnostic::new(problem, value.span())
+                        .with_hint("write the value; an empty string is `\"\"`"),
                 );
                 continue;
             }
@@ -277,6 +283,13 @@ impl<'p> Reader<'p> {
         let body = Body::Named { ty, notes };
         Some(TypeDefinition { name, span: heading.text.span(), paragraphs: Vec::new(), body })
     }
+}
+
+/// Those of `items`, which stand in the order of the page, that have `heading` above them.
+fn under<T>(items: &[T], heading: usize, heading_of: impl Fn(&T) -> Option<usize>) -> &[T] {
+    let start = items.partition_point(|item| heading_of(item) < Some(heading));
+    let len = items[start..].partition_point(|item| heading_of(item) == Some(heading));
+    &items[start..start + len]
 }
 
 /// Whether a text can be the name of a type: one word in `PascalCase`.

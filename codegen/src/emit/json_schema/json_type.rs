@@ -7,14 +7,13 @@ use super::annotation::{annotation, annotations, filled, list, range, unit};
 use super::bounds;
 use super::tree::{Member as Entry, Node, member};
 use crate::schema::json_type::{
-    Definition, Expression, JsonMessage, JsonPart, JsonType, Limits, Member, Object, Set, SetValue, SetValues,
-    Typed,
+    Definition, Expression, JsonMessage, JsonPart, JsonType, Limits, Member, Object, Set, SetValue,
+    SetValues, Typed,
 };
 use crate::schema::{Package, Schema};
 
 /// What base64 looks like, with its padding.
-pub(in crate::emit) const BASE64: &str =
-    "^([A-Za-z0-9+/]{4})*([A-Za-z0-9+/]{2}==|[A-Za-z0-9+/]{3}=)?$";
+pub(in crate::emit) const BASE64: &str = "^([A-Za-z0-9+/]{4})*([A-Za-z0-9+/]{2}==|[A-Za-z0-9+/]{3}=)?$";
 
 /// The members of the schema of a type.
 pub(super) fn type_members<'s>(schema: &'s Schema, found: &'s JsonType) -> Vec<Entry<'s>> {
@@ -58,7 +57,8 @@ pub(super) fn part_members<'s>(
     let writer = Writer { schema, package: message.package };
     let package = &schema.packages[message.package];
     let texts = [message.docs.text(), part.docs.text()];
-    let text = texts.iter().filter(|text| !text.is_empty()).map(String::as_str).collect::<Vec<_>>().join("\n\n");
+    let text =
+        texts.iter().filter(|text| !text.is_empty()).map(String::as_str).collect::<Vec<_>>().join("\n\n");
     let default =
         || format!("Body of a {} of type {} of package {}.", part.direction, message.name, package.name);
     let mut members = vec![
@@ -123,12 +123,14 @@ impl<'s> Writer<'s> {
 
     fn set(self, set: &'s Set) -> Vec<Entry<'s>> {
         let (ty, mut values): (&str, Vec<Node<'s>>) = match &set.values {
-            SetValues::Integers(values) => {
-                ("integer", values.iter().map(|found| known(found, Node::Integer(found.value.into()))).collect())
-            }
-            SetValues::Strings(values) => {
-                ("string", values.iter().map(|found| known(found, Node::from(found.value.as_str()))).collect())
-            }
+            SetValues::Integers(values) => (
+                "integer",
+                values.iter().map(|found| known(found, Node::Integer(found.value.into()))).collect(),
+            ),
+            SetValues::Strings(values) => (
+                "string",
+                values.iter().map(|found| known(found, Node::from(found.value.as_str()))).collect(),
+            ),
         };
         values.extend(set.is_open.then_some(Node::Bool(true)));
         vec![member("type", ty), member("anyOf", Node::List(values))]
@@ -259,7 +261,9 @@ fn one_of<'s>(constants: &[String]) -> Vec<Entry<'s>> {
     let constant = |text: &String| member("const", text.clone());
     let assertion = match constants {
         [only] => constant(only),
-        _ => member("anyOf", constants.iter().map(|text| Node::Object(vec![constant(text)])).collect::<Node>()),
+        _ => {
+            member("anyOf", constants.iter().map(|text| Node::Object(vec![constant(text)])).collect::<Node>())
+        }
     };
     vec![member("type", "string"), assertion]
 }

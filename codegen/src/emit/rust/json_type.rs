@@ -41,8 +41,7 @@ pub(super) fn declaration() -> TokenStream {
 pub(super) fn files(context: &Context<'_>, package: &Package, module: &str) -> Vec<OutputFile> {
     let names = Names::of(context, package);
     let mut definitions = Definitions::new(context, &names);
-    let tokens: Vec<TokenStream> =
-        package.json_types.iter().map(|id| definitions.json_type(*id)).collect();
+    let tokens: Vec<TokenStream> = package.json_types.iter().map(|id| definitions.json_type(*id)).collect();
     let mut files = Vec::new();
     let mut re_exported: Vec<Ident> = Vec::new();
     if !package.json_types.is_empty() {
@@ -88,8 +87,8 @@ struct Names {
     types: Vec<String>,
     /// All names that are given in the module of the types.
     taken: Vec<String>,
-    /// By type, those that it is held by without a list or map between them, directly or not.
-    holders: Vec<BTreeSet<u32>>,
+    /// By type, the number of its ring: types that hold each other without a list or map between them.
+    rings: Vec<usize>,
 }
 
 impl Names {
@@ -102,22 +101,20 @@ impl Names {
         let types: Vec<String> =
             found.map(|found| scope.unique_type(&identifier::type_name(&found.name))).collect();
         let first = package.json_types.first().map_or(0, |id| id.0);
-        let holds: Vec<BTreeSet<u32>> = package
-            .json_types
-            .iter()
-            .map(|id| held(&context.schema.json_type(*id).definition))
-            .collect();
+        let holds: Vec<BTreeSet<u32>> =
+            package.json_types.iter().map(|id| held(&context.schema.json_type(*id).definition)).collect();
         let taken = types.clone();
-        Self { first, types, taken, holders: closure(&holds, first) }
+        Self { first, types, taken, rings: rings(&holds, first) }
     }
 
     fn name(&self, id: JsonTypeId) -> &str {
         &self.types[(id.0 - self.first) as usize]
     }
 
-    /// Whether a value of `inner` may hold one of `outer`, so that there is no saying how large either is.
+    /// Whether a type and one that it holds may hold each other, so that there is no saying how large either is.
     fn is_recursive(&self, outer: JsonTypeId, inner: JsonTypeId) -> bool {
-        self.holders[(outer.0 - self.first) as usize].contains(&inner.0)
+        let ring = |id: JsonTypeId| self.rings[(id.0 - self.first) as usize];
+        ring(outer) == ring(inner)
     }
 }
 
@@ -144,20 +141,49 @@ fn held(definition: &Definition) -> BTreeSet<u32> {
     found
 }
 
-/// For each type those that hold it, directly or not.
-fn closure(holds: &[BTreeSet<u32>], first: u32) -> Vec<BTreeSet<u32>> {
-    let mut holders: Vec<BTreeSet<u32>> = vec![BTreeSet::new(); holds.len()];
-    for (start, _) in (first..).zip(holds) {
-        let mut open = vec![start];
-        while let Some(at) = open.pop() {
-            for inner in &holds[(at - first) as usize] {
-                if holders[(*inner - first) as usize].insert(start) {
-                    open.push(*inner);
-                }
+/// For each type the number of the ring it stands in: types of the same ring hold each other, directly or not.
+///
+/// Types are numbered by when the search leaves them; going back from the last, what reaches a type makes up its ring.
+fn rings(holds: &[BTreeSet<u32>], first: u32) -> Vec<usize> {
+    let index = |id: &u32| (*id - first) as usize;
+    let inner: Vec<Vec<usize>> = holds.iter().map(|held| held.iter().map(index).collect()).collect();
+    let mut outer: Vec<Vec<usize>> = vec![Vec::new(); holds.len()];
+    for (at, held) in inner.iter().enumerate() {
+        held.iter().for_each(|held| outer[*held].push(at));
+    }
+    let mut left = Vec::with_capacity(holds.len());
+    let mut is_seen = vec![false; holds.len()];
+    for start in 0..holds.len() {
+        visit(&inner, start, &mut is_seen, &mut left);
+    }
+    let mut rings = vec![0; holds.len()];
+    let mut is_seen = vec![false; holds.len()];
+    for (ring, start) in left.into_iter().rev().enumerate() {
+        let mut members = Vec::new();
+        visit(&outer, start, &mut is_seen, &mut members);
+        members.into_iter().for_each(|member| rings[member] = ring);
+    }
+    rings
+}
+
+/// All that is reached from `start` and hasn't been seen, each after what is reached from it.
+fn visit(steps: &[Vec<usize>], start: usize, is_seen: &mut [bool], left: &mut Vec<usize>) {
+    let mut path = Vec::new();
+    if !std::mem::replace(&mut is_seen[start], true) {
+        path.push((start, 0));
+    }
+    while let Some((at, taken)) = path.last_mut() {
+        let next = steps[*at].get(*taken).copied();
+        *taken += 1;
+        match next {
+            Some(next) if !std::mem::replace(&mut is_seen[next], true) => path.push((next, 0)),
+            Some(_) => {}
+            None => {
+                left.push(*at);
+                path.pop();
             }
         }
     }
-    holders
 }
 
 /// The identifiers of the fields of a struct.

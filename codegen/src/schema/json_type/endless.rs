@@ -3,6 +3,12 @@
 use super::{Definition, Expression, JsonType, Member};
 use crate::diagnostic::{Diagnostic, Problem};
 
+/// So many cycles are reported; where there are more, they have much in common.
+const MAX_REPORTED: usize = 20;
+
+/// A type stands for no more types than this, through all names in it.
+const MAX_MEANT: usize = 256;
+
 /// A path longer than twice this is shown by its ends.
 const MAX_PATH_END: usize = 8;
 
@@ -20,6 +26,46 @@ pub(super) fn check(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
             Definition::Named(typed) => meant(&typed.ty),
             _ => Vec::new(),
         });
+    }
+    if diagnostics.is_empty() {
+        diagnostics = check_size(types, first);
+    }
+    diagnostics
+}
+
+/// Reports names that stand for names, and those for others, until they are too many. There is no cycle among them.
+fn check_size(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
+    let mut diagnostics = Vec::new();
+    // By type, for how many it stands; 0 where that isn't known yet.
+    let mut sizes = vec![0_usize; types.len()];
+    for start in 0..types.len() {
+        let mut open = vec![start];
+        while let Some(at) = open.last().copied() {
+            let steps: Vec<usize> = match &types[at].definition {
+                Definition::Named(typed) => meant(&typed.ty).iter().map(|id| (id - first) as usize).collect(),
+                _ => Vec::new(),
+            };
+            let unknown: Vec<usize> = steps.iter().copied().filter(|step| sizes[*step] == 0).collect();
+            if !unknown.is_empty() {
+                open.extend(unknown);
+                continue;
+            }
+            open.pop();
+            if sizes[at] > 0 {
+                continue;
+            }
+            sizes[at] = steps.iter().map(|step| sizes[*step]).fold(1, usize::saturating_add);
+            if sizes[at] > MAX_MEANT {
+                let problem = Problem::TooManyParts {
+                    name: types[at].name.clone(),
+                    what: "alternatives, with those of the names in it",
+                    max: MAX_MEANT,
+                };
+                diagnostics.push(Diagnostic::new(problem, types[at].span));
+                // What stands for it isn't to blame.
+                sizes[at] = 1;
+            }
+        }
     }
     diagnostics
 }
@@ -73,6 +119,9 @@ fn cycles(types: &[JsonType], first: u32, steps: impl Fn(&Definition) -> Vec<u32
                 continue;
             };
             *taken += 1;
+            if is_open[next] && diagnostics.len() >= MAX_REPORTED {
+                return diagnostics;
+            }
             if is_open[next] {
                 let from = path.iter().position(|(index, _)| *index == next).unwrap_or(0);
                 diagnostics.push(report(types, path[from..].iter().map(|(index, _)| *index)));

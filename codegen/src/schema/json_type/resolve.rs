@@ -4,15 +4,16 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::kind::{ByName, kinds};
 use super::{
-    Definition, Expression, JsonMessage, JsonPart, JsonType, JsonTypeId, Limits, Member, Object, Set, SetValue,
-    SetValues, TYPE_FIELD, Typed, endless,
+    Definition, Expression, JsonMessage, JsonPart, JsonType, JsonTypeId, Limits, Member, Object, Set,
+    SetValue, SetValues, TYPE_FIELD, Typed, endless,
 };
 use crate::diagnostic::{Diagnostic, Problem, has_errors};
 use crate::msg::annotation::{Note, Statement};
 use crate::schema::{Docs, Range};
 use crate::source::Span;
 use crate::table::type_table::{
-    self, Body, Definitions, Direction, Entry, ExpressionKind, MessageDefinition, PartDefinition, TypeDefinition,
+    self, Body, Definitions, Direction, Entry, ExpressionKind, MessageDefinition, PartDefinition,
+    TypeDefinition,
 };
 use crate::table::{Page, Text, type_table::Expression as Written};
 
@@ -21,6 +22,9 @@ pub(super) const ERROR_CODE: &str = "ErrorCode";
 
 /// The name that stands for a list of such codes.
 pub(super) const ERROR_LIST: &str = "ErrorList";
+
+/// A tuple has no more elements than this: nobody tells more of them apart by their place.
+const MAX_ELEMENTS: usize = 64;
 
 /// Beyond this many mistakes no similar names are looked for: the search is over all names.
 const MAX_SUGGESTIONS: usize = 100;
@@ -54,8 +58,10 @@ pub fn resolve(pages: &[Page], package: (usize, &str), first: u32, has_error_cod
         written.types.append(&mut found.types);
         written.messages.append(&mut found.messages);
     }
-    let types = unique(written.types, has_error_codes, |found| (found.name, found.span), &mut resolved.diagnostics);
-    let messages = unique(written.messages, false, |found| (found.name, found.span), &mut resolved.diagnostics);
+    let types =
+        unique(written.types, has_error_codes, |found| (found.name, found.span), &mut resolved.diagnostics);
+    let messages =
+        unique(written.messages, false, |found| (found.name, found.span), &mut resolved.diagnostics);
     let mut resolver = Resolver {
         package: package.0,
         package_name: package.1,
@@ -66,9 +72,9 @@ pub fn resolve(pages: &[Page], package: (usize, &str), first: u32, has_error_cod
         diagnostics: resolved.diagnostics,
     };
     resolved.types = types.iter().map(|found| resolver.json_type(found)).collect();
-    let answering = messages.iter().filter(|message| {
-        message.parts.iter().any(|part| part.direction == Direction::Response)
-    });
+    let answering = messages
+        .iter()
+        .filter(|message| message.parts.iter().any(|part| part.direction == Direction::Response));
     let answering: BTreeSet<&str> = answering.map(|message| message.name).collect();
     resolved.messages = messages.iter().map(|found| resolver.message(found, &answering)).collect();
     resolved.diagnostics = resolver.diagnostics;
@@ -103,7 +109,8 @@ fn unique<'p, T>(
         };
         let mut diagnostic = Diagnostic::new(problem, span).with_related(place, "the first one");
         if earlier != name {
-            let hint = format!("on some systems the files of `{earlier}` and `{name}` are one: rename one of them");
+            let hint =
+                format!("on some systems the files of `{earlier}` and `{name}` are one: rename one of them");
             diagnostic = diagnostic.with_hint(hint);
         }
         diagnostics.push(diagnostic);
@@ -138,6 +145,10 @@ impl Resolver<'_, '_> {
             }
             Body::Tuple(elements) => {
                 self.check_has_rows(name, elements.is_empty(), written.span);
+                if elements.len() > MAX_ELEMENTS {
+                    let (name, max) = (name.to_owned(), MAX_ELEMENTS);
+                    self.report(Problem::TooManyParts { name, what: "elements", max }, written.span);
+                }
                 self.check_order(elements);
                 Definition::Tuple(self.members(elements))
             }
@@ -178,12 +189,17 @@ impl Resolver<'_, '_> {
     /// Whether the paragraphs above a set say that it is open.
     fn is_open(&mut self, name: &str, paragraphs: &[&Text], span: Span) -> bool {
         let says = |word: &str| {
-            let mut words = paragraphs.iter().flat_map(|text| text.as_str().split(|c: char| !c.is_alphanumeric()));
+            let mut words =
+                paragraphs.iter().flat_map(|text| text.as_str().split(|c: char| !c.is_alphanumeric()));
             words.any(|found| found.eq_ignore_ascii_case(word))
         };
         let (is_open, is_closed) = (says("open"), says("closed"));
         if is_open == is_closed {
-            let found = if is_open { "said to be both open and closed" } else { "said to be neither open nor closed" };
+            let found = if is_open {
+                "said to be both open and closed"
+            } else {
+                "said to be neither open nor closed"
+            };
             self.report(Problem::Openness { name: name.to_owned(), found }, span);
         }
         is_open
@@ -191,9 +207,8 @@ impl Resolver<'_, '_> {
 
     /// Whether the paragraphs above an object say that it has no further fields.
     fn is_closed(&mut self, name: &str, paragraphs: &[&Text], span: Span) -> bool {
-        let says = |phrase: &str| {
-            paragraphs.iter().any(|text| text.as_str().to_ascii_lowercase().contains(phrase))
-        };
+        let says =
+            |phrase: &str| paragraphs.iter().any(|text| text.as_str().to_ascii_lowercase().contains(phrase));
         let (is_closed, is_open) = (says("closed object"), says("further fields are allowed"));
         if is_closed && is_open {
             let found = "said to be closed, and to allow further fields";
@@ -218,7 +233,10 @@ impl Resolver<'_, '_> {
             members.push(Member {
                 name: member.name.to_owned(),
                 is_required: member.is_required,
-                typed: Typed { ty: member.ty.as_ref().map_or(Expression::Any, |ty| self.expression(ty)), limits },
+                typed: Typed {
+                    ty: member.ty.as_ref().map_or(Expression::Any, |ty| self.expression(ty)),
+                    limits,
+                },
                 description: member.note.text.to_string(),
                 span: member.span,
             });
@@ -303,9 +321,11 @@ impl Resolver<'_, '_> {
                     }
                 }
                 let mut seen = Vec::new();
-                alternatives.retain(|found| !seen.contains(found) && {
-                    seen.push(found.clone());
-                    true
+                alternatives.retain(|found| {
+                    !seen.contains(found) && {
+                        seen.push(found.clone());
+                        true
+                    }
                 });
                 Expression::Either(alternatives)
             }
@@ -322,8 +342,7 @@ impl Resolver<'_, '_> {
             ERROR_LIST if self.has_error_codes => return Expression::ErrorList,
             _ => {}
         }
-        let problem =
-            Problem::UndefinedType { name: name.to_owned(), package: self.package_name.to_owned() };
+        let problem = Problem::UndefinedType { name: name.to_owned(), package: self.package_name.to_owned() };
         let hint = self.similar(name).map(|similar| format!("did you mean `{similar}`?"));
         self.diagnostics.push(Diagnostic { hint, ..Diagnostic::new(problem, span) });
         Expression::Any

@@ -142,7 +142,10 @@ impl<'s> Resolver<'s> {
                 // Resolved with the whole message: the array may stand below.
                 Statement::Count(_) => {}
                 // Pages alone have these.
-                Statement::Length { .. } | Statement::Unique | Statement::Pattern(_) | Statement::Format(_) => {}
+                Statement::Length { .. }
+                | Statement::Unique
+                | Statement::Pattern(_)
+                | Statement::Format(_) => {}
                 Statement::Enum(prefixes) | Statement::Flags(prefixes) => {
                     field.enum_prefixes = prefixes.iter().map(prefix_text).collect();
                     let is_flags = matches!(annotation.statement, Statement::Flags(_));
@@ -237,7 +240,10 @@ impl<'s> Resolver<'s> {
                     self.claimed[index].extend(prefixes.iter().map(|prefix| prefix.prefix.to_owned()));
                 }
                 Statement::Uncontrolled(_) | Statement::Frame(_) | Statement::Count(_) => {}
-                Statement::Length { .. } | Statement::Unique | Statement::Pattern(_) | Statement::Format(_) => {}
+                Statement::Length { .. }
+                | Statement::Unique
+                | Statement::Pattern(_)
+                | Statement::Format(_) => {}
             }
         }
         parameter

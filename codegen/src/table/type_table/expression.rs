@@ -5,6 +5,7 @@
 //! term = "list of" term | "map of" term | "one of" constant { "," constant } | "(" expression ")" | name
 //! ```
 
+use std::collections::BTreeSet;
 use std::iter::Peekable;
 use std::ops::Range;
 use std::vec::IntoIter;
@@ -15,6 +16,9 @@ use crate::table::Text;
 
 /// Deeper expressions are no types that people write.
 const MAX_DEPTH: usize = 16;
+
+/// A type has no more alternatives than this: each is compared with the others.
+const MAX_ALTERNATIVES: usize = 32;
 
 /// A type as it is written.
 #[derive(Clone, Debug, PartialEq)]
@@ -147,7 +151,12 @@ impl<'t> Parser<'t> {
         let start = first.span;
         let mut alternatives = vec![first];
         loop {
-            alternatives.push(self.term(depth)?);
+            let alternative = self.term(depth)?;
+            if alternatives.len() >= MAX_ALTERNATIVES {
+                let hint = "give some of the alternatives a heading of their own";
+                return Err(Failure { range: 0..self.end, hint: Some(hint) });
+            }
+            alternatives.push(alternative);
             if self.take("or").is_none() {
                 break;
             }
@@ -159,7 +168,10 @@ impl<'t> Parser<'t> {
     fn term(&mut self, depth: usize) -> Result<Expression, Failure> {
         let token = self.next()?;
         if depth > MAX_DEPTH {
-            return Err(Failure { range: token.range, hint: Some("give the inner type a heading of its own") });
+            return Err(Failure {
+                range: token.range,
+                hint: Some("give the inner type a heading of its own"),
+            });
         }
         let start = self.text.part(token.range.clone());
         if token.text == "(" {
@@ -194,15 +206,17 @@ impl<'t> Parser<'t> {
 
     fn constants(&mut self) -> Result<(Vec<String>, Span), Failure> {
         let mut constants = Vec::new();
+        let mut known = BTreeSet::new();
         loop {
             let token = self.next()?;
             let quoted = token.text.strip_prefix('"').and_then(|text| text.strip_suffix('"'));
             if quoted.is_none() && token.text.parse::<f64>().is_ok() {
-                let hint = "the constants of `one of` are strings: put a number between quotes, or define a set";
+                let hint =
+                    "the constants of `one of` are strings: put a number between quotes, or define a set";
                 return Err(Failure { range: token.range, hint: Some(hint) });
             }
             let text = quoted.unwrap_or(token.text);
-            if constants.iter().any(|known| known == text) {
+            if !known.insert(text) {
                 return Err(Failure { range: token.range, hint: Some("it is listed twice: remove one") });
             }
             constants.push(text.to_owned());
@@ -235,7 +249,8 @@ mod tests {
     use crate::table::text::TextBuilder;
 
     fn text(source: &str) -> Text {
-        let mut builder = TextBuilder::new(Span { start: 0, end: u32::try_from(source.len()).expect("short") });
+        let mut builder =
+            TextBuilder::new(Span { start: 0, end: u32::try_from(source.len()).expect("short") });
         builder.push(source, 0);
         builder.finish(0..source.len())
     }
@@ -246,7 +261,9 @@ mod tests {
             ExpressionKind::Named(name) => name.clone(),
             ExpressionKind::List(inner) => format!("list({})", shown(inner)),
             ExpressionKind::Map(inner) => format!("map({})", shown(inner)),
-            ExpressionKind::Either(all) => format!("({})", all.iter().map(shown).collect::<Vec<_>>().join("|")),
+            ExpressionKind::Either(all) => {
+                format!("({})", all.iter().map(shown).collect::<Vec<_>>().join("|"))
+            }
             ExpressionKind::OneOf(constants) => format!("{constants:?}"),
             built_in => format!("{built_in:?}").to_lowercase(),
         }
@@ -274,8 +291,23 @@ mod tests {
     fn what_is_no_type_is_refused() {
         let deep = format!("{}string", "list of ".repeat(100));
         for source in [
-            "", "strings", "list", "list of", "map string", "or", "string or", "(string", "string)", "a b",
-            "one of", "one of 1, 2", "one of a, a", "string, integer", &deep, "\"", "list of ,",
+            "",
+            "strings",
+            "list",
+            "list of",
+            "map string",
+            "or",
+            "string or",
+            "(string",
+            "string)",
+            "a b",
+            "one of",
+            "one of 1, 2",
+            "one of a, a",
+            "string, integer",
+            &deep,
+            "\"",
+            "list of ,",
         ] {
             let mut diagnostics = Vec::new();
             assert_eq!(read(&text(source), &mut diagnostics), None, "{source}");
@@ -289,7 +321,9 @@ mod tests {
         assert_eq!(end("integer, [ms] Time"), Some(("integer".to_owned(), 8)));
         assert_eq!(end("string [@length 1, 2] Id"), Some(("string".to_owned(), 7)));
         assert_eq!(end("list of Mark"), Some(("list(Mark)".to_owned(), 12)));
-        for prose in ["integer numbers, all of them", "Mark, the first", "any mark, any time", "", "list them, please"] {
+        for prose in
+            ["integer numbers, all of them", "Mark, the first", "any mark, any time", "", "list them, please"]
+        {
             assert_eq!(end(prose), None, "{prose}");
         }
     }

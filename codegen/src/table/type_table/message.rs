@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::columns::{self, Columns, Header};
-use super::{Member, Reader};
+use super::{Member, Reader, under};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::Span;
 use crate::table::{Heading, Page, Table, Text};
@@ -92,14 +92,14 @@ pub(super) struct Headings {
 }
 
 impl Headings {
-    /// Whether a heading is that of a part.
-    pub(super) fn has_part(&self, heading: usize) -> bool {
-        self.parts.iter().any(|(_, part)| *part == heading)
+    /// The index of the heading of the type.
+    pub(super) fn index(&self) -> usize {
+        self.message
     }
 
-    /// Whether a heading belongs to the message.
-    pub(super) fn is_at(&self, heading: usize) -> bool {
-        self.message == heading || self.has_part(heading)
+    /// The indices of the headings of the parts.
+    pub(super) fn parts(&self) -> impl Iterator<Item = usize> {
+        self.parts.iter().map(|(_, part)| *part)
     }
 }
 
@@ -113,9 +113,9 @@ pub(super) fn headings(page: &Page) -> Vec<Headings> {
         while above.last().is_some_and(|last| page.headings[*last].level >= heading.level) {
             above.pop();
         }
-        let direction = Direction::ALL.into_iter().find(|known| {
-            heading.text.as_str().eq_ignore_ascii_case(known.title())
-        });
+        let direction = Direction::ALL
+            .into_iter()
+            .find(|known| heading.text.as_str().eq_ignore_ascii_case(known.title()));
         if let (Some(direction), Some(message)) = (direction, above.last().copied()) {
             match messages.iter_mut().rev().find(|known| known.message == message) {
                 Some(known) => known.parts.push((direction, index)),
@@ -185,8 +185,8 @@ impl<'p> Reader<'p> {
     fn part(&mut self, name: &str, direction: Direction, index: usize) -> PartDefinition<'p> {
         let page = self.page;
         let span = page.headings[index].text.span();
-        let under = page.tables.iter().filter(|table| table.heading == Some(index));
-        let mut tables = under.filter_map(|table| Some((table, columns_of(table)?)));
+        let found = under(&page.tables, index, |table| table.heading);
+        let mut tables = found.iter().filter_map(|table| Some((table, columns_of(table)?)));
         let table = tables.next();
         if let Some((second, _)) = tables.next() {
             let problem = Problem::DuplicateType { name: format!("{name}, {direction}") };
@@ -201,7 +201,10 @@ impl<'p> Reader<'p> {
             Some((table, columns @ Columns::Object { .. })) => self.members(table, &columns),
             None if is_empty => Vec::new(),
             _ => {
-                self.report(Problem::MissingFields { name: name.to_owned(), direction: direction.name() }, span);
+                self.report(
+                    Problem::MissingFields { name: name.to_owned(), direction: direction.name() },
+                    span,
+                );
                 Vec::new()
             }
         };

@@ -111,7 +111,8 @@ fn message_tokens(context: &Context<'_>, names: &Names, message: &JsonMessage) -
     for part in &message.parts {
         definitions.give(part.direction.title());
     }
-    let parts: Vec<TokenStream> = message.parts.iter().map(|part| part_tokens(&mut definitions, message, part)).collect();
+    let parts: Vec<TokenStream> =
+        message.parts.iter().map(|part| part_tokens(&mut definitions, message, part)).collect();
     quote!(#doc #(#parts)*)
 }
 

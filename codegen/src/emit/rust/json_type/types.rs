@@ -52,7 +52,12 @@ impl<'c> Definitions<'c> {
 
     /// For the module of a message, which has names of its own.
     pub(super) fn of_message(context: &'c Context<'c>, names: &'c Names) -> Self {
-        Self { scope: Scope::default(), given: Vec::new(), above: quote!(super::), ..Self::new(context, names) }
+        Self {
+            scope: Scope::default(),
+            given: Vec::new(),
+            above: quote!(super::),
+            ..Self::new(context, names)
+        }
     }
 
     /// The names of all types that were written.
@@ -98,7 +103,8 @@ impl<'c> Definitions<'c> {
         object: &Object,
         fields: &[Member],
     ) -> TokenStream {
-        let places = self.places(name, fields, |member| if member.is_required { "required" } else { "optional" });
+        let places =
+            self.places(name, fields, |member| if member.is_required { "required" } else { "optional" });
         let declaration = self.declaration(doc, name, &places);
         let openness = ident(if object.is_closed { "closed" } else { "open" });
         let entries = places.iter().map(|Place { member, ident, presence, .. }| {
@@ -162,7 +168,13 @@ impl<'c> Definitions<'c> {
     }
 
     /// A newtype, which knows its range where it has one.
-    fn named(&mut self, docs: &crate::schema::Docs, page_name: &str, name: &Ident, typed: &Typed) -> TokenStream {
+    fn named(
+        &mut self,
+        docs: &crate::schema::Docs,
+        page_name: &str,
+        name: &Ident,
+        typed: &Typed,
+    ) -> TokenStream {
         let inner = self.expression(&typed.ty, &format!("{name}Value"), false);
         let mut text = text(docs, "type", page_name);
         let facts = facts(&typed.limits);
@@ -174,7 +186,9 @@ impl<'c> Definitions<'c> {
         let copy = matches!(typed.ty, Expression::Integer | Expression::Number | Expression::Boolean);
         let copy = copy.then(|| quote!(Copy,));
         let order = match typed.ty {
-            Expression::Integer | Expression::Boolean | Expression::String => quote!(Eq, PartialOrd, Ord, Hash),
+            Expression::Integer | Expression::Boolean | Expression::String => {
+                quote!(Eq, PartialOrd, Ord, Hash)
+            }
             Expression::Number => quote!(PartialOrd),
             _ => TokenStream::new(),
         };
@@ -216,7 +230,11 @@ impl<'c> Definitions<'c> {
                 let name = ident(self.names.name(*id));
                 let is_boxed =
                     !is_apart && self.current.is_some_and(|current| self.names.is_recursive(current, *id));
-                if is_boxed { quote!(::uavspec_runtime::alloc::boxed::Box<#name>) } else { quote!(#above #name) }
+                if is_boxed {
+                    quote!(::uavspec_runtime::alloc::boxed::Box<#name>)
+                } else {
+                    quote!(#above #name)
+                }
             }
             Expression::List(element) => {
                 let element = self.expression(element, site, true);
@@ -322,7 +340,8 @@ fn set_body(doc: &TokenStream, name: &Ident, set: &Set) -> TokenStream {
         SetValues::Integers(values) => {
             let names = variant_names(values.iter().map(|found| number_name(found.value)), set.is_open);
             let other = set.is_open.then(|| quote!(#other_doc Other(i64)));
-            let declarations = declarations(&names, values.iter().map(|found| (&found.description, found.value)));
+            let declarations =
+                declarations(&names, values.iter().map(|found| (&found.description, found.value)));
             let entries = names.iter().zip(values).map(|(variant, found)| {
                 let value = literals::integer(found.value.into());
                 quote!(#variant #value;)
@@ -340,8 +359,10 @@ fn set_body(doc: &TokenStream, name: &Ident, set: &Set) -> TokenStream {
         }
         SetValues::Strings(values) => {
             let names = variant_names(values.iter().map(|found| pascal_case(&found.value)), set.is_open);
-            let other = set.is_open.then(|| quote!(#other_doc Other(::uavspec_runtime::alloc::string::String)));
-            let declarations = declarations(&names, values.iter().map(|found| (&found.description, &found.value)));
+            let other =
+                set.is_open.then(|| quote!(#other_doc Other(::uavspec_runtime::alloc::string::String)));
+            let declarations =
+                declarations(&names, values.iter().map(|found| (&found.description, &found.value)));
             let entries = names.iter().zip(values).map(|(variant, found)| {
                 let value = &found.value;
                 quote!(#variant #value;)
@@ -366,8 +387,11 @@ fn declarations<'v, T: ToString>(
 ) -> impl Iterator<Item = TokenStream> {
     names.iter().zip(values).map(|(variant, (description, value))| {
         let value = prose::code(&value.to_string());
-        let text =
-            if description.is_empty() { format!("{value}.") } else { format!("{value}: {}", prose::block(description)) };
+        let text = if description.is_empty() {
+            format!("{value}.")
+        } else {
+            format!("{value}: {}", prose::block(description))
+        };
         let doc = documentation(&text);
         quote!(#doc #variant)
     })
@@ -419,7 +443,8 @@ fn integer_range(range: &Range) -> TokenStream {
             Err(_) if *value < 0 => quote!(i64::MIN),
             Err(_) => quote!(i64::MAX),
         },
-        #[allow(clippy::cast_possible_truncation)] // a bound of integers; beyond 64 bits it is the last of them
+        #[allow(clippy::cast_possible_truncation)]
+        // a bound of integers; beyond 64 bits it is the last of them
         Some(other) => literals::integer((round(other.as_f64().unwrap_or_default()) as i64).into()),
     };
     let low = bound(range.low.as_ref(), quote!(i64::MIN), f64::ceil);
@@ -439,7 +464,10 @@ fn float_range(range: &Range) -> TokenStream {
 
 fn member_text(member: &Member) -> String {
     let mut text = if member.description.is_empty() {
-        format!("The field `{}`, which its page says no more of.", prose::code(&member.name).trim_matches('`'))
+        format!(
+            "The field `{}`, which its page says no more of.",
+            prose::code(&member.name).trim_matches('`')
+        )
     } else {
         prose::block(&member.description)
     };
@@ -467,7 +495,9 @@ fn facts(limits: &Limits) -> Vec<String> {
         }),
     }
     if let Some(range) = &limits.range {
-        facts.extend(range_text(range.low.as_ref(), range.high.as_ref()).map(|range| format!("range: {range}")));
+        facts.extend(
+            range_text(range.low.as_ref(), range.high.as_ref()).map(|range| format!("range: {range}")),
+        );
     }
     let int = |value: u32| Value::Int(value.into());
     let (least, most) = (limits.least.map(int), limits.most.map(int));
