@@ -214,7 +214,8 @@ fn nesting_that_doubles_is_refused() {
 fn objects(types: impl Iterator<Item = (String, String)>) -> Vec<(String, Vec<u8>)> {
     let mut page = String::from("# Gliders\n");
     for (name, rows) in types {
-        writeln!(page, "\n## {name}\n\n|Field|Required|Type|Description|\n|-|-|-|-|\n{rows}").expect("a string");
+        writeln!(page, "\n## {name}\n\n|Field|Required|Type|Description|\n|-|-|-|-|\n{rows}")
+            .expect("a string");
     }
     vec![("gliders.md".to_owned(), page.into_bytes())]
 }
@@ -232,7 +233,11 @@ fn emit_page(files: &[(String, Vec<u8>)]) -> Vec<&'static str> {
         json_schema::emit(&schema, &json_schema::Options::default());
         docs::emit(&schema, &sources, &docs::Options::default());
         #[cfg(feature = "rust")]
-        uavspec_codegen::emit::rust::emit(&schema, &sources, &uavspec_codegen::emit::rust::Options::default());
+        uavspec_codegen::emit::rust::emit(
+            &schema,
+            &sources,
+            &uavspec_codegen::emit::rust::Options::default(),
+        );
     }
     diagnostics.iter().map(|diagnostic| diagnostic.problem.code()).collect()
 }
@@ -254,7 +259,8 @@ fn types_of_pages_that_hold_others_need_no_stack_and_no_room() {
         (format!("Level{level}"), format!("|a|yes|{ty}|x|\n|b|yes|list of {ty}|x|\n|c|no|{ty}|x|\n"))
     }));
     assert_eq!(emit_page(&doubled), [""; 0]);
-    let wide: String = (0..5_000).map(|field| format!("|field{field}|no|list of integer|[@range 0, 9] x|\n")).collect();
+    let wide: String =
+        (0..5_000).map(|field| format!("|field{field}|no|list of integer|[@range 0, 9] x|\n")).collect();
     assert_eq!(emit_page(&objects([("Wide".to_owned(), wide)].into_iter())), [""; 0]);
     let names = (0..1_000).map(|link: u32| {
         let below = link.checked_sub(1).map_or("string".to_owned(), |below| format!("Link{below}"));
@@ -267,7 +273,8 @@ fn types_of_pages_that_hold_others_need_no_stack_and_no_room() {
 #[test]
 fn tables_of_types_are_read_in_linear_time() {
     let header = "|Field|Required|Type|Description|\n|-|-|-|-|\n";
-    for body in ["(", "list of ", "a or ", "a, ", "\"", "one of a, ", "[", "[@pattern ", "[@pattern [", "\\"] {
+    for body in ["(", "list of ", "a or ", "a, ", "\"", "one of a, ", "[", "[@pattern ", "[@pattern [", "\\"]
+    {
         let body = body.repeat((1 << 17) / body.len());
         let pages = [
             format!("# Gliders\n\n## Mark\n\n{header}|a|yes|{body}|x|\n"),

@@ -4,7 +4,7 @@
 mod support;
 
 /// What is emitted, as a crate would have it.
-#[allow(clippy::doc_markdown, clippy::unreadable_literal, dead_code, missing_docs, unreachable_pub, unused_imports)]
+#[allow(dead_code, missing_docs, unreachable_pub, unused_imports)]
 #[rustfmt::skip]
 #[path = "json_types/mod.rs"]
 mod emitted;

@@ -36,18 +36,25 @@ const BUILT_IN: [&str; 7] = ["string", "integer", "number", "boolean", "null", "
 
 /// Annotations, and what they belong to: numbers, strings, lists of anything.
 const OF_NUMBERS: [&str; 4] = ["[m/s]", "[@range -5, 9]", "[@range 1,]", "[@range , 0.5]"];
-const OF_STRINGS: [&str; 4] = ["[@length 1, 4]", "[@pattern `^[a-z]{2}$`]", "[@length 2,]", "[@format base64]"];
+const OF_STRINGS: [&str; 4] =
+    ["[@length 1, 4]", "[@pattern `^[a-z]{2}$`]", "[@length 2,]", "[@format base64]"];
 const OF_LISTS: [&str; 3] = ["[@length 1, 3]", "[@unique]", "[@length , 2] [@unique]"];
 
 /// An expression that names no type, with annotations that belong to it.
 fn plain() -> impl Strategy<Value = (String, &'static str)> {
     prop_oneof![
         select(&BUILT_IN[..]).prop_map(|ty| (ty.to_owned(), "")),
-        (select(&["integer", "number", "list of integer", "number or null", "map of number"][..]), select(&OF_NUMBERS[..]))
+        (
+            select(&["integer", "number", "list of integer", "number or null", "map of number"][..]),
+            select(&OF_NUMBERS[..])
+        )
             .prop_map(|(ty, annotations)| (ty.to_owned(), annotations)),
         (select(&["string", "string or null"][..]), select(&OF_STRINGS[..]))
             .prop_map(|(ty, annotations)| (ty.to_owned(), annotations)),
-        (select(&["list of string", "list of list of integer", "list of any or null"][..]), select(&OF_LISTS[..]))
+        (
+            select(&["list of string", "list of list of integer", "list of any or null"][..]),
+            select(&OF_LISTS[..])
+        )
             .prop_map(|(ty, annotations)| (ty.to_owned(), annotations)),
     ]
 }
@@ -103,13 +110,16 @@ fn page(types: &[Type]) -> String {
                 page.push_str("|Index|Element|Required|Type|Description|\n|-|-|-|-|-|\n");
                 for (index, Member { is_required, ty, annotations }) in elements.iter().enumerate() {
                     let required = yes(*is_required);
-                    writeln!(page, "|{index}|part{index}|{required}|{ty}|{annotations} Part|").expect("a string");
+                    writeln!(page, "|{index}|part{index}|{required}|{ty}|{annotations} Part|")
+                        .expect("a string");
                 }
             }
             Type::Set(values, is_open) => {
                 let openness = if *is_open { "An open set." } else { "A closed set." };
                 write!(page, "{openness}\n\n|Value|Description|\n|-|-|\n").expect("a string");
-                values.iter().for_each(|value| writeln!(page, "|{value}|x|").expect("a string"));
+                for value in values {
+                    writeln!(page, "|{value}|x|").expect("a string");
+                }
             }
             Type::Named(ty, annotations) => writeln!(page, "{ty}, {annotations} by name").expect("a string"),
         }

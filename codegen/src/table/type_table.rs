@@ -105,12 +105,10 @@ pub fn read(page: &Page) -> (Definitions<'_>, Vec<Diagnostic>) {
     for table in &page.tables {
         match columns::header_of(table) {
             Some(Header::Near(columns)) => reader.report_near_miss(table, columns),
-            Some(Header::Known(columns)) => {
-                if !table.heading.is_some_and(|heading| is_part[heading]) {
-                    definitions.types.extend(reader.type_of_table(table, &columns));
-                }
+            Some(Header::Known(columns)) if !table.heading.is_some_and(|heading| is_part[heading]) => {
+                definitions.types.extend(reader.type_of_table(table, &columns));
             }
-            None => {}
+            Some(Header::Known(_)) | None => {}
         }
     }
     for index in 0..page.headings.len() {

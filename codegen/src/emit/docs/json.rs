@@ -67,7 +67,9 @@ impl<'p, 's> Json<'p, 's> {
     }
 
     fn hold_all(&mut self, owner: Owner, members: &'s [Member]) {
-        members.iter().for_each(|member| self.hold((owner, Some(member)), &member.typed.ty));
+        for member in members {
+            self.hold((owner, Some(member)), &member.typed.ty);
+        }
     }
 
     fn hold(&mut self, holder: Holder<'s>, expression: &Expression) {

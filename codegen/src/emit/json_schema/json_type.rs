@@ -32,7 +32,7 @@ pub(super) fn type_members<'s>(schema: &'s Schema, found: &'s JsonType) -> Vec<E
             None
         }
         Definition::Set(set) => {
-            members.extend(writer.set(set));
+            members.extend(values(set));
             Some(if set.is_open { "open set" } else { "closed set" })
         }
         Definition::Named(typed) => {
@@ -119,21 +119,6 @@ impl<'s> Writer<'s> {
             members.push(member("anyOf", alternatives.collect::<Node>()));
         }
         members
-    }
-
-    fn set(self, set: &'s Set) -> Vec<Entry<'s>> {
-        let (ty, mut values): (&str, Vec<Node<'s>>) = match &set.values {
-            SetValues::Integers(values) => (
-                "integer",
-                values.iter().map(|found| known(found, Node::Integer(found.value.into()))).collect(),
-            ),
-            SetValues::Strings(values) => (
-                "string",
-                values.iter().map(|found| known(found, Node::from(found.value.as_str()))).collect(),
-            ),
-        };
-        values.extend(set.is_open.then_some(Node::Bool(true)));
-        vec![member("type", ty), member("anyOf", Node::List(values))]
     }
 
     /// The schema of a field or element.
@@ -249,6 +234,20 @@ impl<'s> Writer<'s> {
 
 fn reference<'s>(target: Target) -> Vec<Entry<'s>> {
     vec![member("$ref", Node::Reference(target))]
+}
+
+/// The values of a set, and any other where it is open.
+fn values(set: &Set) -> Vec<Entry<'_>> {
+    let (ty, mut values): (&str, Vec<Node<'_>>) = match &set.values {
+        SetValues::Integers(values) => {
+            ("integer", values.iter().map(|found| known(found, Node::Integer(found.value.into()))).collect())
+        }
+        SetValues::Strings(values) => {
+            ("string", values.iter().map(|found| known(found, Node::from(found.value.as_str()))).collect())
+        }
+    };
+    values.extend(set.is_open.then_some(Node::Bool(true)));
+    vec![member("type", ty), member("anyOf", Node::List(values))]
 }
 
 fn known<'s, T>(found: &'s SetValue<T>, value: Node<'s>) -> Node<'s> {

@@ -64,7 +64,10 @@ pub(super) fn files(context: &Context<'_>, package: &Package, module: &str) -> V
         let types = ident(TYPES);
         quote!(#doc pub mod #types; pub use self::#types::{#(#re_exported),*};)
     });
-    let text = header(&sources(context, package)) + &layout_file(quote!(#doc #types #root));
+    // What is absent and what is null are two things. Messages are few at a time, and an indirection would be in
+    // everybody's way.
+    let allowed = quote!(#![allow(clippy::large_enum_variant)] #![allow(clippy::option_option)]);
+    let text = header(&sources(context, package)) + &layout_file(quote!(#doc #allowed #types #root));
     files.push(OutputFile { path: format!("{module}/{MODULE}.rs"), text });
     files.append(&mut messages);
     files
@@ -130,10 +133,14 @@ fn held(definition: &Definition) -> BTreeSet<u32> {
     let mut found = BTreeSet::new();
     match definition {
         Definition::Object(object) => {
-            object.fields.iter().for_each(|field| collect(&field.typed.ty, &mut found));
+            for field in &object.fields {
+                collect(&field.typed.ty, &mut found);
+            }
         }
         Definition::Tuple(elements) => {
-            elements.iter().for_each(|element| collect(&element.typed.ty, &mut found));
+            for element in elements {
+                collect(&element.typed.ty, &mut found);
+            }
         }
         Definition::Named(typed) => collect(&typed.ty, &mut found),
         Definition::Set(_) => {}
@@ -149,7 +156,9 @@ fn rings(holds: &[BTreeSet<u32>], first: u32) -> Vec<usize> {
     let inner: Vec<Vec<usize>> = holds.iter().map(|held| held.iter().map(index).collect()).collect();
     let mut outer: Vec<Vec<usize>> = vec![Vec::new(); holds.len()];
     for (at, held) in inner.iter().enumerate() {
-        held.iter().for_each(|held| outer[*held].push(at));
+        for held in held {
+            outer[*held].push(at);
+        }
     }
     let mut left = Vec::with_capacity(holds.len());
     let mut is_seen = vec![false; holds.len()];
@@ -161,7 +170,9 @@ fn rings(holds: &[BTreeSet<u32>], first: u32) -> Vec<usize> {
     for (ring, start) in left.into_iter().rev().enumerate() {
         let mut members = Vec::new();
         visit(&outer, start, &mut is_seen, &mut members);
-        members.into_iter().for_each(|member| rings[member] = ring);
+        for member in members {
+            rings[member] = ring;
+        }
     }
     rings
 }

@@ -18,12 +18,12 @@ pub(super) fn check(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
         Definition::Object(object) => needed_by_members(&object.fields),
         Definition::Tuple(elements) => needed_by_members(elements),
         Definition::Set(_) => Vec::new(),
-        Definition::Named(typed) => needed(&typed.ty),
+        Definition::Named(found) => needed(&found.ty),
     });
     if diagnostics.is_empty() {
         // `A` is `null or A`: a value that ends, but there is no telling by what a reader should go.
         diagnostics = cycles(types, first, |definition| match definition {
-            Definition::Named(typed) => meant(&typed.ty),
+            Definition::Named(found) => meant(&found.ty),
             _ => Vec::new(),
         });
     }
@@ -42,7 +42,7 @@ fn check_size(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
         let mut open = vec![start];
         while let Some(at) = open.last().copied() {
             let steps: Vec<usize> = match &types[at].definition {
-                Definition::Named(typed) => meant(&typed.ty).iter().map(|id| (id - first) as usize).collect(),
+                Definition::Named(found) => meant(&found.ty).iter().map(|id| (id - first) as usize).collect(),
                 _ => Vec::new(),
             };
             let unknown: Vec<usize> = steps.iter().copied().filter(|step| sizes[*step] == 0).collect();

@@ -62,7 +62,7 @@ pub fn resolve(pages: &[Page], package: (usize, &str), first: u32, has_error_cod
         unique(written.types, has_error_codes, |found| (found.name, found.span), &mut resolved.diagnostics);
     let messages =
         unique(written.messages, false, |found| (found.name, found.span), &mut resolved.diagnostics);
-    let mut resolver = Resolver {
+    let mut context = Resolver {
         package: package.0,
         package_name: package.1,
         has_error_codes,
@@ -71,13 +71,13 @@ pub fn resolve(pages: &[Page], package: (usize, &str), first: u32, has_error_cod
         suggestions: 0,
         diagnostics: resolved.diagnostics,
     };
-    resolved.types = types.iter().map(|found| resolver.json_type(found)).collect();
+    resolved.types = types.iter().map(|found| context.json_type(found)).collect();
     let answering = messages
         .iter()
         .filter(|message| message.parts.iter().any(|part| part.direction == Direction::Response));
     let answering: BTreeSet<&str> = answering.map(|message| message.name).collect();
-    resolved.messages = messages.iter().map(|found| resolver.message(found, &answering)).collect();
-    resolved.diagnostics = resolver.diagnostics;
+    resolved.messages = messages.iter().map(|found| context.message(found, &answering)).collect();
+    resolved.diagnostics = context.diagnostics;
     if !has_errors(&resolved.diagnostics) {
         resolved.diagnostics.extend(endless::check(&resolved.types, first));
     }

@@ -139,10 +139,9 @@ impl<'s> Resolver<'s> {
                     field.uncontrolled = self.special(special, field.ty, annotation.span);
                 }
                 Statement::Frame(frame) => field.frame = Some((*frame).to_owned()),
-                // Resolved with the whole message: the array may stand below.
-                Statement::Count(_) => {}
-                // Pages alone have these.
-                Statement::Length { .. }
+                // A count is resolved with the whole message: the array may stand below. Pages alone have the others.
+                Statement::Count(_)
+                | Statement::Length { .. }
                 | Statement::Unique
                 | Statement::Pattern(_)
                 | Statement::Format(_) => {}
@@ -239,8 +238,10 @@ impl<'s> Resolver<'s> {
                     parameter.enum_prefixes = prefixes.iter().map(prefix_text).collect();
                     self.claimed[index].extend(prefixes.iter().map(|prefix| prefix.prefix.to_owned()));
                 }
-                Statement::Uncontrolled(_) | Statement::Frame(_) | Statement::Count(_) => {}
-                Statement::Length { .. }
+                Statement::Uncontrolled(_)
+                | Statement::Frame(_)
+                | Statement::Count(_)
+                | Statement::Length { .. }
                 | Statement::Unique
                 | Statement::Pattern(_)
                 | Statement::Format(_) => {}

@@ -5,6 +5,8 @@
 //! A field that may be left out is an `Option`; what may be `null` is one, too. Further fields of an object are
 //! passed over unless the page closes it. Ranges are documented and can be asked for, but reading doesn't look
 //! at them.
+#![allow(clippy::large_enum_variant)]
+#![allow(clippy::option_option)]
 
 /// The types.
 pub mod types;
@@ -20,7 +22,6 @@ pub mod tower_ack;
 
 /// A message from a client, which expects an answer.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(clippy::large_enum_variant)]
 pub enum Request {
     /// The type `FIELD-CLOSE`.
     FieldClose(field_close::Request),
@@ -38,7 +39,6 @@ pub enum Request {
 
 /// The answer to a request.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(clippy::large_enum_variant)]
 pub enum Response {
     /// `GLIDER-INF`: The state of some gliders.
     GliderInf(glider_inf::Response),
@@ -56,7 +56,6 @@ pub enum Response {
 
 /// A message from a server that wasn't asked.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(clippy::large_enum_variant)]
 pub enum Notification {
     /// `GLIDER-INF`: The state of some gliders.
     GliderInf(glider_inf::Notification),

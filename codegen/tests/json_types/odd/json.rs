@@ -5,6 +5,8 @@
 //! A field that may be left out is an `Option`; what may be `null` is one, too. Further fields of an object are
 //! passed over unless the page closes it. Ranges are documented and can be asked for, but reading doesn't look
 //! at them.
+#![allow(clippy::large_enum_variant)]
+#![allow(clippy::option_option)]
 
 /// The types.
 pub mod types;
@@ -16,7 +18,6 @@ pub mod map_list2;
 
 /// The answer to a request.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(clippy::large_enum_variant)]
 pub enum Response {
     /// The type `MAP-LIST`.
     MapList(map_list::Response),
@@ -31,7 +32,6 @@ pub enum Response {
 
 /// A message from a server that wasn't asked.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(clippy::large_enum_variant)]
 pub enum Notification {
     /// The type `Map-List2`.
     MapList2(map_list2::Notification),

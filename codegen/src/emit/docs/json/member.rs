@@ -23,7 +23,9 @@ impl Json<'_, '_> {
             text_column("Description"),
         ];
         let mut table = Table::new(&columns);
-        fields.iter().for_each(|field| table.row(self.cells(from, owner, field)));
+        for field in fields {
+            table.row(self.cells(from, owner, field));
+        }
         page.table(&table);
     }
 

@@ -89,8 +89,6 @@ fn direction_tokens(places: &[Place<'_>], direction: Direction) -> Option<TokenS
     Some(quote! {
         #doc
         #[derive(Clone, Debug, PartialEq)]
-        // Messages are few at a time, and an indirection would be in everybody's way.
-        #[allow(clippy::large_enum_variant)]
         pub enum #name {
             #(#variants,)*
             #other
@@ -125,7 +123,9 @@ fn part_tokens(definitions: &mut Definitions<'_>, message: &JsonMessage, part: &
     };
     if !part.answers.is_empty() {
         let answers: Vec<String> = part.answers.iter().map(|answer| prose::code(answer)).collect();
-        lines += &format!("\n\nAnswered by {}.", answers.join(", "));
+        lines += "\n\nAnswered by ";
+        lines += &answers.join(", ");
+        lines.push('.');
     }
     let fields: Vec<Member> = part.body.fields.iter().filter(|field| is_own(field)).cloned().collect();
     let body = Object { fields: Vec::new(), is_closed: part.body.is_closed };

@@ -177,10 +177,7 @@ impl<'c> Definitions<'c> {
     ) -> TokenStream {
         let inner = self.expression(&typed.ty, &format!("{name}Value"), false);
         let mut text = text(docs, "type", page_name);
-        let facts = facts(&typed.limits);
-        if !facts.is_empty() {
-            text += &format!("\n\n{}.", sentence(&facts));
-        }
+        push_facts(&typed.limits, &mut text);
         let doc = documentation(&text);
         let default = default::of_expression(self.context.schema, &typed.ty).then(|| quote!(Default,));
         let copy = matches!(typed.ty, Expression::Integer | Expression::Number | Expression::Boolean);
@@ -428,7 +425,7 @@ fn range_tokens(name: &Ident, ty: &Expression, range: &Range) -> Option<TokenStr
             pub const RANGE: ::core::ops::RangeInclusive<#number> = #bounds;
 
             /// Whether the value is in its range.
-            pub fn is_in_range(&self) -> bool {
+            pub fn is_in_range(self) -> bool {
                 Self::RANGE.contains(&self.0)
             }
         }
@@ -471,17 +468,18 @@ fn member_text(member: &Member) -> String {
     } else {
         prose::block(&member.description)
     };
-    let facts = facts(&member.typed.limits);
-    if !facts.is_empty() {
-        text += &format!("\n\n{}.", sentence(&facts));
-    }
+    push_facts(&member.typed.limits, &mut text);
     text
 }
 
-fn sentence(facts: &[String]) -> String {
-    let facts = facts.join("; ");
-    let (first, rest) = facts.split_at(1);
-    first.to_uppercase() + rest
+/// Appends what annotations say as a sentence of its own.
+fn push_facts(limits: &Limits, text: &mut String) {
+    let facts = facts(limits).join("; ");
+    let Some(first) = facts.chars().next() else { return };
+    text.push_str("\n\n");
+    text.extend(first.to_uppercase());
+    text.push_str(&facts[first.len_utf8()..]);
+    text.push('.');
 }
 
 /// What annotations say, in words.

@@ -67,7 +67,7 @@ pub(super) fn of(schema: &Schema, expression: &Expression, limits: &Limits) -> V
 fn special(schema: &Schema, expression: &Expression, limits: &Limits, into: &mut Vec<Candidate>) {
     match expression {
         Expression::Integer | Expression::Number => {
-            into.extend(limits.range.as_ref().map(bounds).into_iter().flatten())
+            into.extend(limits.range.as_ref().map(bounds).into_iter().flatten());
         }
         Expression::String => strings(limits, into),
         Expression::OneOf(constants) => {
@@ -90,7 +90,9 @@ fn special(schema: &Schema, expression: &Expression, limits: &Limits, into: &mut
             }
         }
         Expression::Either(alternatives) => {
-            alternatives.iter().for_each(|inner| special(schema, inner, limits, into));
+            for inner in alternatives {
+                special(schema, inner, limits, into);
+            }
         }
         Expression::Named(_) => {
             // The type has cases of its own. What its place adds is tried here.

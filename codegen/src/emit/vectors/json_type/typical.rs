@@ -57,13 +57,12 @@ impl<'s> Typical<'s> {
             return None;
         }
         match expression {
-            Expression::Any => Some(Json::from(self.next())),
+            Expression::Any | Expression::ErrorCode => Some(Json::from(self.next())),
             Expression::Null => Some(Json::Null),
             Expression::Boolean => Some(Json::from(self.next() % 2 == 1)),
             Expression::Integer => Some(Json::from(integer(limits.range.as_ref(), self.next())?)),
             Expression::Number => Some(number(limits.range.as_ref(), self.next())),
             Expression::String => self.string(limits).map(Json::from),
-            Expression::ErrorCode => Some(Json::from(self.next())),
             Expression::ErrorList => self.list(&Expression::ErrorCode, limits),
             Expression::OneOf(constants) => {
                 let index = usize::try_from(self.next()).unwrap_or(0) % constants.len().max(1);
@@ -156,8 +155,8 @@ impl<'s> Typical<'s> {
 fn lengthened(text: &str, limits: &Limits) -> Option<String> {
     let least = limits.least.map_or(0, |least| least as usize);
     let missing = least.saturating_sub(text.chars().count());
-    let last = text.chars().next_back().unwrap_or('a');
-    (missing <= MAX_LENGTH).then(|| text.chars().chain(std::iter::repeat_n(last, missing)).collect())
+    let filler = text.chars().next_back().unwrap_or('a');
+    (missing <= MAX_LENGTH).then(|| text.chars().chain(std::iter::repeat_n(filler, missing)).collect())
 }
 
 /// An integer of the range.
@@ -171,7 +170,7 @@ fn integer(range: Option<&Range>, count: i64) -> Option<i64> {
         range.map_or((None, None), |range| (bound(&range.low, f64::ceil), bound(&range.high, f64::floor)));
     match (low, high) {
         (Some(low), Some(high)) => {
-            let span = high.checked_sub(low)?.checked_add(1).unwrap_or(i64::MAX);
+            let span = high.checked_sub(low)?.saturating_add(1);
             (span > 0).then(|| low + count % span)
         }
         (Some(low), None) => low.checked_add(count),

@@ -127,7 +127,7 @@ impl Instant {
     /// The least and the greatest value.
     pub const RANGE: ::core::ops::RangeInclusive<i64> = 0..=4102444800000;
     /// Whether the value is in its range.
-    pub fn is_in_range(&self) -> bool {
+    pub fn is_in_range(self) -> bool {
         Self::RANGE.contains(&self.0)
     }
 }

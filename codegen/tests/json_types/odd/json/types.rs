@@ -149,7 +149,7 @@ impl Option {
     /// The least and the greatest value.
     pub const RANGE: ::core::ops::RangeInclusive<f64> = -0.5..=f64::INFINITY;
     /// Whether the value is in its range.
-    pub fn is_in_range(&self) -> bool {
+    pub fn is_in_range(self) -> bool {
         Self::RANGE.contains(&self.0)
     }
 }
