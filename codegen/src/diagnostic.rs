@@ -333,8 +333,8 @@ problems! {
         "{value} is listed twice", "remove one";
     MissingFields { name: String, direction: &'static str } = Error "missing-fields"
         "nothing says which fields a {direction} of `{name}` has", "give it a table with the columns Field, Required, Type and Description, or a paragraph `No fields beside type.`";
-    MisplacedAnswer { direction: &'static str } = Error "misplaced-answer"
-        "a {direction} has no answer", "put the line below `Request`";
+    MisplacedAnswer { what: &'static str } = Error "misplaced-answer"
+        "a {what} has no answer", "put the line below `Request`, or below the heading of a message that has one";
     UnknownAnswer { name: String } = Error "unknown-answer"
         "no message `{name}` has a response", "name messages with a heading `Response`, separated by commas: `Answer: ACK-ACK, ACK-NAK`";
     MissingAnswer { name: String } = Warning "missing-answer"

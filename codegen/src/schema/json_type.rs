@@ -9,6 +9,7 @@ pub use self::resolve::{Resolved, resolve};
 use super::{Docs, Range, Schema};
 use crate::source::Span;
 pub use crate::table::type_table::Direction;
+use crate::table::type_table::is_number;
 
 /// Names a type of a [`Schema`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -304,7 +305,7 @@ impl Schema {
 /// A constant, between quotes where it has to be.
 fn quoted(constant: &str) -> String {
     let is_word = !constant.is_empty()
-        && constant.parse::<f64>().is_err()
+        && !is_number(constant)
         && !constant.contains(|c: char| c.is_whitespace() || matches!(c, '(' | ')' | ',' | '"'));
     if is_word { constant.to_owned() } else { format!("\"{constant}\"") }
 }

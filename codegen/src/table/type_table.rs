@@ -15,6 +15,7 @@ mod expression;
 mod message;
 mod note;
 
+pub(crate) use self::expression::is_number;
 pub use self::expression::{Expression, ExpressionKind};
 pub use self::message::{Direction, MessageDefinition, PartDefinition};
 

@@ -23,6 +23,12 @@ pub(super) const ERROR_CODE: &str = "ErrorCode";
 /// The name that stands for a list of such codes.
 pub(super) const ERROR_LIST: &str = "ErrorList";
 
+/// What a paragraph says of an object that has no further fields.
+const CLOSED: [&str; 2] = ["closed object", "object is closed"];
+
+/// What a paragraph may say of any other.
+const OPEN: &str = "further fields are allowed";
+
 /// A tuple has no more elements than this: nobody tells more of them apart by their place.
 const MAX_ELEMENTS: usize = 64;
 
@@ -209,7 +215,7 @@ impl Resolver<'_, '_> {
     fn is_closed(&mut self, name: &str, paragraphs: &[&Text], span: Span) -> bool {
         let says =
             |phrase: &str| paragraphs.iter().any(|text| text.as_str().to_ascii_lowercase().contains(phrase));
-        let (is_closed, is_open) = (says("closed object"), says("further fields are allowed"));
+        let (is_closed, is_open) = (CLOSED.iter().any(|phrase| says(phrase)), says(OPEN));
         if is_closed && is_open {
             let found = "said to be closed, and to allow further fields";
             self.report(Problem::Openness { name: name.to_owned(), found }, span);

@@ -93,6 +93,11 @@ pub(super) fn read_start(paragraph: &Text) -> Option<(Expression, usize)> {
     Some((expression, if is_bracket { end } else { end + 1 }))
 }
 
+/// Whether a word is a number; `inf` and `nan`, which Rust reads as such, are words in JSON.
+pub(crate) fn is_number(word: &str) -> bool {
+    word.contains(|c: char| c.is_ascii_digit()) && word.parse::<f64>().is_ok()
+}
+
 struct Failure {
     range: Range<usize>,
     hint: Option<&'static str>,
@@ -210,7 +215,7 @@ impl<'t> Parser<'t> {
         loop {
             let token = self.next()?;
             let quoted = token.text.strip_prefix('"').and_then(|text| text.strip_suffix('"'));
-            if quoted.is_none() && token.text.parse::<f64>().is_ok() {
+            if quoted.is_none() && is_number(token.text) {
                 let hint =
                     "the constants of `one of` are strings: put a number between quotes, or define a set";
                 return Err(Failure { range: token.range, hint: Some(hint) });
@@ -276,6 +281,7 @@ mod tests {
             ("list of Mark or null", "(list(Mark)|null)"),
             ("list of (Mark or null)", "list((Mark|null))"),
             ("map of list of integer", "map(list(integer))"),
+            ("integer or one of auto, inf", "(integer|[\"auto\", \"inf\"])"),
             ("one of a, \"b c\" or null", "([\"a\", \"b c\"]|null)"),
             ("((any))", "any"),
             ("integer or string or Mark", "(integer|string|Mark)"),

@@ -61,7 +61,7 @@ pub struct MessageDefinition<'p> {
     pub name: &'p str,
     /// The heading.
     pub span: Span,
-    /// The paragraphs under the heading.
+    /// The paragraphs under the heading, but for that of the answers.
     pub paragraphs: Vec<&'p Text>,
     /// Its shape for each direction that it has.
     pub parts: Vec<PartDefinition<'p>>,
@@ -179,7 +179,19 @@ impl<'p> Reader<'p> {
             self.diagnostics.push(Diagnostic::new(problem, span).with_hint(hint));
             return None;
         }
-        Some(MessageDefinition { name, span, paragraphs: self.paragraphs(headings.message, None), parts })
+        let (answer, paragraphs) = apart(self.paragraphs(headings.message, None));
+        match parts.iter_mut().find(|part| part.direction == Direction::Request) {
+            Some(request) => request.answers.extend(answer.into_iter().flat_map(answers)),
+            None => {
+                if let Some(answer) = answer.first() {
+                    self.report(
+                        Problem::MisplacedAnswer { what: "message without a request" },
+                        answer.span(),
+                    );
+                }
+            }
+        }
+        Some(MessageDefinition { name, span, paragraphs, parts })
     }
 
     fn part(&mut self, name: &str, direction: Direction, index: usize) -> PartDefinition<'p> {
@@ -194,8 +206,7 @@ impl<'p> Reader<'p> {
                 .push(Diagnostic::new(problem, second.span).with_hint("put all fields into one table"));
         }
         let all = self.paragraphs(index, table.map(|(table, _)| table));
-        let (answer, paragraphs): (Vec<&Text>, Vec<&Text>) =
-            all.into_iter().partition(|text| text.as_str().starts_with(ANSWER));
+        let (answer, paragraphs) = apart(all);
         let is_empty = paragraphs.iter().any(|text| has_no_fields(text));
         let fields = match table {
             Some((table, columns @ Columns::Object { .. })) => self.members(table, &columns),
@@ -209,11 +220,16 @@ impl<'p> Reader<'p> {
             }
         };
         if let Some(answer) = answer.first().filter(|_| direction != Direction::Request) {
-            self.report(Problem::MisplacedAnswer { direction: direction.name() }, answer.span());
+            self.report(Problem::MisplacedAnswer { what: direction.name() }, answer.span());
         }
         let answers = answer.into_iter().flat_map(answers).collect();
         PartDefinition { direction, span, paragraphs, answers, fields }
     }
+}
+
+/// The paragraphs that name what answers a request, and all others.
+fn apart(paragraphs: Vec<&Text>) -> (Vec<&Text>, Vec<&Text>) {
+    paragraphs.into_iter().partition(|text| text.as_str().starts_with(ANSWER))
 }
 
 /// The types that a paragraph names after its first word.

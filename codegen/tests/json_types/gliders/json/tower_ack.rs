@@ -4,7 +4,9 @@
 //!
 //! The message `TOWER-ACK`, which its page says no more of.
 
-/// No fields beside type. Closed object.
+/// No fields beside type.
+///
+/// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {}
 
