@@ -490,6 +490,11 @@ fn objects_are_closed_where_the_page_says_so() {
     );
     let response = [json!({ "type": "GLIDER-INF" }), known];
     judge(&documents, "GLIDER-INF.response", &response, &[json!({}), json!({ "type": "GLIDER" })]);
+    let bundle = documents.validator("demo.bundle.schema.json");
+    assert!(
+        bundle.is_valid(&json!({ "type": "FIELD-CLOSE" })) && !bundle.is_valid(&json!("D1")),
+        "messages alone"
+    );
     let ack = json!({ "type": "TOWER-ACK" });
     judge(&documents, "TOWER-ACK.response", &[ack], &[json!({ "type": "TOWER-ACK", "else": 1 })]);
 }

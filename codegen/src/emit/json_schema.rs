@@ -158,14 +158,18 @@ impl<'s> Emitter<'s> {
     }
 
     /// The bundle of a package, with all that its messages refer to. As a schema of its own it stands
-    /// for any of the package's own definitions: one that asserted nothing would let everything pass.
+    /// for any of the package's own definitions: one that asserted nothing would let everything pass. Where there are
+    /// messages of pages it stands for those alone, since some types are but strings or numbers.
     fn bundle(&self, package: &Package, own: Vec<Target>) -> Option<OutputFile> {
         if own.is_empty() {
             return None;
         }
         let definition = |target: Target| self.address(target).definition(package);
         let reference = |target: &Target| Node::Object(vec![member("$ref", Node::Reference(*target))]);
-        let any: Node<'_> = own.iter().map(reference).collect();
+        let is_body = |target: &&Target| matches!(target, Target::JsonPart(..));
+        let has_bodies = own.iter().any(|target| is_body(&target));
+        let any: Node<'_> =
+            own.iter().filter(|target| !has_bodies || is_body(target)).map(reference).collect();
         let foreign = self.foreign(&own);
         let entries = own.into_iter().chain(foreign);
         let entries =

@@ -4,7 +4,8 @@
 //! A type says what it is once, in a call of one of the macros, and gets from it how it is read and written.
 //! Reading takes the fields of an object in any order and refuses missing and repeated ones; further fields are
 //! passed over unless the page closes the object. A field that may be left out is not the same as one that may be
-//! `null`: `null` is refused where the page doesn't name it. Ranges, lengths and patterns are not looked at, so that
+//! `null`: `null` is refused where the page doesn't name it. Integers are read where they stand without a fraction: `1.0`
+//! is refused, which JSON Schema takes for the integer 1. Ranges, lengths and patterns are not looked at, so that
 //! what is wrong with a message can be told by who reads it.
 
 use alloc::borrow::Cow;
