@@ -251,6 +251,24 @@ mod tests {
     }
 
     #[test]
+    fn paragraphs_belong_to_the_heading_above_them() {
+        let markdown = "before\n\n# A\n\none *two*\n  `three`\n\n- item\n\n  of a list\n\n> quoted\n\n## B\n|x|y|\n|-|-|\n|1|2|\n\nfour";
+        let asciidoc = "before\n\n= A\n\none *two*\n// gone\n`three`\n\n* item\n\n== B\n|===\n|x |y\n\n|1 |2\n|===\nfour\n----\ncode\n----\n";
+        let expected = [(None, "before"), (Some(0), "one two three"), (Some(1), "four")];
+        for (path, text) in [("a.md", markdown), ("a.adoc", asciidoc)] {
+            let page = parse_text(path, text);
+            let found: Vec<_> = page
+                .paragraphs
+                .iter()
+                .map(|paragraph| (paragraph.heading, paragraph.text.as_str()))
+                .collect();
+            assert_eq!(found, expected, "{path}");
+            let after = page.paragraphs[2].text.span();
+            assert!(page.tables[0].span < after && after.end as usize <= text.len(), "{path}");
+        }
+    }
+
+    #[test]
     fn a_part_of_a_cell_is_found_in_the_source() {
         for (path, text) in FORMS {
             let mut sources = SourceMap::default();
