@@ -3,6 +3,8 @@
 //! Messages, fields and constants are matched first, renamed ones too ([`Comparison`], [`Pair`]); then each
 //! rule looks at what was matched, or was not. A rule is one kind of change. It breaks programs by
 //! [`Category`], and there is one finding for each of those.
+//!
+//! Types and messages of pages are not compared yet: no rule says anything of what changes in them.
 
 mod comparison;
 mod message;

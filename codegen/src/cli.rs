@@ -416,7 +416,8 @@ fn report(command: &str, loaded: &Loaded, diagnostics: &[Diagnostic], consequenc
 }
 
 fn summarise(loaded: &Loaded, schema: &Schema, folders: &[Folder], result: &str, started: Instant) {
-    let messages: usize = schema.packages.iter().map(|package| package.messages.len()).sum();
+    let messages: usize =
+        schema.packages.iter().map(|package| package.messages.len() + package.json_messages.len()).sum();
     let codes: usize =
         schema.packages.iter().flat_map(|package| &package.error_tables).map(|table| table.codes.len()).sum();
     let outputs: usize = folders.iter().map(|folder| folder.files.len()).sum();

@@ -268,7 +268,7 @@ problems! {
 
     // Specification tables
     NoTable = Error "no-table"
-        "the page has no error-code table", "a table has the columns Code, Abbr and Description under a heading with its range of codes";
+        "the page defines nothing", "a table of error codes has the columns Code, Abbr and Description, one of a type Field, Required, Type and Description";
     TableShape { expected: usize, found: usize } = Error "table-shape"
         "a row of {found} cells in a table of {expected} columns", "give each row a cell for each column";
     UnterminatedTable = Error "unterminated-table"
@@ -301,4 +301,44 @@ problems! {
         "code {code} names more than {max} alternatives", "name only the codes that stand for the same event";
     OverlappingBlock { block: String } = Error "overlapping-block"
         "two tables claim codes {block}", "blocks of two vendors must not overlap";
+
+    // Types and messages in tables
+    NearTypeTable { header: String, meant: String } = Warning "near-type-table"
+        "`{header}` is nearly the header of a type table", "call its columns `{meant}`; as it is, the table defines nothing";
+    TypeName { heading: String } = Error "type-name"
+        "`{heading}` is no name of a type", "call a type by one word in PascalCase; tables that define none have other columns";
+    DuplicateType { name: String } = Error "duplicate-type"
+        "a second definition of `{name}`", "rename or remove one of them";
+    InvalidRequired { text: String } = Error "invalid-required"
+        "`{text}` is neither yes nor no", "write `yes` where the field may not be left out, and else `no`";
+    TupleIndex { found: String, expected: usize } = Error "tuple-index"
+        "index `{found}` where {expected} is due", "indices count from 0, in order";
+    RequiredAfterOptional { name: String } = Error "required-after-optional"
+        "`{name}` is required, but elements before it may be left out", "only the last elements of a tuple can be left out: require those before it, or let them be null";
+    InvalidTypeExpression { text: String } = Error "invalid-type-expression"
+        "`{text}` is no type", "write for example `string`, `list of Name`, `map of integer`, `Name or null` or `one of A, B`";
+    UndefinedType { name: String, package: String } = Error "undefined-type"
+        "no type `{name}` in package {package}", "define it under a heading of that name, in any page of the package";
+    EndlessType { path: String } = Error "endless-type"
+        "a value of this type would never end: {path}", "let a type hold itself only in a list, in a map, in a field that may be left out, or where null may stand";
+    TooManyParts { name: String, what: &'static str, max: usize } = Error "too-many-parts"
+        "`{name}` has more than {max} {what}", "define types of their own for some of them, or an object in the place of a tuple";
+    EmptyType { name: String } = Error "empty-type"
+        "the table of `{name}` has no rows", "give it one at least: nothing else could be a value";
+    Openness { name: String, found: &'static str } = Error "openness"
+        "`{name}` is {found}", "the paragraph above the table says one of both: `open set` or `closed set`, `closed object` or `further fields are allowed`";
+    MixedSet { name: String } = Error "mixed-set"
+        "the set `{name}` holds integers and strings", "put integers that are strings between quotes, or define two sets";
+    DuplicateValue { value: String } = Error "duplicate-value"
+        "{value} is listed twice", "remove one";
+    MissingFields { name: String, direction: &'static str } = Error "missing-fields"
+        "nothing says which fields a {direction} of `{name}` has", "give it a table with the columns Field, Required, Type and Description, or a paragraph `No fields beside type.`";
+    MisplacedAnswer { what: &'static str } = Error "misplaced-answer"
+        "a {what} has no answer", "put the line below `Request`, or below the heading of a message that has one";
+    UnknownAnswer { name: String } = Error "unknown-answer"
+        "no message `{name}` has a response", "name messages with a heading `Response`, separated by commas: `Answer: ACK-ACK, ACK-NAK`";
+    MissingAnswer { name: String } = Warning "missing-answer"
+        "`{name}` has a request, but nothing says what answers it", "define a response, or name the types that answer it: `Answer: ACK-ACK`";
+    MisplacedAnnotation { annotation: &'static str, type_name: String } = Warning "misplaced-annotation"
+        "`{annotation}` says nothing about `{type_name}`", "correct the type, or remove it";
 }

@@ -24,6 +24,10 @@
 //!   holds masks in both cases.
 //! - ROS 2 refuses names that break its style, so they are errors there; PX4 takes them, so they are
 //!   warnings. Literals that only one of the two worlds reads are warnings too.
+//! - Types and messages of pages are JSON and nothing else, so they have a model, emitters and a module of generated
+//!   Rust of their own ([`schema::json_type`]), beside that of `.msg` files, which is about memory and CDR.
+//! - Generated JSON types read whatever has the right shape, and leave ranges, lengths and patterns to whoever judges:
+//!   a program that meets a value out of range can still say so.
 //! - Generated types describe themselves to the runtime once (`record!`), and all codecs, checks and
 //!   strategies work from that: less to generate, to read and to compile than derives.
 //! - Where the reference tools are mistaken, `tests/edge.rs` lists the deviation with its reason, and

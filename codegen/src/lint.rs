@@ -39,8 +39,11 @@ mod invisible_character;
 mod leading_white_space;
 mod malformed_annotation;
 mod message_name_style;
+mod misplaced_annotation;
 mod missing_abbreviation;
+mod missing_answer;
 mod name_style;
+mod near_type_table;
 mod not_portable;
 mod one_sided_alternative;
 mod px_fsf_01;
@@ -109,8 +112,11 @@ pub const RULES: &[&Rule] = &[
     &leading_white_space::RULE,
     &malformed_annotation::RULE,
     &message_name_style::RULE,
+    &misplaced_annotation::RULE,
     &missing_abbreviation::RULE,
+    &missing_answer::RULE,
     &name_style::RULE,
+    &near_type_table::RULE,
     &not_portable::RULE,
     &one_sided_alternative::RULE,
     &queue_length::RULE,

@@ -9,7 +9,9 @@ pub(crate) mod documentation;
 pub(crate) mod enumeration;
 pub mod error_codes;
 pub mod fingerprint;
+pub mod json_type;
 pub mod layout;
+pub(crate) mod pattern;
 pub(crate) mod resolve;
 
 use uavspec_runtime::Scalar;
@@ -18,6 +20,7 @@ pub use self::constraint::Restriction;
 pub use self::documentation::Docs;
 pub use self::enumeration::{Enum, EnumRef, Member};
 pub use self::error_codes::{ErrorCode, ErrorTable};
+pub use self::json_type::{JsonMessage, JsonMessageId, JsonType, JsonTypeId};
 pub use self::layout::{Slot, UorbLayout};
 pub use self::resolve::{PackageSource, resolve};
 pub use crate::msg::ast::Shape;
@@ -34,6 +37,10 @@ pub struct Schema {
     pub messages: Vec<Message>,
     /// All messages, each after those that it holds.
     pub nested_first: Vec<MessageId>,
+    /// All types of pages, by package and name.
+    pub json_types: Vec<JsonType>,
+    /// All messages of pages, by package and name.
+    pub json_messages: Vec<JsonMessage>,
 }
 
 impl Schema {
@@ -102,6 +109,21 @@ pub struct Package {
     pub interfaces: Vec<Interface>,
     /// Its error-code tables, by their first code.
     pub error_tables: Vec<ErrorTable>,
+    /// The types that its pages define, by name.
+    pub json_types: Vec<JsonTypeId>,
+    /// The messages that its pages define, by name.
+    pub json_messages: Vec<JsonMessageId>,
+}
+
+impl Package {
+    /// Whether it defines nothing.
+    pub fn is_empty(&self) -> bool {
+        self.messages.is_empty()
+            && self.interfaces.is_empty()
+            && self.error_tables.is_empty()
+            && self.json_types.is_empty()
+            && self.json_messages.is_empty()
+    }
 }
 
 /// In what form definitions are written.

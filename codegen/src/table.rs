@@ -1,6 +1,6 @@
 //! Pages of a specification: text to headings and tables of cells, whatever form the page has.
 //!
-//! What a table defines is not decided here: [`error_code`] and its siblings know their tables by the
+//! What a table defines is not decided here: [`error_code`] and [`type_table`] know their tables by the
 //! header. A table keeps the rows that were written, also those with too few or too many cells.
 
 pub(crate) mod asciidoc;
@@ -9,6 +9,7 @@ mod flattened;
 pub(crate) mod markdown;
 pub(crate) mod pipe;
 mod text;
+pub mod type_table;
 
 pub use text::Text;
 
@@ -25,11 +26,14 @@ pub struct Page {
     pub headings: Vec<Heading>,
     /// Its tables in order.
     pub tables: Vec<Table>,
+    /// Its paragraphs in order, but those of lists and quotations. A flattened page has none: which lines belong
+    /// together is lost there.
+    pub paragraphs: Vec<Paragraph>,
 }
 
 impl Page {
     fn new(span: Span) -> Self {
-        Self { span, headings: Vec::new(), tables: Vec::new() }
+        Self { span, headings: Vec::new(), tables: Vec::new(), paragraphs: Vec::new() }
     }
 
     /// The nearest heading above `table`.
@@ -43,6 +47,15 @@ impl Page {
 pub struct Heading {
     /// 1 for the title of a page, 2 for its sections, and so on. All are 1 in the flattened form.
     pub level: usize,
+    /// What it says.
+    pub text: Text,
+}
+
+/// A paragraph.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Paragraph {
+    /// Which of the page's headings is the nearest above it.
+    pub heading: Option<usize>,
     /// What it says.
     pub text: Text,
 }
@@ -234,6 +247,24 @@ mod tests {
                 assert_eq!(header, ["Code", "Abbr", "Description"]);
                 assert_eq!(rows(table), [["64", "A|B", "low on fuel"], ["65", "", "x"]], "{path}: {text}");
             }
+        }
+    }
+
+    #[test]
+    fn paragraphs_belong_to_the_heading_above_them() {
+        let markdown = "before\n\n# A\n\none *two*\n  `three`\n\n- item\n\n  of a list\n\n> quoted\n\n## B\n|x|y|\n|-|-|\n|1|2|\n\nfour";
+        let asciidoc = "before\n\n= A\n\none *two*\n// gone\n`three`\n\n* item\n\n== B\n|===\n|x |y\n\n|1 |2\n|===\nfour\n----\ncode\n----\n";
+        let expected = [(None, "before"), (Some(0), "one two three"), (Some(1), "four")];
+        for (path, text) in [("a.md", markdown), ("a.adoc", asciidoc)] {
+            let page = parse_text(path, text);
+            let found: Vec<_> = page
+                .paragraphs
+                .iter()
+                .map(|paragraph| (paragraph.heading, paragraph.text.as_str()))
+                .collect();
+            assert_eq!(found, expected, "{path}");
+            let after = page.paragraphs[2].text.span();
+            assert!(page.tables[0].span < after && after.end as usize <= text.len(), "{path}");
         }
     }
 

@@ -69,6 +69,7 @@ units! {
     "rad/s^2" "radians per second squared" ["rad/s/s"];
     "(rad/s^2)^2" "radians per second squared, squared";
     "deg" "degrees" ["degrees" "degree" "°"];
+    "ddeg" "tenths of a degree" ["0.1 deg"];
     "deg/s" "degrees per second" ["deg per second" "degrees/second" "°/s"];
     "degE7" "ten-millionths of a degree" ["1e-7 deg" "1e7 deg" "deg*1e7" "deg * 1e7"];
     "degC" "degrees Celsius" ["°C" "celsius" "Celsius" "deg C"];
@@ -88,6 +89,7 @@ units! {
     "W" "watts" ["watts" "watt"];
     "Wh" "watt hours";
     "mV" "millivolts" ["millivolts"];
+    "dV" "tenths of a volt" ["0.1 V"];
     "V" "volts" ["volts" "volt" "Volts"];
     "mA" "milliamperes" ["milliamps"];
     "A" "amperes" ["amperes" "amps" "ampere" "Amps"];

@@ -7,7 +7,7 @@ mod support;
 use std::fmt::Write as _;
 
 use uavspec_codegen::diagnostic::{has_errors, render};
-use uavspec_codegen::emit::{inspect, vectors};
+use uavspec_codegen::emit::{docs, inspect, json_schema, vectors};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::{Diagnostic, PackageInput, Schema, SourceMap, read};
@@ -208,6 +208,92 @@ fn nesting_that_doubles_is_refused() {
             assert_eq!(codes_of(form, &levels), ["too-many-fields"]);
         }
     }
+}
+
+/// A page of objects, one a name, each with rows of fields.
+fn objects(types: impl Iterator<Item = (String, String)>) -> Vec<(String, Vec<u8>)> {
+    let mut page = String::from("# Gliders\n");
+    for (name, rows) in types {
+        writeln!(page, "\n## {name}\n\n|Field|Required|Type|Description|\n|-|-|-|-|\n{rows}")
+            .expect("a string");
+    }
+    vec![("gliders.md".to_owned(), page.into_bytes())]
+}
+
+/// Reads a page and emits all that can be emitted, in bounded time and room.
+fn emit_page(files: &[(String, Vec<u8>)]) -> Vec<&'static str> {
+    let (schema, diagnostics) = read_all(Form::Table, files);
+    if !has_errors(&diagnostics) {
+        let mut sources = SourceMap::default();
+        let mut package = support::package("demo", Form::Table);
+        for (path, bytes) in files {
+            package.sources.push(sources.add(path.as_str(), bytes.clone()).expect("valid"));
+        }
+        vectors::emit(&schema, &vectors::Options::default());
+        json_schema::emit(&schema, &json_schema::Options::default());
+        docs::emit(&schema, &sources, &docs::Options::default());
+        #[cfg(feature = "rust")]
+        uavspec_codegen::emit::rust::emit(
+            &schema,
+            &sources,
+            &uavspec_codegen::emit::rust::Options::default(),
+        );
+    }
+    diagnostics.iter().map(|diagnostic| diagnostic.problem.code()).collect()
+}
+
+#[test]
+fn types_of_pages_that_hold_others_need_no_stack_and_no_room() {
+    let chain = |count: usize, first: &str| {
+        let row = |link: usize| match link.checked_sub(1) {
+            Some(below) => format!("|part|yes|Link{below}|x|\n"),
+            None => first.to_owned(),
+        };
+        objects((0..count).map(move |link| (format!("Link{link}"), row(link))))
+    };
+    assert_eq!(emit_page(&chain(1_000, "|part|yes|string|x|\n")), [""; 0]);
+    assert_eq!(emit_page(&chain(1_000, "|part|no|Link999|x|\n")), [""; 0], "a ring that may end");
+    assert_eq!(emit_page(&chain(10_000, "|part|yes|Link9999|x|\n")), ["endless-type"]);
+    let doubled = objects((0..64).map(|level: u32| {
+        let ty = level.checked_sub(1).map_or("string".to_owned(), |below| format!("Level{below}"));
+        (format!("Level{level}"), format!("|a|yes|{ty}|x|\n|b|yes|list of {ty}|x|\n|c|no|{ty}|x|\n"))
+    }));
+    assert_eq!(emit_page(&doubled), [""; 0]);
+    let wide: String =
+        (0..5_000).map(|field| format!("|field{field}|no|list of integer|[@range 0, 9] x|\n")).collect();
+    assert_eq!(emit_page(&objects([("Wide".to_owned(), wide)].into_iter())), [""; 0]);
+    let names = (0..1_000).map(|link: u32| {
+        let below = link.checked_sub(1).map_or("string".to_owned(), |below| format!("Link{below}"));
+        format!("## Link{link}\n\nnull or {below}\n\n")
+    });
+    let names = vec![("names.md".to_owned(), names.collect::<String>().into_bytes())];
+    assert!(emit_page(&names).iter().all(|code| *code == "too-many-parts"));
+}
+
+#[test]
+fn tables_of_types_are_read_in_linear_time() {
+    let header = "|Field|Required|Type|Description|\n|-|-|-|-|\n";
+    for body in ["(", "list of ", "a or ", "a, ", "\"", "one of a, ", "[", "[@pattern ", "[@pattern [", "\\"]
+    {
+        let body = body.repeat((1 << 17) / body.len());
+        let pages = [
+            format!("# Gliders\n\n## Mark\n\n{header}|a|yes|{body}|x|\n"),
+            format!("# Gliders\n\n## Mark\n\n{header}|a|yes|string|{body}|\n"),
+            format!("# Gliders\n\n## Mark\n\nlist of {body}\n"),
+            format!("# Gliders\n\n## Mark\n\nstring, {body}\n"),
+            format!("# Gliders\n\n## {body}\n\n{header}"),
+        ];
+        for page in pages {
+            for path in ["page.md", "page.adoc"] {
+                read_all(Form::Table, &[(path.to_owned(), page.clone().into_bytes())]);
+            }
+        }
+    }
+    let messages: String = (0..20_000)
+        .map(|number| format!("## M-{number}\n\n### Request\n\nNo fields beside type.\n\nAnswer: M-{}\n\n### Response\n\nNo fields beside type.\n\n", number + 1))
+        .collect();
+    let files = [("messages.md".to_owned(), format!("# Messages\n\n{messages}").into_bytes())];
+    assert_eq!(codes_of(Form::Table, &files), ["unknown-answer"], "of the last");
 }
 
 #[test]

@@ -19,8 +19,9 @@ const PX4: Form = Form::Msg(Dialect::Px4);
 const ROS2: Form = Form::Msg(Dialect::Ros2);
 
 /// Keywords that assert, apply or describe, in the drafts from 2019-09 on and in draft 7 alike (`$defs`
-/// is there what `definitions` is, and references into it hold). A strict validator takes no other.
-const KEYWORDS: [&str; 21] = [
+/// is there what `definitions` is, and references into it hold). A strict validator takes no other. The one
+/// exception is `prefixItems`, which no earlier draft knows, and which they pass over.
+const KEYWORDS: [&str; 26] = [
     "$schema",
     "$id",
     "$comment",
@@ -41,7 +42,12 @@ const KEYWORDS: [&str; 21] = [
     "maxItems",
     "minimum",
     "maximum",
+    "minLength",
     "maxLength",
+    "pattern",
+    "uniqueItems",
+    "contentEncoding",
+    "prefixItems",
 ];
 
 /// All emitted documents, by path.
@@ -400,6 +406,126 @@ fn error_codes_are_open_and_say_how_grave_they_are() {
     assert_eq!(annotations["x-alternatives"], json!([134]));
 }
 
+/// A page with all that type tables have, and error codes beside them.
+fn gliders() -> Documents {
+    Documents::texts(
+        Form::Table,
+        &[("gliders.md", include_str!("fixtures/ok/type-tables/gliders.md")), ("codes.md", CODES)],
+    )
+}
+
+fn judge(documents: &Documents, name: &str, good: &[Json], bad: &[Json]) {
+    for value in good {
+        assert!(documents.accepts(name, value), "{name} should take {value}");
+    }
+    for value in bad {
+        assert!(!documents.accepts(name, value), "{name} should refuse {value}");
+    }
+}
+
+#[test]
+fn named_types_and_sets_hold_their_values() {
+    let documents = gliders();
+    let none = json!(null);
+    judge(
+        &documents,
+        "Instant",
+        &[json!(0), json!(4_102_444_800_000_u64)],
+        &[json!(-1), json!(0.5), none.clone()],
+    );
+    judge(&documents, "Callsign", &[json!("D1")], &[json!(""), json!("d"), json!("ABCDEFGHI"), json!(1)]);
+    judge(&documents, "Phase", &[json!("towed"), json!("else")], &[json!(0), none.clone()]);
+    judge(&documents, "Fix", &[json!(0), json!(3)], &[json!(1), json!("0"), none.clone()]);
+    judge(&documents, "Marks", &[json!([]), json!(["D1", [1, 2]])], &[json!(["d"]), json!([[1]]), none]);
+}
+
+#[test]
+fn elements_of_tuples_are_left_out_at_the_end_alone() {
+    let full = json!([1, 2, null, 3000.5]);
+    let good = [json!([1, 2]), json!([1, 2, 3]), json!([1, 2, null]), full];
+    let bad = [
+        json!([1]),
+        json!([]),
+        json!([1, null]),
+        json!([1, 2, 3, null]),
+        json!([1, 2, 3, 3001]),
+        json!([1, 2, 3, 4, 5]),
+        json!([900_000_001, 2]),
+        json!({ "lat": 1 }),
+    ];
+    judge(&gliders(), "Mark", &good, &bad);
+}
+
+#[test]
+fn objects_are_closed_where_the_page_says_so() {
+    let documents = gliders();
+    let glider = |name: &str, value: Json| json!({ "id": "D1", "time": 1, name: value });
+    let good = [
+        glider("fix", json!(null)),
+        glider("climb", json!([-20, 20.0])),
+        glider("crew", json!(["a", "b"])),
+        glider("winch", json!("the middle")),
+        glider("log", json!("YQ==")),
+        glider("towed_by", json!({ "id": "D2", "time": 2 })),
+        glider("note", json!([null])),
+    ];
+    let bad = [
+        json!({ "id": "D1" }),
+        glider("phase", json!(null)),
+        glider("climb", json!([])),
+        glider("climb", json!([20.5])),
+        glider("crew", json!(["a", "a"])),
+        glider("winch", json!("middle")),
+        glider("log", json!("YQ")),
+        glider("towed_by", json!({ "id": "D2" })),
+        glider("else", json!(1)),
+    ];
+    judge(&documents, "Glider", &good, &bad);
+    let known = json!({ "type": "GLIDER-INF", "status": { "D1": { "id": "D1", "time": 1 } }, "else": 1 });
+    judge(
+        &documents,
+        "GLIDER-INF.notification",
+        std::slice::from_ref(&known),
+        &[json!({ "type": "GLIDER-INF" })],
+    );
+    let response = [json!({ "type": "GLIDER-INF" }), known];
+    judge(&documents, "GLIDER-INF.response", &response, &[json!({}), json!({ "type": "GLIDER" })]);
+    let bundle = documents.validator("demo.bundle.schema.json");
+    assert!(
+        bundle.is_valid(&json!({ "type": "FIELD-CLOSE" })) && !bundle.is_valid(&json!("D1")),
+        "messages alone"
+    );
+    let ack = json!({ "type": "TOWER-ACK" });
+    judge(&documents, "TOWER-ACK.response", &[ack], &[json!({ "type": "TOWER-ACK", "else": 1 })]);
+}
+
+#[test]
+fn what_restricts_a_type_in_its_place_holds_beside_it() {
+    let text = "# Winch\n\n## Load\n\nnumber, [N] [@range 0, 9000] What pulls.\n\n## Rope\n\n\
+        |Field|Required|Type|Description|\n|-|-|-|-|\n\
+        |load|no|Load or null|[@range 10, 20000] Now|\n|loads|no|list of Load|[@length 2] [@range , 50] Then|\n\
+        |codes|no|ErrorList|[@length , 1] [@unique] Codes|\n";
+    let documents = Documents::texts(Form::Table, &[("winch.md", text), ("codes.md", CODES)]);
+    let good = [
+        json!({ "load": null }),
+        json!({ "load": 10 }),
+        json!({ "loads": [0, 50] }),
+        json!({ "codes": [66] }),
+    ];
+    let bad = [
+        json!({ "load": 9 }),
+        json!({ "load": 9001 }),
+        json!({ "loads": [0] }),
+        json!({ "loads": [0, 51] }),
+        json!({ "codes": [66, 67] }),
+        json!({ "codes": [-1] }),
+    ];
+    judge(&documents, "Rope", &good, &bad);
+    let annotations = &documents.by_path["demo/Load.schema.json"]["$defs"]["annotations"];
+    assert_eq!((&annotations["x-unit"], &annotations["x-range"]), (&json!("N"), &json!([0, 9000])));
+    assert_eq!(documents.field("Rope", "loads")["$defs"]["annotations"]["x-type"], "list of Load");
+}
+
 const ANNOTATED: &str = "\
 # Wind as measured
 #
@@ -507,8 +633,8 @@ fn check_keywords(place: &str, schema: &Json) {
         let place = format!("{place}/{keyword}");
         assert!(KEYWORDS.contains(&keyword.as_str()), "{place} is unknown");
         match keyword.as_str() {
-            "items" => check_keywords(&place, value),
-            "anyOf" | "allOf" => {
+            "items" | "additionalProperties" => check_keywords(&place, value),
+            "anyOf" | "allOf" | "prefixItems" => {
                 value.as_array().expect("a list").iter().for_each(|part| check_keywords(&place, part));
             }
             "properties" => {
@@ -536,6 +662,7 @@ fn every_document_passes_the_meta_schema_and_a_strict_reader() {
         &[("Wind.msg", ANNOTATED), ("B.msg", "Wind[2] a\n"), ("C.srv", "Wind w\n---\n")],
     ));
     check_documents(&Documents::texts(Form::Table, &[("codes.md", CODES)]));
+    check_documents(&gliders());
     let every = "uint8 M_X = 1\nuint8 a  # [@enum M] [@range 0, 5] [@invalid 9]\nfloat32[3] b  # [@range 0, 1] [@invalid -1]\n\
                  string<=3 c 'x'\nbool[<=2] d [true]\nfloat64[] e\nuint16 f  # [@flags M]\n";
     check_documents(&Documents::texts(ROS2, &[("A.msg", every), ("B.action", "A a\n---\n---\nbool c\n")]));

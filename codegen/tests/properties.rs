@@ -109,6 +109,28 @@ const PIECES: &[&str] = &[
 
 /// The same for pages.
 const PAGE_PIECES: &[&str] = &[
+    "\n\n## Mark\n\n",
+    "\n\n## Wind\n\n",
+    "\n\n## WIND-INF\n\n### Request\n\n",
+    "\n\n### Response\n\n",
+    "No fields beside `type`.",
+    "Answer: WIND-INF, ",
+    "An open set.",
+    "Closed object.",
+    "\n\n|Field|Required|Type|Description|\n|-|-|-|-|\n",
+    "\n\n|Index|Element|Required|Type|Description|\n|-|-|-|-|-|\n",
+    "\n\n|Value|Description|\n|-|-|\n",
+    "|name|yes|string|[@length 1, 8] x|\n",
+    "|wind|no|Wind or null|[@range 0, 9] x|\n",
+    "|0|mark|no|Mark|x|\n",
+    "|1|",
+    "|calm|none|\n",
+    "string, ",
+    "list of Mark",
+    "map of (",
+    " or null",
+    "[@pattern `^[a-z]+$`]",
+    "[@unique] ",
     "# ",
     "## Warnings (codes 64-127)",
     "== Errors (codes 128-191)",
@@ -202,6 +224,10 @@ fn check(form: Form, files: &[(&str, &str)]) -> Result<(), TestCaseError> {
 /// Whatever a definition says, each emitter makes something of it, and that is Rust and JSON.
 fn check_output(schema: &Schema, sources: &SourceMap) -> Result<(), TestCaseError> {
     inspect::schema(schema);
+    for file in emit::vectors::emit(schema, &emit::vectors::Options::default()) {
+        let parsed: Result<Json, _> = serde_json::from_str(&file.text);
+        prop_assert!(parsed.is_ok(), "{}: {}", file.path, file.text);
+    }
     let docs = emit::docs::emit(schema, sources, &emit::docs::Options::default());
     for file in emit::json_schema::emit(schema, &emit::json_schema::Options::default()) {
         let parsed: Result<Json, _> = serde_json::from_str(&file.text);

@@ -42,6 +42,22 @@ const ANNOTATED: [(&str, &str); 1] = [(
      float32[2] pair # [@range 1,] Two\nuint8[2] modes # [@enum MODE] Two modes\nint64 far # Far\n",
 )];
 
+/// Pages with types and messages of every kind, and error codes that they refer to.
+const PAGES: [(&str, &str); 4] = [
+    ("gliders.md", include_str!("fixtures/ok/type-tables/gliders.md")),
+    ("odd.md", include_str!("fixtures/ok/type-tables-names/odd.md")),
+    ("marks.md", LIMITS),
+    ("codes.md", "# Warnings (codes 64-127)\n|Code|Abbr|Description|\n|-|-|-|\n|64|WIND|Strong wind|\n"),
+];
+
+const LIMITS: &str = "# Limits\n\n## Load\n\nnumber, [N] [@range 0, 9000] What pulls.\n\n## Loads\n\n\
+    list of Load, [@length 2, 3] [@unique] Several.\n\n## Rope\n\n|Field|Required|Type|Description|\n|-|-|-|-|\n\
+    |load|no|Load or null|[@range 10, 20000] Now|\n|loads|yes|Loads|[@range , 50] Then|\n\
+    |codes|no|ErrorList|[@length , 1] [@unique] Codes|\n|code|no|ErrorCode or string|A code|\n\
+    |key|yes|string|[@length 4] [@pattern `^[a-z]+$`] A key|\n|keys|no|map of string|[@pattern `^\\d{2}$`] Keys|\n\
+    |far|no|integer|[@range 9007199254740993, 9007199254740999] Beyond doubles|\n|log|no|string|[@format base64] [@length 4, 8] Bytes|\n\
+    |next|no|Rope|The next|\n|ropes|no|list of list of Rope|Others|\n|ends|no|list of (one of a, b)|[@unique] Ends|\n";
+
 /// The definitions, and what is emitted from them.
 struct Emitted {
     schema: Schema,
@@ -109,6 +125,7 @@ fn each(mut check: impl FnMut(&Emitted)) {
     let corners = CORNERS.iter().chain([&("Empty.msg", "")]).copied().collect::<Vec<_>>();
     check(&Emitted::of(support::texts(ROS2, &corners)));
     check(&Emitted::of(support::texts(PX4, &ANNOTATED)));
+    check(&Emitted::of(support::texts(Form::Table, &PAGES)));
     for release in ["main", "1.16", "1.15"] {
         if let Some(folder) = support::shared(&format!("corpus/px4/{release}/msg")) {
             check(&Emitted::of(support::px4(&folder)));
@@ -350,4 +367,43 @@ fn definitions_beyond_measure_have_no_cases() {
     let wide: String = (0..3_000).map(|number| format!("uint64 field_{number}\n")).collect();
     let wide = cases(PX4, &[named("Wide", &wide)], "Wide");
     assert!((1..20).contains(&wide), "{wide} cases: none field by field");
+}
+
+/// Cases of pages try each rule on shapes, and each field is left out once.
+#[test]
+fn cases_of_pages_break_every_rule_on_shapes() {
+    let emitted = Emitted::of(support::texts(Form::Table, &PAGES));
+    let mut rules = BTreeSet::new();
+    for (path, file) in emitted.files(".vectors.json").filter(|(path, _)| !path.contains("/Error")) {
+        let cases = file["cases"].as_array().expect("cases");
+        let valid = cases.iter().filter(|case| case["valid"] == true).count();
+        assert!(valid > 0 && (valid < cases.len() || path.ends_with("/Result.vectors.json")), "{path}");
+        rules.extend(cases.iter().filter_map(|case| case["rule"].as_str().map(str::to_owned)));
+    }
+    let expected = ["FURTHER", "LENGTH", "PATTERN", "RANGE", "REQUIRED", "TYPE", "UNIQUE", "VALUE"];
+    assert_eq!(rules.into_iter().collect::<Vec<_>>(), expected.map(|rule| format!("SHAPE-{rule}")));
+    let (_, rope) = emitted.files("/Rope.vectors.json").next().expect("the vectors of a type");
+    let ids: BTreeSet<&str> = rope["cases"]
+        .as_array()
+        .expect("cases")
+        .iter()
+        .map(|case| case["id"].as_str().expect("an id"))
+        .collect();
+    let expected = [
+        "typical",
+        "minimal",
+        "load-absent",
+        "load-null",
+        "load-least",
+        "load-below-range",
+        "loads-absent",
+        "codes-too-long",
+        "key-longest-wide",
+        "keys-value-text-1",
+        "log-text-5",
+        "next-null",
+        "ropes-item-null",
+    ];
+    let missing: Vec<_> = expected.into_iter().filter(|id| !ids.contains(id)).collect();
+    assert_eq!(missing, ["log-text-5"], "what breaks two rules at once is no case; of {ids:?}");
 }

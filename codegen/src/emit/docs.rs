@@ -3,7 +3,7 @@
 //! ```text
 //! README.md  SUMMARY.md  book.toml  book.css
 //! <package>/README.md  <Message>.md  <Message>.svg  <Service>.srv.md  <Action>.action.md
-//! <package>/error-codes.md  error-codes/<table>.md
+//! <package>/error-codes.md  error-codes/<table>.md  types/<Type>.md  messages/<MESSAGE>.md
 //! rules/README.md  reading.md  <rule>.md
 //! ```
 //!
@@ -19,6 +19,7 @@ mod error_codes;
 mod fields;
 mod index;
 mod interface;
+mod json;
 pub mod markdown;
 mod message;
 mod picture;
@@ -69,6 +70,7 @@ pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<Outp
         }
         files.extend(package.interfaces.iter().map(|interface| interface::page(&site, package, interface)));
         files.extend(error_codes::pages(&site, package));
+        files.extend(json::Json::of(&site, package).pages());
     }
     files.extend(rules.iter().flat_map(Rules::pages));
     files

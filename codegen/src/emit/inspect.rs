@@ -1,5 +1,7 @@
 //! The model as JSON: what `inspect` prints.
 
+mod json_type;
+
 use serde_json::{Map, Value as Json, json};
 
 use crate::schema::{
@@ -51,6 +53,8 @@ fn package(schema: &Schema, package: &Package) -> Json {
         "services": interfaces("srv"),
         "actions": interfaces("action"),
         "error_codes": error_codes,
+        "types": json_type::types(schema, package),
+        "json_messages": json_type::messages(schema, package),
     })
 }
 
@@ -119,7 +123,7 @@ fn constant(schema: &Schema, message: &Message, constant: &Constant) -> Json {
     })
 }
 
-fn range(range: &Range) -> Json {
+pub(super) fn range(range: &Range) -> Json {
     json!([range.low.as_ref().map(value), range.high.as_ref().map(value)])
 }
 

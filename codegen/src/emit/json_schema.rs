@@ -1,8 +1,10 @@
-//! JSON Schemas, draft 2020-12: one file for each message, part of a service, and set of error codes;
-//! and one bundle for each package, for tools that can't follow references from file to file.
+//! JSON Schemas, draft 2020-12: one file for each message, part of a service, set of error codes, type of a page,
+//! and direction of a message of a page; and one bundle for each package, for tools that can't follow references
+//! from file to file.
 //!
-//! A message is the whole message: objects are closed and all fields are required. Every assertion
-//! means the same in draft 7, so that tools which know no later draft can read the bundles.
+//! A message of a `.msg` file is the whole message: objects are closed and all fields are required. What pages
+//! define is closed only where they say so. Every assertion means the same in draft 7, so that tools which know no
+//! later draft can read the bundles; but those tools don't look at the elements of tuples, only at their number.
 //!
 //! # Annotations
 //!
@@ -36,6 +38,7 @@ mod annotation;
 mod bounds;
 mod error_code;
 mod field;
+mod json_type;
 mod message;
 mod tree;
 
@@ -43,9 +46,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use self::address::Address;
 pub(super) use self::address::Target;
+pub(super) use self::json_type::BASE64;
 use self::tree::{Member, Node, member};
 use super::{GENERATED_BY, OutputFile};
-use crate::schema::{Element, MessageId, Package, Schema};
+use crate::schema::json_type::Direction;
+use crate::schema::{Element, JsonMessageId, MessageId, Package, Schema};
 
 /// Where the schemas are, unless [`Options::base`] says otherwise.
 pub const DEFAULT_BASE: &str = "https://uavspec.dev/schemas/";
@@ -70,13 +75,15 @@ impl Default for Options {
 pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
     let mut emitter = Emitter { schema, options, definitions: BTreeMap::new() };
     for (index, package) in schema.packages.iter().enumerate() {
-        for target in targets(package, index) {
+        for target in targets(schema, package, index) {
             emitter.define(target);
         }
     }
     let mut files: Vec<OutputFile> = emitter.definitions.keys().map(|target| emitter.file(*target)).collect();
     let bundles = schema.packages.iter().enumerate();
-    files.extend(bundles.filter_map(|(index, package)| emitter.bundle(package, targets(package, index))));
+    files.extend(
+        bundles.filter_map(|(index, package)| emitter.bundle(package, targets(schema, package, index))),
+    );
     files.sort_by(|left, right| left.path.cmp(&right.path));
     files
 }
@@ -91,14 +98,19 @@ pub(super) fn name(schema: &Schema, target: Target) -> String {
     Address::of(schema, target).stem()
 }
 
-/// What a package defines.
-pub(super) fn targets(package: &Package, index: usize) -> Vec<Target> {
+/// What has a schema in a package.
+pub(super) fn targets(schema: &Schema, package: &Package, index: usize) -> Vec<Target> {
     let parts = package.interfaces.iter().flat_map(|interface| &interface.parts);
     let mut targets: Vec<Target> =
         package.messages.iter().chain(parts).map(|id| Target::Message(*id)).collect();
     if !package.error_tables.is_empty() {
         targets.extend([Target::ErrorCode(index), Target::ErrorList(index)]);
     }
+    targets.extend(package.json_types.iter().map(|id| Target::JsonType(*id)));
+    let messages = package.json_messages.iter().map(|id| (*id, schema.json_message(*id)));
+    targets.extend(messages.flat_map(|(id, message)| {
+        message.parts.iter().map(move |part| Target::JsonPart(id, part.direction))
+    }));
     targets
 }
 
@@ -115,8 +127,16 @@ impl<'s> Emitter<'s> {
             Target::Message(id) => message::members(self.schema, self.schema.message(id)),
             Target::ErrorCode(index) => error_code::code_members(&self.schema.packages[index]),
             Target::ErrorList(index) => error_code::list_members(&self.schema.packages[index], index),
+            Target::JsonType(id) => json_type::type_members(self.schema, self.schema.json_type(id)),
+            Target::JsonPart(id, direction) => self.part_members(id, direction),
         };
         self.definitions.insert(target, members);
+    }
+
+    fn part_members(&self, id: JsonMessageId, direction: Direction) -> Vec<Member<'s>> {
+        let message = self.schema.json_message(id);
+        let part = message.parts.iter().find(|part| part.direction == direction);
+        part.map_or_else(Vec::new, |part| json_type::part_members(self.schema, message, part))
     }
 
     fn definition(&self, target: Target) -> &[Member<'s>] {
@@ -138,14 +158,18 @@ impl<'s> Emitter<'s> {
     }
 
     /// The bundle of a package, with all that its messages refer to. As a schema of its own it stands
-    /// for any of the package's own definitions: one that asserted nothing would let everything pass.
+    /// for any of the package's own definitions: one that asserted nothing would let everything pass. Where there are
+    /// messages of pages it stands for those alone, since some types are but strings or numbers.
     fn bundle(&self, package: &Package, own: Vec<Target>) -> Option<OutputFile> {
         if own.is_empty() {
             return None;
         }
         let definition = |target: Target| self.address(target).definition(package);
         let reference = |target: &Target| Node::Object(vec![member("$ref", Node::Reference(*target))]);
-        let any: Node<'_> = own.iter().map(reference).collect();
+        let is_body = |target: &&Target| matches!(target, Target::JsonPart(..));
+        let has_bodies = own.iter().any(|target| is_body(&target));
+        let any: Node<'_> =
+            own.iter().filter(|target| !has_bodies || is_body(target)).map(reference).collect();
         let foreign = self.foreign(&own);
         let entries = own.into_iter().chain(foreign);
         let entries =

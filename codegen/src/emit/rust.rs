@@ -1,4 +1,5 @@
-//! Rust: one module a message, one type an enum, one type for the error codes of a package.
+//! Rust: one module a message, one type an enum, one type for the error codes of a package, one module for the
+//! types and messages of its pages.
 //!
 //! Tokens are made with `quote`, parsed once more by `syn`, so that what is written is Rust, and laid
 //! out by `prettyplease`. Nothing of a definition reaches the output but through identifiers made by
@@ -7,6 +8,7 @@
 mod enumeration;
 mod error_code;
 mod identifier;
+mod json_type;
 mod message;
 mod types;
 
@@ -128,10 +130,7 @@ pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<Outp
     let mut root_scope = Scope::default();
     let mut packages = Vec::new();
     for package in &schema.packages {
-        let has_content = !package.messages.is_empty()
-            || !package.interfaces.is_empty()
-            || !package.error_tables.is_empty();
-        if has_content {
+        if !package.is_empty() {
             let module = root_scope.unique(&module_name(&package.name));
             let modules = name_modules(&mut context, package, &module);
             packages.push((package, module, modules));
@@ -150,7 +149,7 @@ fn name_modules(context: &mut Context<'_>, package: &Package, module: &str) -> M
     let mut modules = Modules { messages: Vec::new(), interfaces: Vec::new() };
     let mut scope = Scope::default();
     let mut types = Scope::default();
-    for reserved in ["srv", "action", "error_code"] {
+    for reserved in ["srv", "action", "error_code", json_type::MODULE] {
         scope.unique(reserved);
     }
     types.unique_type("ErrorCode");
@@ -300,8 +299,13 @@ fn package_files(
         let text = error_code::emit(context, package);
         files.push(OutputFile { path: format!("{module}/error_code.rs"), text });
     }
+    let mut json = None;
+    if json_type::has_content(package) {
+        json = Some(json_type::declaration());
+        files.append(&mut json_type::files(context, package, module));
+    }
     let layouts = assert_layouts(modules.messages.iter().map(|(_, place)| place));
-    let tokens = quote!(#doc #error_codes #(#messages)* #(#kinds)* #layouts);
+    let tokens = quote!(#doc #error_codes #(#messages)* #(#kinds)* #json #layouts);
     let text = header(&format!("the definitions of package {}", package.name)) + &layout_file(tokens);
     files.push(OutputFile { path: format!("{module}.rs"), text });
     for kind in ["srv", "action"] {

@@ -1,5 +1,5 @@
 //! Test vectors: for each message values that it may have and others that it may not, as JSON and as
-//! bytes, with the rule that is broken; and the same for error codes.
+//! bytes, with the rule that is broken; and the same for error codes, and for the types and messages of pages.
 //!
 //! There are two files for each type. `<package>/<Name>.vectors.json` tests codecs and validators:
 //!
@@ -20,6 +20,8 @@
 //!   others: big-endian ones, and those with other padding.
 //! - An invalid case breaks `rule` and no other. If it has bytes, decoding them need not fail: the rule
 //!   tells whether what is wrong is the payload, or a value in it.
+//! - What pages define is JSON alone. The rules that its cases break, `SHAPE-TYPE`, `SHAPE-REQUIRED`, `SHAPE-FURTHER`,
+//!   `SHAPE-RANGE`, `SHAPE-LENGTH`, `SHAPE-UNIQUE`, `SHAPE-PATTERN` and `SHAPE-VALUE`, say which part of the shape it is.
 //! - An id says what is tried, not what comes of it. It stays when fields are added to the message.
 //!
 //! `vectors.schema.json` describes these files.
@@ -37,6 +39,7 @@ mod case;
 mod error_code;
 mod field;
 mod form;
+mod json_type;
 mod message;
 mod number;
 mod part;
@@ -49,7 +52,8 @@ use self::print::{Head, quote};
 use super::json_schema::{self, DRAFT, Target};
 use super::{GENERATED_BY, OutputFile};
 use crate::dynamic::Types;
-use crate::schema::{Dialect, Form, Kind, Message, MessageId, Package, Schema};
+use crate::schema::json_type::Direction;
+use crate::schema::{Dialect, Form, JsonMessageId, Kind, Message, MessageId, Package, Schema};
 
 /// The version of the form of the files. It rises when a reader of the form before would misread them.
 const FORM: u32 = 1;
@@ -71,11 +75,15 @@ pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
     let emitter = Emitter { schema, options };
     let mut files = vec![form::file(options)];
     for (index, package) in schema.packages.iter().enumerate() {
-        for target in json_schema::targets(package, index) {
+        for target in json_schema::targets(schema, package, index) {
             let (head, cases) = match target {
                 Target::Message(id) => (emitter.message(id), message::cases(schema, id, &parts, &types)),
                 Target::ErrorCode(_) => (emitter.head(target, Vec::new()), error_code::codes(package)),
                 Target::ErrorList(_) => (emitter.head(target, Vec::new()), error_code::lists(package)),
+                Target::JsonType(id) => (emitter.head(target, Vec::new()), json_type::of_type(schema, id)),
+                Target::JsonPart(id, direction) => {
+                    (emitter.head(target, Vec::new()), emitter.part(id, direction))
+                }
             };
             files.extend(emitter.files(target, &head, &cases));
         }
@@ -104,6 +112,11 @@ impl Emitter<'_> {
         let suite = print::suite(head, cases);
         let suite = suite.map(|text| OutputFile { path: format!("{SUITE}/{name}.json"), text });
         [vectors].into_iter().chain(suite)
+    }
+
+    fn part(&self, id: JsonMessageId, direction: Direction) -> Vec<Case> {
+        let part = self.schema.json_message(id).parts.iter().find(|part| part.direction == direction);
+        part.map_or_else(Vec::new, |part| json_type::of_object(self.schema, &part.body))
     }
 
     fn message(&self, id: MessageId) -> Head {

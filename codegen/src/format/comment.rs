@@ -126,6 +126,10 @@ pub(super) fn rank(statement: &Statement<'_>) -> u8 {
         Statement::Uncontrolled(_) => 4,
         Statement::Frame(_) => 5,
         Statement::Count(_) => 6,
+        Statement::Length { .. } => 7,
+        Statement::Unique => 8,
+        Statement::Pattern(_) => 9,
+        Statement::Format(_) => 10,
     }
 }
 
@@ -143,6 +147,10 @@ fn spelled(text: &str, annotation: &Annotation<'_>) -> String {
         Statement::Invalid(_) => format!("[@invalid {}]", special(argument(content, "invalid"))),
         Statement::Uncontrolled(_) => {
             format!("[@uncontrolled {}]", special(argument(content, "uncontrolled")))
+        }
+        // Pages alone have these, and their words are none of this layout's business.
+        Statement::Length { .. } | Statement::Unique | Statement::Pattern(_) | Statement::Format(_) => {
+            format!("[{content}]")
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Annotations: the bracketed statements at the head of a trailing comment, such as
 //! `# [m/s] [@range 0, 20] [@invalid NaN] text`.
 //!
-//! What comes close to one is read as meant and gives a warning; what is none stays text.
+//! What comes close to one is read as meant and gives a warning; what is none stays text. Descriptions in the
+//! tables of a page have annotations too; which ones there are is a matter of the [`Vocabulary`].
 
 use std::borrow::Cow;
 use std::ops::RangeInclusive;
@@ -35,6 +36,9 @@ const MAX_UNIT_LEN: usize = 20;
 
 /// A longer text in brackets is no annotation; the bound keeps the search for `]` linear.
 const MAX_ANNOTATION_LEN: usize = 400;
+
+/// How an annotation starts that holds a regular expression.
+const PATTERN: &str = "[@pattern ";
 
 /// How many pipes there are around seven parameters; the last may be left out.
 pub(crate) const PARAMETER_BARS: RangeInclusive<usize> = 7..=8;
@@ -83,7 +87,32 @@ pub enum Statement<'s> {
     Frame(&'s str),
     /// `[@count field]`: counts the entries in use of that array.
     Count(&'s str),
+    /// `[@length least, most]`, in pages: characters of a string, or elements of a list.
+    Length {
+        /// Least length, where bounded.
+        least: Option<u32>,
+        /// Greatest length, where bounded.
+        most: Option<u32>,
+    },
+    /// `[@unique]`, in pages: no element of a list stands in it twice.
+    Unique,
+    /// `[@pattern REGEX]`, in pages: the regular expression that a string satisfies.
+    Pattern(&'s str),
+    /// `[@format base64]`, in pages: what the characters of a string encode.
+    Format(&'s str),
 }
+
+/// Where annotations stand, which decides which ones there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Vocabulary {
+    /// In comments of `.msg` files and their relatives.
+    Comment,
+    /// In descriptions of the types that a page defines.
+    Page,
+}
+
+/// The formats that strings of a page may have.
+pub const FORMATS: [&str; 1] = ["base64"];
 
 /// Start of the names of constants, in another message where one is named.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -116,7 +145,21 @@ pub enum SpecialValue<'s> {
 
 /// Reads the annotations of a comment. `text` is what follows the `#`, and stands at `span`.
 pub fn read<'s>(text: &'s str, span: Span, diagnostics: &mut Vec<Diagnostic>) -> Note<'s> {
-    let mut reader = Reader { text, span, at: 0, note: Note::default(), diagnostics };
+    read_by(Vocabulary::Comment, text, span, diagnostics)
+}
+
+/// Reads the annotations of a description in a page.
+pub fn read_description<'s>(text: &'s str, span: Span, diagnostics: &mut Vec<Diagnostic>) -> Note<'s> {
+    read_by(Vocabulary::Page, text, span, diagnostics)
+}
+
+fn read_by<'s>(
+    vocabulary: Vocabulary,
+    text: &'s str,
+    span: Span,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Note<'s> {
+    let mut reader = Reader { vocabulary, text, span, at: 0, note: Note::default(), diagnostics };
     reader.head();
     reader.rest();
     reader.note
@@ -138,6 +181,7 @@ pub fn read_with_parameters<'s>(text: &'s str, span: Span, diagnostics: &mut Vec
 }
 
 struct Reader<'s, 'd> {
+    vocabulary: Vocabulary,
     text: &'s str,
     span: Span,
     at: usize,
@@ -159,8 +203,10 @@ impl<'s> Reader<'s, '_> {
         loop {
             let rest = &self.text[self.at..];
             let start = self.at + rest.len() - rest.trim_start().len();
-            let Some((content, end)) = bracketed(self.text, start) else { return };
-            match classify(content, self.text.as_bytes()[start] == b'(') {
+            let Some((content, end)) = bracketed(self.text, start) else {
+                return self.report_open_pattern(start);
+            };
+            match classify(self.vocabulary, content, self.text.as_bytes()[start] == b'(') {
                 // A link of Markdown, or a term that the text explains.
                 Reading::Statement(Statement::Unit(symbol))
                     if unit::lookup(symbol).is_none() && self.text[end..].starts_with(['(', ':']) =>
@@ -184,6 +230,15 @@ impl<'s> Reader<'s, '_> {
         }
     }
 
+    /// Reports a regular expression whose brackets don't come in pairs, so that there is no telling where it ends.
+    fn report_open_pattern(&mut self, start: usize) {
+        if self.vocabulary == Vocabulary::Page && self.text[start..].starts_with(PATTERN) {
+            let text = self.text[start + 1..].chars().take(MAX_UNIT_LEN).collect();
+            let problem = Problem::MalformedAnnotation { text, form: "[@pattern REGEX]" };
+            self.report(problem, start..start + 1);
+        }
+    }
+
     /// The text, and annotations with `@` that stand in it by mistake.
     fn rest(&mut self) {
         let mut text = String::new();
@@ -202,7 +257,7 @@ impl<'s> Reader<'s, '_> {
                 continue;
             }
             let Some((content, end)) = bracketed(self.text, start) else { continue };
-            match classify(content, self.text.as_bytes()[start] == b'(') {
+            match classify(self.vocabulary, content, self.text.as_bytes()[start] == b'(') {
                 reading @ (Reading::Statement(_) | Reading::NearMiss(..)) => {
                     let found = self.text[start..end].to_owned();
                     let (statement, meant) = match reading {
@@ -264,6 +319,9 @@ fn bracketed(text: &str, start: usize) -> Option<(&str, usize)> {
         b'(' if rest.starts_with("(@") => ')',
         _ => return None,
     };
+    if rest.starts_with(PATTERN) {
+        return bracketed_pattern(rest).map(|end| (rest[1..end].trim(), start + end + 1));
+    }
     // Labels in parentheses stand inside brackets: `(@range -1 (Left), 1 (Right))`.
     let mut depth = 0_usize;
     for (at, character) in rest.char_indices().skip(1).take(MAX_ANNOTATION_LEN) {
@@ -277,15 +335,33 @@ fn bracketed(text: &str, start: usize) -> Option<(&str, usize)> {
     None
 }
 
+/// Where the bracket at the start of `text` closes. A regular expression has brackets of its own, which come
+/// in pairs but for those after a backslash.
+fn bracketed_pattern(text: &str) -> Option<usize> {
+    let mut depth = 0_usize;
+    let mut is_escaped = false;
+    for (at, character) in text.char_indices().take(MAX_ANNOTATION_LEN) {
+        match character {
+            _ if is_escaped => is_escaped = false,
+            '\\' => is_escaped = true,
+            '[' => depth += 1,
+            ']' if depth == 1 => return Some(at),
+            ']' => depth -= 1,
+            _ => {}
+        }
+    }
+    None
+}
+
 /// Whether `text` would be read as one pair of brackets: what stands in it may close them early.
 pub(crate) fn is_bracketed(text: &str) -> bool {
     bracketed(text, 0).is_some_and(|(_, end)| end == text.len())
 }
 
-fn classify(content: &str, in_parentheses: bool) -> Reading<'_> {
+fn classify(vocabulary: Vocabulary, content: &str, in_parentheses: bool) -> Reading<'_> {
     if let Some(annotation) = content.strip_prefix('@') {
         let (name, argument) = split_word(annotation);
-        return match (statement(name, argument), in_parentheses) {
+        return match (statement(vocabulary, name, argument), in_parentheses) {
             (Some(Ok(statement)), false) => Reading::Statement(statement),
             (Some(Ok(statement)), true) => Reading::NearMiss(statement, format!("[{content}]")),
             (Some(Err(problem)), _) => Reading::Text(Some(problem)),
@@ -296,12 +372,12 @@ fn classify(content: &str, in_parentheses: bool) -> Reading<'_> {
     if let Some(unit) = unit::lookup(content) {
         return Reading::Statement(Statement::Unit(unit.symbol));
     }
-    if FRAMES.contains(&content) {
+    if vocabulary == Vocabulary::Comment && FRAMES.contains(&content) {
         return Reading::NearMiss(Statement::Frame(content), format!("[@frame {content}]"));
     }
     let (name, argument) = split_word(content);
     if !argument.is_empty()
-        && let Some(Ok(statement)) = statement(name, argument)
+        && let Some(Ok(statement)) = statement(vocabulary, name, argument)
     {
         return Reading::NearMiss(statement, format!("[@{content}]"));
     }
@@ -319,8 +395,24 @@ fn classify(content: &str, in_parentheses: bool) -> Reading<'_> {
 }
 
 /// Reads the annotation `name`; none where no annotation is called so.
-fn statement<'s>(name: &str, argument: &'s str) -> Option<Result<Statement<'s>, Problem>> {
-    let (form, read) = match name {
+fn statement<'s>(
+    vocabulary: Vocabulary,
+    name: &str,
+    argument: &'s str,
+) -> Option<Result<Statement<'s>, Problem>> {
+    let (form, read) = match vocabulary {
+        Vocabulary::Comment => statement_of_comment(name, argument)?,
+        Vocabulary::Page => statement_of_page(name, argument)?,
+    };
+    let text = || format!("@{name} {argument}").trim_end().to_owned();
+    Some(read.ok_or_else(|| Problem::MalformedAnnotation { text: text(), form }))
+}
+
+/// The form of an annotation, and what this one states if it has that form.
+type Read<'s> = (&'static str, Option<Statement<'s>>);
+
+fn statement_of_comment<'s>(name: &str, argument: &'s str) -> Option<Read<'s>> {
+    Some(match name {
         "enum" => ("[@enum PREFIX]", prefixes(argument).map(Statement::Enum)),
         "flags" => ("[@flags PREFIX]", prefixes(argument).map(Statement::Flags)),
         "range" => ("[@range low, high]", range(argument)),
@@ -329,9 +421,37 @@ fn statement<'s>(name: &str, argument: &'s str) -> Option<Result<Statement<'s>, 
         "frame" => ("[@frame name]", (!argument.is_empty()).then_some(Statement::Frame(argument))),
         "count" => ("[@count field]", is_identifier(argument).then_some(Statement::Count(argument))),
         _ => return None,
+    })
+}
+
+fn statement_of_page<'s>(name: &str, argument: &'s str) -> Option<Read<'s>> {
+    let known_format = || FORMATS.contains(&argument).then_some(Statement::Format(argument));
+    Some(match name {
+        "range" => ("[@range low, high]", range(argument)),
+        "length" => ("[@length least, most]", length(argument)),
+        "unique" => ("[@unique]", argument.is_empty().then_some(Statement::Unique)),
+        "pattern" => ("[@pattern REGEX]", is_pattern(argument).then_some(Statement::Pattern(argument))),
+        "format" => ("[@format base64]", known_format()),
+        _ => return None,
+    })
+}
+
+/// Whether a text is a regular expression that all readers of JSON Schema take in the same sense: one without
+/// back references and without looking around.
+fn is_pattern(text: &str) -> bool {
+    !text.is_empty() && regex_lite::Regex::new(text).is_ok() && crate::schema::pattern::is_known(text)
+}
+
+/// Lengths: both bounds with a comma between them, of which one may be absent, or the only one there is.
+fn length(argument: &str) -> Option<Statement<'_>> {
+    let bound = |text: &str| match text.trim() {
+        "" => Some(None),
+        digits => digits.parse().ok().map(Some),
     };
-    let text = || format!("@{name} {argument}").trim_end().to_owned();
-    Some(read.ok_or_else(|| Problem::MalformedAnnotation { text: text(), form }))
+    let (least, most) = argument.split_once(',').unwrap_or((argument, argument));
+    let (least, most): (Option<u32>, Option<u32>) = (bound(least)?, bound(most)?);
+    let is_ordered = least.zip(most).is_none_or(|(least, most)| least <= most);
+    (is_ordered && (least.is_some() || most.is_some())).then_some(Statement::Length { least, most })
 }
 
 fn prefixes(argument: &str) -> Option<Vec<Prefix<'_>>> {

@@ -12,6 +12,7 @@ pub(crate) use lower::default_topic;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::enumeration::{ByPrefix, EnumRef};
+use super::json_type::{self, JsonMessageId, JsonTypeId};
 use super::{CdrSize, Element, Form, Interface, Kind, Message, MessageId, Package, Schema, error_codes};
 use crate::diagnostic::{Diagnostic, Problem, has_errors};
 use crate::msg::ast::Definition;
@@ -156,6 +157,8 @@ impl<'s> Resolver<'s> {
                 messages,
                 interfaces,
                 error_tables: Vec::new(),
+                json_types: Vec::new(),
+                json_messages: Vec::new(),
             });
         }
     }
@@ -179,11 +182,33 @@ impl<'s> Resolver<'s> {
     fn tables(&mut self, packages: &[PackageSource<'s>]) {
         for (index, source) in packages.iter().enumerate() {
             if source.form == Form::Table {
-                let (tables, mut diagnostics) = error_codes::resolve(&source.pages);
-                self.schema.packages[index].error_tables = tables;
-                self.diagnostics.append(&mut diagnostics);
+                self.pages(index, source);
             }
         }
+    }
+
+    fn pages(&mut self, index: usize, source: &PackageSource<'_>) {
+        let (tables, mut diagnostics) = error_codes::resolve(&source.pages);
+        let first = JsonTypeId(offset(self.schema.json_types.len()));
+        let mut found = json_type::resolve(&source.pages, (index, &source.name), first.0, !tables.is_empty());
+        for (page, has_types) in source.pages.iter().zip(found.has_definitions) {
+            let is_within = |span: Span| page.span.start <= span.start && span.end <= page.span.end;
+            let has_codes = tables.iter().any(|table| is_within(table.span))
+                || diagnostics.iter().any(|diagnostic| is_within(diagnostic.span));
+            if !has_types && !has_codes {
+                let heading = page.headings.first().map_or(page.span.part(0..0), |first| first.text.span());
+                self.report(Diagnostic::new(Problem::NoTable, heading));
+            }
+        }
+        self.diagnostics.append(&mut diagnostics);
+        self.diagnostics.append(&mut found.diagnostics);
+        let package = &mut self.schema.packages[index];
+        package.error_tables = tables;
+        package.json_types = (first.0..).zip(&found.types).map(|(id, _)| JsonTypeId(id)).collect();
+        let messages = offset(self.schema.json_messages.len());
+        package.json_messages = (messages..).zip(&found.messages).map(|(id, _)| JsonMessageId(id)).collect();
+        self.schema.json_types.append(&mut found.types);
+        self.schema.json_messages.append(&mut found.messages);
     }
 
     /// Lists only what is selected in each package, with all that it refers to.
@@ -236,7 +261,12 @@ impl<'s> Resolver<'s> {
 
 /// The id of the message at `index` of [`Schema::messages`]; there are fewer than bytes of sources.
 fn id(index: usize) -> MessageId {
-    MessageId(u32::try_from(index).unwrap_or(u32::MAX))
+    MessageId(offset(index))
+}
+
+/// An index into a list that has fewer entries than there are bytes of sources.
+fn offset(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX)
 }
 
 fn empty_message(package: usize, kind: Kind, name: String, span: Span) -> Message {

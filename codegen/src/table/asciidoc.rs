@@ -5,7 +5,7 @@ mod inline;
 use std::ops::Range;
 
 use super::text::{TextBuilder, trim};
-use super::{Cell, Heading, Page, Table, Text, into_rows, lines};
+use super::{Cell, Heading, Page, Paragraph, Table, Text, into_rows, lines};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::Span;
 
@@ -33,6 +33,13 @@ fn is_table_fence(line: &str) -> bool {
 fn is_verbatim_fence(line: &str) -> bool {
     let fence = |mark: char| line.len() >= 4 && line.chars().all(|c| c == mark);
     line == "```" || ['-', '.', '+', '/'].into_iter().any(fence)
+}
+
+/// Whether `line` starts an item of a list.
+fn is_list_item(line: &str) -> bool {
+    let text = line.trim_start();
+    let mark = text.len() - text.trim_start_matches(['*', '.', '-']).len();
+    mark > 0 && text[mark..].starts_with(' ')
 }
 
 fn is_comment(line: &str) -> bool {
@@ -75,8 +82,30 @@ impl Parser<'_, '_> {
             } else if let Some((level, start)) = heading_level(line) {
                 let text = self.line_text(at + start..at + line.len());
                 self.page.headings.push(Heading { level, text });
+            } else if !is_list_item(line) {
+                index = self.paragraph(index - 1);
             }
         }
+    }
+
+    /// Reads the paragraph whose first line is `first`, and returns the line after it.
+    fn paragraph(&mut self, first: usize) -> usize {
+        let is_end = |line: &Line<'_>| {
+            line.1.is_empty()
+                || is_table_fence(line.1)
+                || is_verbatim_fence(line.1)
+                || heading_level(line.1).is_some()
+        };
+        let len = self.lines[first + 1..].iter().position(is_end);
+        let end = len.map_or(self.lines.len(), |len| first + 1 + len);
+        let lines = &self.lines[first..end];
+        let mut builder = TextBuilder::new(self.page.span);
+        let written: Vec<Line<'_>> = lines.iter().filter(|line| !is_comment(line.1)).copied().collect();
+        inline::push(&written, &mut builder);
+        let (last, line) = self.lines[end - 1];
+        let text = builder.finish(self.lines[first].0..last + line.len());
+        self.page.paragraphs.push(Paragraph { heading: self.page.headings.len().checked_sub(1), text });
+        end
     }
 
     fn line_text(&self, range: Range<usize>) -> Text {

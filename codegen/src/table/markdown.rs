@@ -5,7 +5,7 @@ use std::ops::Range;
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 
 use super::text::{TextBuilder, trim};
-use super::{Cell, Heading, Page, Row, Table, pipe};
+use super::{Cell, Heading, Page, Paragraph, Row, Table, pipe};
 use crate::source::Span;
 
 /// Front matter and `{#anchors}` are no part of the text; documentation generators demand both.
@@ -14,7 +14,7 @@ pub(crate) const OPTIONS: Options = Options::ENABLE_TABLES
     .union(Options::ENABLE_YAML_STYLE_METADATA_BLOCKS);
 
 pub(super) fn parse(text: &str, span: Span) -> Page {
-    let mut reader = Reader { text, page: Page::new(span), open: None, cells: Vec::new() };
+    let mut reader = Reader { text, page: Page::new(span), open: None, cells: Vec::new(), depth: 0 };
     for (event, range) in Parser::new_ext(text, OPTIONS).into_offset_iter() {
         reader.read(&event, range);
     }
@@ -24,10 +24,12 @@ pub(super) fn parse(text: &str, span: Span) -> Page {
 struct Reader<'s> {
     text: &'s str,
     page: Page,
-    /// The text of the heading or cell that is being read.
+    /// The text of the heading, cell or paragraph that is being read.
     open: Option<TextBuilder>,
     /// Cells of the row that is being read.
     cells: Vec<Cell>,
+    /// In how many lists, quotations and footnotes the reader is.
+    depth: usize,
 }
 
 impl Reader<'_> {
@@ -35,6 +37,14 @@ impl Reader<'_> {
         match event {
             Event::Start(Tag::Heading { .. } | Tag::TableCell) => {
                 self.open = Some(TextBuilder::new(self.page.span));
+            }
+            Event::Start(Tag::Paragraph) if self.depth == 0 => {
+                self.open = Some(TextBuilder::new(self.page.span));
+            }
+            Event::End(TagEnd::Paragraph) => self.end_paragraph(range),
+            Event::Start(Tag::BlockQuote(_) | Tag::List(_) | Tag::FootnoteDefinition(_)) => self.depth += 1,
+            Event::End(TagEnd::BlockQuote(_) | TagEnd::List(_) | TagEnd::FootnoteDefinition) => {
+                self.depth = self.depth.saturating_sub(1);
             }
             Event::End(TagEnd::Heading(level)) => self.end_heading(*level as usize, range),
             Event::Start(Tag::Table(_)) => self.start_table(range),
@@ -71,6 +81,13 @@ impl Reader<'_> {
             let marks = line.len() - line.trim_start_matches('#').len();
             let text = open.finish(trim(self.text, range.start + marks..range.start + line.len()));
             self.page.headings.push(Heading { level, text });
+        }
+    }
+
+    fn end_paragraph(&mut self, range: Range<usize>) {
+        if let Some(open) = self.open.take() {
+            let text = open.finish(trim(self.text, range));
+            self.page.paragraphs.push(Paragraph { heading: self.page.headings.len().checked_sub(1), text });
         }
     }
 

@@ -11,6 +11,7 @@
 //! | `defmt` | messages in logs of embedded devices: module `log` |
 //! | `proptest` | strategies for property tests: module `strategy` |
 //! | `schemars` | JSON Schemas of the crate schemars: module `schema` |
+//! | `json` | types of JSON messages, which pages define: module `json_type`; `serde` and `std` |
 //! | `serde` | JSON, and any other format of serde: module `json` |
 //!
 //! # Measured
@@ -65,6 +66,8 @@ mod fixed;
 mod flag;
 #[cfg(feature = "serde")]
 pub mod json;
+#[cfg(feature = "json")]
+pub mod json_type;
 pub mod layout;
 #[cfg(feature = "defmt")]
 pub mod log;
@@ -115,6 +118,13 @@ pub use json::Field as JsonField;
 /// A value as JSON; nothing is asked of it without the feature `serde`.
 #[cfg(not(feature = "serde"))]
 pub use without::JsonField;
+
+/// Leaves generated code in, which without the feature `json` it takes out.
+#[cfg(feature = "json")]
+#[macro_export]
+macro_rules! with_json {
+    ($($code:tt)*) => { $($code)* };
+}
 
 /// A message with a JSON Schema; nothing is asked of it without the feature `schemars`.
 #[cfg(feature = "schemars")]

@@ -90,3 +90,10 @@ macro_rules! __format_flags {
 macro_rules! __format_error_code {
     ($($tokens:tt)*) => {};
 }
+
+/// Takes generated code out, which with the feature `json` it leaves in.
+#[cfg(not(feature = "json"))]
+#[macro_export]
+macro_rules! with_json {
+    ($($code:tt)*) => {};
+}

@@ -2,6 +2,7 @@
 
 use super::error_codes;
 use super::interface::kind_name;
+use super::json::Json;
 use super::markdown::{append, href, inline, link};
 use super::rules::{self, Rules};
 use super::site::{Site, interface_path};
@@ -119,6 +120,9 @@ fn contents(site: &Site<'_>, package: &Package, mut item: impl FnMut(usize, &str
         for (table, path) in package.error_tables.iter().zip(error_codes::table_paths(package)) {
             item(1, &table.title, &path);
         }
+    }
+    for (name, path) in Json::of(site, package).contents() {
+        item(0, name, path);
     }
 }
 

@@ -3,6 +3,7 @@
 use super::Options;
 use super::error_codes;
 use super::interface::kind_name;
+use super::json::Json;
 use super::markdown::{
     Page, Table, code, gist, href, inline, link, number_column, plural, text_column, thousands, unbroken,
 };
@@ -77,6 +78,9 @@ fn section(page: &mut Page, level: usize, heading: &str, table: &Table) {
 fn contents(page: &mut Page, site: &Site<'_>, from: &str, package: &Package, level: usize) {
     section(page, level, "Messages", &message_table(site, from, package));
     section(page, level, "Services and actions", &interface_table(site, from, package));
+    let json = Json::of(site, package);
+    section(page, level, "Messages", &json.message_table(from));
+    section(page, level, "Types", &json.type_table(from));
     if !package.error_tables.is_empty() {
         page.heading(level, error_codes::TITLE);
         page.table(&error_codes::list(from, package));

@@ -90,7 +90,7 @@ impl<'p, 's> Scope<'p, 's> {
 }
 
 /// Whether a name can be nothing else: `Event` at the start of a sentence is just a word.
-fn is_compound(name: &str) -> bool {
+pub(super) fn is_compound(name: &str) -> bool {
     let capitals = name.chars().filter(char::is_ascii_uppercase).count();
     capitals > 1 && capitals < name.len()
 }

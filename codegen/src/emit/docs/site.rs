@@ -108,10 +108,7 @@ impl<'s> Site<'s> {
 
     /// The packages that describe anything.
     pub(super) fn packages(&self) -> impl Iterator<Item = &'s Package> + use<'s> {
-        let describes = |package: &&Package| {
-            !package.messages.is_empty() || !package.interfaces.is_empty() || !package.error_tables.is_empty()
-        };
-        self.schema.packages.iter().filter(describes)
+        self.schema.packages.iter().filter(|package| !package.is_empty())
     }
 
     /// All messages that have a place, parts of services and actions too.

@@ -419,6 +419,35 @@ fn error_codes_refer_to_each_other() {
     );
 }
 
+const GLIDERS: &str = include_str!("../../../tests/fixtures/ok/type-tables/gliders.md");
+
+#[test]
+fn types_and_messages_refer_to_each_other() {
+    let book = book(&[("gliders", Form::Table, &[("gliders.md", GLIDERS)])]);
+    assert!(links_that_lead_somewhere(&book) > 60);
+    let glider = text_of(&book, "gliders/types/Glider.md");
+    for expected in [
+        "| <a id=\"field-time\"></a>`time` | yes | [`Instant`](Instant.md) |  |  | When that was |",
+        "| no | list of number | m/s | \\-20&nbsp;to&nbsp;20<br>length 1&nbsp;to&nbsp;60 | Each of the last seconds |",
+        "| no | [`Fix`](Fix.md) or null |",
+        "one of `\"north\"`, `\"south\"`, `\"the middle\"`",
+        "There are no other fields.",
+        "- [`GLIDER-INF.status`](../messages/GLIDER-INF.md#response-status), response",
+        "| Definition | `gliders.md:50` |",
+    ] {
+        assert!(glider.contains(expected), "{expected}\n{glider}");
+    }
+    let request = text_of(&book, "gliders/messages/FIELD-CLOSE.md");
+    assert!(
+        request.contains("Answered by [`TOWER-ACK`](TOWER-ACK.md), [`GLIDER-INF`](GLIDER-INF.md)."),
+        "{request}"
+    );
+    let phase = text_of(&book, "gliders/types/Phase.md");
+    assert!(phase.contains("| `\"final glide\"` | On the way home |\n\nThere may be others."), "{phase}");
+    let index = text_of(&book, "gliders/README.md");
+    assert!(index.contains("| [`Mark`](types/Mark.md) | array | 2 | A turning point. |"), "{index}");
+}
+
 #[test]
 fn text_of_definitions_stays_text() {
     let page = one_message(

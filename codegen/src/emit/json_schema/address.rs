@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use crate::schema::{Kind, MessageId, Package, Schema};
+use crate::schema::json_type::Direction;
+use crate::schema::{JsonMessageId, JsonTypeId, Kind, MessageId, Package, Schema};
 
 /// Ending of every file that holds a schema.
 const EXTENSION: &str = ".schema.json";
@@ -16,6 +17,10 @@ pub(in crate::emit) enum Target {
     ErrorCode(usize),
     /// A list of such codes.
     ErrorList(usize),
+    /// A type of a page.
+    JsonType(JsonTypeId),
+    /// A message of a page in a direction.
+    JsonPart(JsonMessageId, Direction),
 }
 
 /// The place of a [`Target`].
@@ -38,6 +43,16 @@ impl<'s> Address<'s> {
             }
             Target::ErrorCode(index) => Self { package: package(index), folder: None, name: "ErrorCode" },
             Target::ErrorList(index) => Self { package: package(index), folder: None, name: "ErrorList" },
+            Target::JsonType(id) => {
+                let found = schema.json_type(id);
+                Self { package: package(found.package), folder: None, name: &found.name }
+            }
+            Target::JsonPart(id, direction) => {
+                let message = schema.json_message(id);
+                let part = message.parts.iter().find(|part| part.direction == direction);
+                let name = part.map_or("", |part| part.name.as_str());
+                Self { package: package(message.package), folder: None, name }
+            }
         }
     }
 

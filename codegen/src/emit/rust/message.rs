@@ -425,7 +425,7 @@ fn is_unused(description: &str) -> bool {
     matches!(description, "" | "Unused" | "Empty")
 }
 
-fn range_text(low: Option<&Value>, high: Option<&Value>) -> Option<String> {
+pub(super) fn range_text(low: Option<&Value>, high: Option<&Value>) -> Option<String> {
     match (low, high) {
         (Some(low), Some(high)) => Some(format!("{low} to {high}")),
         (Some(low), None) => Some(format!("{low} or more")),

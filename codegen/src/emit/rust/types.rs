@@ -158,6 +158,11 @@ pub(super) fn integer(value: i128) -> TokenStream {
     if value < 0 { quote!(-#magnitude) } else { quote!(#magnitude) }
 }
 
+/// A `float64` as a literal.
+pub(super) fn float64(value: f64) -> TokenStream {
+    float(value, &quote!(f64), Literal::f64_unsuffixed)
+}
+
 fn float(value: f64, ty: &TokenStream, literal: fn(f64) -> Literal) -> TokenStream {
     if value.is_nan() {
         quote!(#ty::NAN)

@@ -95,12 +95,6 @@ impl Resolver {
 
     fn read<'p>(&mut self, page: &'p Page) -> Vec<ErrorCodeTable<'p>> {
         let (tables, diagnostics) = error_code::read(page);
-        if tables.is_empty() && diagnostics.is_empty() {
-            self.report(
-                Problem::NoTable,
-                page.headings.first().map_or(page.span.part(0..0), |first| first.text.span()),
-            );
-        }
         self.diagnostics.extend(diagnostics);
         self.known.extend(tables.iter().flat_map(|table| &table.unread).map(|code| (*code, None)));
         tables
@@ -322,7 +316,6 @@ mod tests {
             ("overlapping-block", "Ships (codes 600-700)"),
             ("missing-abbreviation", ""),
             ("unknown-class", "Rafts"),
-            ("no-table", "Nothing"),
         ];
         assert_eq!(diagnostics, expected.map(|(code, text)| (code, text.to_owned())));
         let sizes: Vec<(&str, usize)> =

@@ -139,8 +139,12 @@ impl<'s> Resolver<'s> {
                     field.uncontrolled = self.special(special, field.ty, annotation.span);
                 }
                 Statement::Frame(frame) => field.frame = Some((*frame).to_owned()),
-                // Resolved with the whole message: the array may stand below.
-                Statement::Count(_) => {}
+                // A count is resolved with the whole message: the array may stand below. Pages alone have the others.
+                Statement::Count(_)
+                | Statement::Length { .. }
+                | Statement::Unique
+                | Statement::Pattern(_)
+                | Statement::Format(_) => {}
                 Statement::Enum(prefixes) | Statement::Flags(prefixes) => {
                     field.enum_prefixes = prefixes.iter().map(prefix_text).collect();
                     let is_flags = matches!(annotation.statement, Statement::Flags(_));
@@ -234,7 +238,13 @@ impl<'s> Resolver<'s> {
                     parameter.enum_prefixes = prefixes.iter().map(prefix_text).collect();
                     self.claimed[index].extend(prefixes.iter().map(|prefix| prefix.prefix.to_owned()));
                 }
-                Statement::Uncontrolled(_) | Statement::Frame(_) | Statement::Count(_) => {}
+                Statement::Uncontrolled(_)
+                | Statement::Frame(_)
+                | Statement::Count(_)
+                | Statement::Length { .. }
+                | Statement::Unique
+                | Statement::Pattern(_)
+                | Statement::Format(_) => {}
             }
         }
         parameter

@@ -1,0 +1,43 @@
+//! The page of a message: a section for each direction.
+
+use super::super::markdown::{Page, Table, code, inline, text_column, unbroken};
+use super::super::message::package_cell;
+use super::{Json, Owner};
+use crate::emit::OutputFile;
+use crate::schema::JsonMessageId;
+
+impl Json<'_, '_> {
+    /// The page of a message.
+    pub(super) fn message_page(&self, id: JsonMessageId) -> OutputFile {
+        let message = self.site.schema.json_message(id);
+        let from = self.path(&message.name);
+        let mut page = Page::new(from, &inline(&message.name));
+        page.block(&self.block(from, &message.docs.text()));
+        let mut facts = Table::new(&[text_column(""), text_column("")]);
+        facts.row([unbroken("Package"), package_cell(from, self.package)]);
+        let line = self.site.sources.position(message.span).line;
+        facts.row([unbroken("Definition"), code(&format!("{}:{line}", self.site.source(message.span)))]);
+        let directions: Vec<&str> = message.parts.iter().map(|part| part.direction.name()).collect();
+        facts.row([unbroken("Directions"), directions.join(", ")]);
+        page.table(&facts);
+        for part in &message.parts {
+            page.heading(2, part.direction.title());
+            page.block(&self.block(from, &part.docs.text()));
+            if !part.answers.is_empty() {
+                let answers: Vec<String> = part.answers.iter().map(|name| self.link(from, name)).collect();
+                page.block(&format!("Answered by {}.", answers.join(", ")));
+            }
+            let owner = Owner::Message(id, part.direction);
+            page.block(&format!("The `type` is {}.", code(&message.name)));
+            if !part.fields().is_empty() {
+                self.write_fields(&mut page, from, owner, part.fields());
+            }
+            page.block(match (part.body.is_closed, part.fields().is_empty()) {
+                (true, _) => "There are no other fields.",
+                (false, true) => "",
+                (false, false) => "Further fields are allowed, and mean nothing.",
+            });
+        }
+        page.finish()
+    }
+}

@@ -1,0 +1,109 @@
+//! The page of a type.
+
+use super::super::fields::unit;
+use super::super::markdown::{Page, Table, code, inline, text_column, unbroken};
+use super::super::message::package_cell;
+use super::member::{json_code, values};
+use super::{Json, Owner};
+use crate::emit::OutputFile;
+use crate::schema::JsonTypeId;
+use crate::schema::json_type::{Definition, Set, SetValue, SetValues};
+
+/// What a type is, in a word or two.
+pub(super) fn kind(definition: &Definition) -> &'static str {
+    match definition {
+        Definition::Object(object) if object.is_closed => "object, closed",
+        Definition::Object(_) => "object",
+        Definition::Tuple(_) => "array",
+        Definition::Set(set) if set.is_open => "set, open",
+        Definition::Set(_) => "set, closed",
+        Definition::Named(_) => "value",
+    }
+}
+
+impl Json<'_, '_> {
+    /// The page of a type.
+    pub(super) fn type_page(&self, id: JsonTypeId) -> OutputFile {
+        let found = self.site.schema.json_type(id);
+        let from = self.path(&found.name);
+        let mut page = Page::new(from, &inline(&found.name));
+        page.block(&self.block(from, &found.docs.text()));
+        page.table(&self.type_facts(id, from));
+        let owner = Owner::Type(id);
+        match &found.definition {
+            Definition::Object(object) => {
+                page.heading(2, "Fields");
+                self.write_fields(&mut page, from, owner, &object.fields);
+                page.block(if object.is_closed {
+                    "There are no other fields."
+                } else {
+                    "Further fields are allowed, and mean nothing."
+                });
+            }
+            Definition::Tuple(elements) => {
+                page.heading(2, "Elements");
+                self.write_elements(&mut page, from, owner, elements);
+                if elements.iter().any(|element| !element.is_required) {
+                    page.block("Elements that are not required may be left out at the end.");
+                }
+            }
+            Definition::Set(set) => {
+                page.heading(2, "Values");
+                self.write_set(&mut page, from, set);
+            }
+            Definition::Named(_) => {}
+        }
+        self.write_holders(&mut page, from, id);
+        page.finish()
+    }
+
+    fn type_facts(&self, id: JsonTypeId, from: &str) -> Table {
+        let found = self.site.schema.json_type(id);
+        let mut table = Table::new(&[text_column(""), text_column("")]);
+        let mut fact = |name: &str, value: String| {
+            if !value.is_empty() {
+                table.row([unbroken(name), value]);
+            }
+        };
+        fact("Package", package_cell(from, self.package));
+        let line = self.site.sources.position(found.span).line;
+        fact("Definition", code(&format!("{}:{line}", self.site.source(found.span))));
+        fact("Kind", kind(&found.definition).to_owned());
+        if let Definition::Named(typed) = &found.definition {
+            fact("JSON", self.type_cell(from, &typed.ty));
+            fact("Unit", unit(typed.limits.unit.as_deref()));
+            fact("Values", values(&typed.limits).join("<br>"));
+        }
+        table
+    }
+
+    fn write_set(&self, page: &mut Page, from: &str, set: &Set) {
+        let mut table = Table::new(&[text_column("Value"), text_column("Description")]);
+        match &set.values {
+            SetValues::Integers(values) => {
+                for SetValue { value, description } in values {
+                    table.row([code(&value.to_string()), self.inline(from, description)]);
+                }
+            }
+            SetValues::Strings(values) => {
+                for SetValue { value, description } in values {
+                    table.row([json_code(value), self.inline(from, description)]);
+                }
+            }
+        }
+        page.table(&table);
+        page.block(if set.is_open { "There may be others." } else { "There are no others." });
+    }
+
+    fn write_holders(&self, page: &mut Page, from: &str, id: JsonTypeId) {
+        let holders = self.holders(id);
+        if holders.is_empty() {
+            return;
+        }
+        page.heading(2, "Used by");
+        page.gap();
+        for holder in holders {
+            page.item(0, &self.holder_link(from, *holder));
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Types and messages of pages.
+
+use serde_json::{Map, Value as Json, json};
+
+use super::range;
+use crate::schema::json_type::{Definition, JsonPart, Limits, Member, SetValue, SetValues, Typed};
+use crate::schema::{Package, Schema};
+use crate::unit;
+
+/// The types of a package, by name.
+pub(super) fn types(schema: &Schema, package: &Package) -> Map<String, Json> {
+    let types = package.json_types.iter().map(|id| schema.json_type(*id));
+    types
+        .map(|found| {
+            let mut shown = definition(schema, &found.definition);
+            shown["summary"] = json!(found.docs.summary);
+            shown["description"] = json!(found.docs.description);
+            (found.name.clone(), shown)
+        })
+        .collect()
+}
+
+/// The messages of a package, by type.
+pub(super) fn messages(schema: &Schema, package: &Package) -> Map<String, Json> {
+    let messages = package.json_messages.iter().map(|id| schema.json_message(*id));
+    messages
+        .map(|found| {
+            let mut shown: Map<String, Json> = Map::new();
+            shown.insert("summary".to_owned(), json!(found.docs.summary));
+            shown.insert("description".to_owned(), json!(found.docs.description));
+            shown.extend(found.parts.iter().map(|body| (body.direction.to_string(), part(schema, body))));
+            (found.name.clone(), Json::Object(shown))
+        })
+        .collect()
+}
+
+fn part(schema: &Schema, part: &JsonPart) -> Json {
+    json!({
+        "summary": part.docs.summary,
+        "description": part.docs.description,
+        "answers": part.answers,
+        "closed": part.body.is_closed,
+        "fields": members(schema, &part.body.fields),
+    })
+}
+
+fn definition(schema: &Schema, definition: &Definition) -> Json {
+    match definition {
+        Definition::Object(object) => {
+            json!({ "kind": "object", "closed": object.is_closed, "fields": members(schema, &object.fields) })
+        }
+        Definition::Tuple(elements) => json!({ "kind": "tuple", "elements": members(schema, elements) }),
+        Definition::Set(set) => {
+            let values: Vec<Json> = match &set.values {
+                SetValues::Integers(values) => values.iter().map(value).collect(),
+                SetValues::Strings(values) => values.iter().map(value).collect(),
+            };
+            json!({ "kind": "set", "open": set.is_open, "values": values })
+        }
+        Definition::Named(found) => {
+            let mut shown = typed(schema, found);
+            shown["kind"] = json!("named");
+            shown
+        }
+    }
+}
+
+fn value<T: serde::Serialize>(value: &SetValue<T>) -> Json {
+    json!({ "value": value.value, "description": value.description })
+}
+
+fn members(schema: &Schema, members: &[Member]) -> Vec<Json> {
+    let shown = |member: &Member| {
+        let mut shown = typed(schema, &member.typed);
+        shown["name"] = json!(member.name);
+        shown["required"] = json!(member.is_required);
+        shown["description"] = json!(member.description);
+        shown
+    };
+    members.iter().map(shown).collect()
+}
+
+fn typed(schema: &Schema, typed: &Typed) -> Json {
+    let Limits { unit, range: bounds, least, most, is_unique, pattern, format } = &typed.limits;
+    json!({
+        "type": schema.expression_text(&typed.ty, &str::to_owned),
+        "unit": unit.as_deref().filter(|unit| *unit != unit::NONE),
+        "range": bounds.as_ref().map(range),
+        "length": (least.is_some() || most.is_some()).then(|| json!([least, most])),
+        "unique": is_unique,
+        "pattern": pattern,
+        "format": format,
+    })
+}

@@ -1,0 +1,135 @@
+//! The messages: a module for each with its bodies, and an enum of all for each direction.
+
+use proc_macro2::{Ident, TokenStream};
+use quote::quote;
+
+use super::super::identifier::{Scope, ident, module_name, pascal_case};
+use super::super::{Context, documentation, header, inner_documentation, layout_file};
+use super::types::{Definitions, OTHER};
+use super::{MODULE, Names, TYPES, is_own, text};
+use crate::emit::{OutputFile, prose};
+use crate::schema::json_type::{Direction, JsonMessage, JsonPart, Member, Object};
+use crate::schema::{JsonMessageId, Package};
+
+/// A message and what it is called.
+struct Place<'s> {
+    message: &'s JsonMessage,
+    module: String,
+    variant: Ident,
+}
+
+/// What stands in the module of the package's JSON, and the files below it.
+pub(super) fn files(
+    context: &Context<'_>,
+    package: &Package,
+    names: &Names,
+    module: &str,
+) -> (TokenStream, Vec<OutputFile>) {
+    let places = places(context, &package.json_messages);
+    let modules = places.iter().map(|place| {
+        let module = ident(&place.module);
+        let doc = documentation(&format!("The bodies of {}.", prose::code(&place.message.name)));
+        quote!(#doc pub mod #module;)
+    });
+    let enums = Direction::ALL.map(|direction| direction_tokens(&places, direction));
+    let root = quote!(#(#modules)* #(#enums)*);
+    let files = places.iter().map(|place| {
+        let source = context.sources.path(context.sources.source_of(place.message.span));
+        OutputFile {
+            path: format!("{module}/{MODULE}/{}.rs", place.module),
+            text: header(source) + &layout_file(message_tokens(context, names, place.message)),
+        }
+    });
+    (root, files.collect())
+}
+
+fn places<'s>(context: &Context<'s>, ids: &[JsonMessageId]) -> Vec<Place<'s>> {
+    let (mut modules, mut variants) = (Scope::default(), Scope::default());
+    modules.unique(TYPES);
+    variants.unique_type(OTHER);
+    let place = |id: &JsonMessageId| {
+        let message = context.schema.json_message(*id);
+        Place {
+            message,
+            module: modules.unique(&module_name(&message.name)),
+            variant: ident(&variants.unique_type(&pascal_case(&message.name))),
+        }
+    };
+    ids.iter().map(place).collect()
+}
+
+/// The enum of all messages of a direction; nothing where there are none.
+fn direction_tokens(places: &[Place<'_>], direction: Direction) -> Option<TokenStream> {
+    let has_part = |place: &&Place<'_>| place.message.parts.iter().any(|part| part.direction == direction);
+    let places: Vec<&Place<'_>> = places.iter().filter(has_part).collect();
+    if places.is_empty() {
+        return None;
+    }
+    let name = ident(direction.title());
+    let variants = places.iter().map(|place| {
+        let (variant, module) = (&place.variant, ident(&place.module));
+        let summary = if place.message.docs.summary.is_empty() {
+            format!("The type {}.", prose::code(&place.message.name))
+        } else {
+            format!("{}: {}", prose::code(&place.message.name), prose::inline(&place.message.docs.summary))
+        };
+        let doc = documentation(&summary);
+        quote!(#doc #variant(#module::#name))
+    });
+    let entries = places.iter().map(|Place { variant, message, .. }| {
+        let name = &message.name;
+        quote!(#variant #name;)
+    });
+    let doc = documentation(match direction {
+        Direction::Request => "A message from a client, which expects an answer.",
+        Direction::Response => "The answer to a request.",
+        Direction::Notification => "A message from a server that wasn't asked.",
+    });
+    let other = documentation("A message of another type, as it is.");
+    Some(quote! {
+        #doc
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum #name {
+            #(#variants,)*
+            #other
+            Other(::uavspec_runtime::json_type::Json),
+        }
+
+        ::uavspec_runtime::json_messages! { #name; #(#entries)* }
+    })
+}
+
+fn message_tokens(context: &Context<'_>, names: &Names, message: &JsonMessage) -> TokenStream {
+    let doc = inner_documentation(&format!(
+        "The bodies of {}.\n\n{}",
+        prose::code(&message.name),
+        text(&message.docs, "message", &message.name)
+    ));
+    let mut definitions = Definitions::of_message(context, names);
+    for part in &message.parts {
+        definitions.give(part.direction.title());
+    }
+    let parts: Vec<TokenStream> =
+        message.parts.iter().map(|part| part_tokens(&mut definitions, message, part)).collect();
+    quote!(#doc #(#parts)*)
+}
+
+fn part_tokens(definitions: &mut Definitions<'_>, message: &JsonMessage, part: &JsonPart) -> TokenStream {
+    let name = ident(part.direction.title());
+    let mut lines = if part.docs.summary.is_empty() {
+        format!("The body of a {} of the type {}.", part.direction, prose::code(&message.name))
+    } else {
+        text(&part.docs, "body", &part.name)
+    };
+    if !part.answers.is_empty() {
+        let answers: Vec<String> = part.answers.iter().map(|answer| prose::code(answer)).collect();
+        lines += "\n\nAnswered by ";
+        lines += &answers.join(", ");
+        lines.push('.');
+    }
+    let fields: Vec<Member> = part.body.fields.iter().filter(|field| is_own(field)).cloned().collect();
+    let body = Object { fields: Vec::new(), is_closed: part.body.is_closed };
+    let tokens = definitions.object(&documentation(&lines), &name, &body, &fields);
+    let inner = definitions.take_inner();
+    quote!(#tokens #(#inner)*)
+}

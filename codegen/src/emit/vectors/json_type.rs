@@ -1,0 +1,195 @@
+//! Cases of types and messages of pages.
+//!
+//! What is tried is made by `candidate`, whether it is right is told by `judge`: a case that breaks several rules at
+//! once tells nothing of any of them, and is left out.
+
+mod candidate;
+mod judge;
+mod typical;
+
+use std::collections::BTreeSet;
+
+use serde_json::{Map, Value as Json};
+
+use self::candidate::{Candidate, candidate};
+use self::judge::Judge;
+use self::typical::Typical;
+use super::case::Case;
+use crate::schema::json_type::{Definition, Expression, Limits, Member, Object, SetValues};
+use crate::schema::{JsonTypeId, Schema};
+
+/// The ids of rules on the shape of JSON.
+mod rule {
+    /// A value has its type, which may be `null` only where the page says so.
+    pub(super) const TYPE: &str = "SHAPE-TYPE";
+    /// An object has all fields that it may not leave out.
+    pub(super) const REQUIRED: &str = "SHAPE-REQUIRED";
+    /// An object that is closed has no further fields.
+    pub(super) const FURTHER: &str = "SHAPE-FURTHER";
+    /// A number is in its range.
+    pub(super) const RANGE: &str = "SHAPE-RANGE";
+    /// A string, a list or a tuple is neither too short nor too long.
+    pub(super) const LENGTH: &str = "SHAPE-LENGTH";
+    /// No element stands twice in a list that has each once.
+    pub(super) const UNIQUE: &str = "SHAPE-UNIQUE";
+    /// A string has its pattern and its format.
+    pub(super) const PATTERN: &str = "SHAPE-PATTERN";
+    /// A value is one of those that are listed, where there are no others.
+    pub(super) const VALUE: &str = "SHAPE-VALUE";
+}
+
+/// Where an object has so many fields, and so long ones, that the cases of all fields would take more bytes, there are
+/// none of single fields.
+const MAX_BYTES: usize = 16 << 20;
+
+/// Cases of a field, roughly.
+const CASES_OF_FIELD: usize = 16;
+
+/// A field that no page names.
+const FURTHER_FIELD: &str = "no_such_field";
+
+/// Cases of a type.
+pub(super) fn of_type(schema: &Schema, id: JsonTypeId) -> Vec<Case> {
+    let mut writer = Writer::new(schema);
+    match &schema.json_type(id).definition {
+        Definition::Object(object) => writer.object(object),
+        Definition::Tuple(elements) => writer.tuple(elements),
+        Definition::Set(set) => {
+            match &set.values {
+                SetValues::Integers(values) => values.iter().for_each(|found| {
+                    writer.push(candidate(
+                        format!("value-{}", found.value),
+                        "a value of the set",
+                        found.value.into(),
+                    ));
+                }),
+                SetValues::Strings(values) => values.iter().for_each(|found| {
+                    let value = Json::from(found.value.as_str());
+                    writer.push(candidate(format!("value-{}", found.value), "a value of the set", value));
+                }),
+            }
+            writer.push_all(candidate::beside(set));
+            writer.push_all(candidate::kinds());
+        }
+        Definition::Named(typed) => {
+            writer.typical(&typed.ty, &typed.limits);
+            let candidates = candidate::of(schema, &typed.ty, &typed.limits);
+            writer.push_all(candidates);
+        }
+    }
+    writer.finish(|judge, value| judge.type_broken(id, value))
+}
+
+/// Cases of an object that is a message in a direction.
+pub(super) fn of_object(schema: &Schema, object: &Object) -> Vec<Case> {
+    let mut writer = Writer::new(schema);
+    writer.object(object);
+    writer.finish(|judge, value| judge.object_broken(object, value))
+}
+
+struct Writer<'s> {
+    schema: &'s Schema,
+    candidates: Vec<Candidate>,
+}
+
+impl<'s> Writer<'s> {
+    fn new(schema: &'s Schema) -> Self {
+        Self { schema, candidates: Vec::new() }
+    }
+
+    fn push(&mut self, candidate: Candidate) {
+        self.candidates.push(candidate);
+    }
+
+    fn push_all(&mut self, candidates: Vec<Candidate>) {
+        self.candidates.extend(candidates);
+    }
+
+    fn typical(&mut self, expression: &Expression, limits: &Limits) {
+        if let Some(value) = Typical::new(self.schema).value(expression, limits) {
+            self.push(candidate("typical", "a typical value", value));
+        }
+    }
+
+    fn object(&mut self, object: &Object) {
+        let mut typical = Typical::new(self.schema);
+        let (Some(minimal), Some(full)) =
+            (typical.object(object, false), Typical::new(self.schema).object(object, true))
+        else {
+            return;
+        };
+        self.push(candidate("typical", "all fields", Json::Object(full.clone())));
+        self.push(candidate("minimal", "only what may not be left out", Json::Object(minimal)));
+        let bytes = Json::Object(full.clone()).to_string().len().saturating_mul(CASES_OF_FIELD);
+        if bytes.saturating_mul(object.fields.len()) <= MAX_BYTES {
+            object.fields.iter().for_each(|field| self.field(field, &full));
+        }
+        let mut further = full;
+        further.insert(FURTHER_FIELD.to_owned(), Json::from(0));
+        self.push(candidate("further-field", "a field that the page doesn't name", Json::Object(further)));
+        self.push_all(candidate::kinds());
+    }
+
+    fn field(&mut self, field: &Member, full: &Map<String, Json>) {
+        let name = &field.name;
+        let mut without = full.clone();
+        // The order of the others is that of the page.
+        if without.shift_remove(name).is_some() {
+            let words = format!("without `{name}`");
+            self.push(candidate(format!("{name}-absent"), words, Json::Object(without)));
+        }
+        for found in candidate::of(self.schema, &field.typed.ty, &field.typed.limits) {
+            let mut with = full.clone();
+            with.insert(name.clone(), found.value);
+            let words = format!("`{name}` is {}", found.words);
+            self.push(candidate(format!("{name}-{}", found.name), words, Json::Object(with)));
+        }
+    }
+
+    fn tuple(&mut self, elements: &[Member]) {
+        let mut typical = Typical::new(self.schema);
+        let full: Option<Vec<Json>> =
+            elements.iter().map(|element| typical.value(&element.typed.ty, &element.typed.limits)).collect();
+        let Some(full) = full else { return };
+        for length in 0..=full.len() {
+            let words = format!("the first {length} of {} elements", full.len());
+            self.push(candidate(format!("length-{length}"), words, Json::from(&full[..length])));
+        }
+        let longer: Vec<Json> = full.iter().cloned().chain([Json::from(0)]).collect();
+        self.push(candidate("too-long", "an element too many", Json::from(longer)));
+        for (index, element) in elements.iter().enumerate() {
+            for found in candidate::of(self.schema, &element.typed.ty, &element.typed.limits) {
+                let mut with = full.clone();
+                with[index] = found.value;
+                let words = format!("`{}` is {}", element.name, found.words);
+                self.push(candidate(format!("{}-{}", element.name, found.name), words, Json::from(with)));
+            }
+        }
+        self.push_all(candidate::kinds());
+    }
+
+    /// The candidates that break one rule or none, each id and each value once.
+    fn finish(self, broken: impl Fn(&Judge<'_>, &Json) -> BTreeSet<&'static str>) -> Vec<Case> {
+        let judge = Judge { schema: self.schema };
+        let mut ids = BTreeSet::new();
+        let mut values = BTreeSet::new();
+        let mut cases = Vec::with_capacity(self.candidates.len());
+        for Candidate { name, words, value } in self.candidates {
+            let rules = broken(&judge, &value);
+            let json = value.to_string();
+            if rules.len() > 1 || !values.insert(json.clone()) || !ids.insert(name.clone()) {
+                continue;
+            }
+            let rule = rules.first().copied();
+            cases.push(Case {
+                id: name,
+                description: words,
+                rule,
+                json: Some(json),
+                schema_verdict: Some(rule.is_none()),
+                ..Case::default()
+            });
+        }
+        cases
+    }
+}

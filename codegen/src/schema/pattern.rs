@@ -1,0 +1,89 @@
+//! Regular expressions of strings: which ones all readers of JSON Schema take in one sense, and texts that
+//! satisfy them.
+
+use regex_syntax::ParserBuilder;
+use regex_syntax::hir::{Class, Hir, HirKind};
+
+/// What means something to one of the dialects alone: to Rust's, or to that of ECMA-262 which JSON Schema names.
+const FOREIGN: [&str; 11] = ["(?", "\\A", "\\z", "\\Z", "\\x{", "\\p", "\\P", "[:", "&&", "--", "~~"];
+
+/// A text grows no longer than this.
+const MAX_EXAMPLE_LEN: usize = 1_000;
+
+/// Whether the dialects agree on what a regular expression means.
+pub(crate) fn is_known(pattern: &str) -> bool {
+    let plain = pattern.replace("(?:", "(");
+    FOREIGN.iter().all(|foreign| !plain.contains(foreign)) && parse(pattern).is_some()
+}
+
+/// Whether a text satisfies a regular expression, which need not hold all of it.
+pub(crate) fn is_match(pattern: &str, text: &str) -> bool {
+    regex_lite::Regex::new(pattern).is_ok_and(|regex| regex.is_match(text))
+}
+
+/// A short text that satisfies a regular expression; none where none is found.
+pub(crate) fn example(pattern: &str) -> Option<String> {
+    let mut text = String::new();
+    append(&parse(pattern)?, &mut text)?;
+    is_match(pattern, &text).then_some(text)
+}
+
+/// Characters are those of ASCII: classes such as `\d` mean them alone in ECMA-262.
+fn parse(pattern: &str) -> Option<Hir> {
+    ParserBuilder::new().unicode(false).utf8(false).build().parse(pattern).ok()
+}
+
+fn append(hir: &Hir, text: &mut String) -> Option<()> {
+    match hir.kind() {
+        HirKind::Empty | HirKind::Look(_) => {}
+        HirKind::Literal(literal) => text.push_str(std::str::from_utf8(&literal.0).ok()?),
+        HirKind::Class(class) => text.push(character(class)?),
+        HirKind::Repetition(repetition) => {
+            for _ in 0..repetition.min {
+                append(&repetition.sub, text)?;
+            }
+        }
+        HirKind::Capture(capture) => append(&capture.sub, text)?,
+        HirKind::Concat(parts) => parts.iter().try_for_each(|part| append(part, text))?,
+        HirKind::Alternation(parts) => append(parts.first()?, text)?,
+    }
+    (text.len() <= MAX_EXAMPLE_LEN).then_some(())
+}
+
+/// A letter or digit of the class, if it has one, or else another character that can be seen.
+fn character(class: &Class) -> Option<char> {
+    let Class::Bytes(class) = class else { return None };
+    let holds = |byte: u8| class.ranges().iter().any(|range| (range.start()..=range.end()).contains(&byte));
+    let mut letters = (b'a'..=b'z').chain(b'A'..=b'Z').chain(b'0'..=b'9');
+    let found =
+        letters.find(|byte| holds(*byte)).or_else(|| (b'!'..=b'~').chain([b' ']).find(|byte| holds(*byte)));
+    found.map(char::from)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn examples_satisfy_their_pattern() {
+        for (pattern, expected) in [
+            ("^[^/]+$", "a"),
+            ("^[A-Z]{2,8}-[A-Z]{2,8}$", "AA-AA"),
+            (r"^\d+(\.\d+){0,2}$", "0"),
+            ("glider", "glider"),
+            ("^(north|south)$", "north"),
+            ("", ""),
+        ] {
+            assert!(is_known(pattern), "{pattern}");
+            assert_eq!(example(pattern).as_deref(), Some(expected), "{pattern}");
+        }
+    }
+
+    #[test]
+    fn what_dialects_read_differently_is_refused() {
+        for pattern in ["(?i)a", r"\Aa", r"\p{L}", "[[:alpha:]]", "(", "[a&&b]", "a{2", r"(?<n>a)"] {
+            assert!(!is_known(pattern), "{pattern}");
+        }
+        assert!(is_known("(?:a|b)c"));
+    }
+}

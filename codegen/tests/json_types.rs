@@ -1,0 +1,253 @@
+//! The Rust that is emitted for types and messages of pages: that of `fixtures/ok/type-tables*` is compiled here, and
+//! read and written. After a change that is meant: `UAVSPEC_UPDATE_FIXTURES=1 cargo test --test json_types`.
+
+mod support;
+
+/// What is emitted, as a crate would have it.
+#[allow(dead_code, missing_docs, unreachable_pub, unused_imports)]
+#[rustfmt::skip]
+#[path = "json_types/mod.rs"]
+mod emitted;
+
+use std::collections::BTreeMap;
+use std::fmt::Debug;
+use std::path::Path;
+
+use emitted::{gliders, odd};
+use gliders::json::{
+    Callsign, Fix, Glider, GliderWinch, Instant, Mark, Marks, MarksValue, Notification, Phase, Request,
+    Response, field_close, glider_inf, tower_ack,
+};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Value as Json, json};
+use uavspec_codegen::emit::{GENERATED_BY, rust, vectors};
+use uavspec_codegen::schema::Form;
+use uavspec_codegen::{SourceMap, read};
+
+/// The packages: names and pages.
+const PAGES: [(&str, &str); 2] = [
+    ("gliders", include_str!("fixtures/ok/type-tables/gliders.md")),
+    ("odd", include_str!("fixtures/ok/type-tables-names/odd.md")),
+];
+
+#[test]
+fn what_is_compiled_here_is_what_is_emitted() {
+    let mut sources = SourceMap::default();
+    let packages = PAGES.map(|(name, text)| {
+        let mut package = support::package(name, Form::Table);
+        package.sources.push(sources.add(format!("{name}.md"), text.into()).expect("a page"));
+        package
+    });
+    let (schema, diagnostics) = read(&sources, &packages);
+    assert_eq!(diagnostics, []);
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/json_types");
+    let mut failures = Vec::new();
+    let files = rust::emit(&schema, &sources, &rust::Options::default());
+    for file in &files {
+        assert!(file.text.starts_with(&format!("// {GENERATED_BY}")), "{}", file.path);
+        failures.extend(support::differs(&folder.join(&file.path), &file.text));
+    }
+    let known: Vec<_> = files.iter().map(|file| folder.join(&file.path)).collect();
+    let found = support::files_below(&folder, &["rs"]);
+    failures.extend(
+        found
+            .iter()
+            .filter(|path| !known.contains(path))
+            .map(|path| format!("{} is left over", path.display())),
+    );
+    assert!(failures.is_empty(), "{}", failures.concat());
+}
+
+/// Reads what was written, and writes what was read.
+fn round<T: DeserializeOwned + Serialize + PartialEq + Debug>(value: &T, json: &Json) {
+    assert_eq!(&serde_json::to_value(value).expect("JSON"), json);
+    let text = json.to_string();
+    assert_eq!(&serde_json::from_str::<T>(&text).unwrap_or_else(|error| panic!("{text}: {error}")), value);
+    assert_eq!(&T::deserialize(json).unwrap_or_else(|error| panic!("{text}: {error}")), value);
+}
+
+fn refused<T: DeserializeOwned + Debug>(json: &Json, expected: &str) {
+    let error = serde_json::from_str::<T>(&json.to_string()).expect_err("a refusal").to_string();
+    assert!(error.contains(expected), "{json}: {error}");
+}
+
+fn mark(lat: i64, height: Option<i64>, radius: Option<f64>) -> Mark {
+    Mark { lat, lon: 2, height, radius }
+}
+
+#[test]
+fn tuples_are_as_long_as_they_have_to_be() {
+    round(&mark(1, None, None), &json!([1, 2]));
+    round(&mark(1, Some(3), None), &json!([1, 2, 3]));
+    round(&mark(1, None, Some(0.5)), &json!([1, 2, null, 0.5]));
+    let read: Mark = serde_json::from_value(json!([1, 2, null])).expect("a null in the place of nothing");
+    assert_eq!(read, mark(1, None, None));
+    refused::<Mark>(&json!([1]), "invalid length 1");
+    refused::<Mark>(&json!([1, 2, 3, 4.0, 5]), "invalid length 5");
+    refused::<Mark>(&json!([1, 2, 3, null]), "null");
+    refused::<Mark>(&json!([1, null]), "null");
+    refused::<Mark>(&json!({ "lat": 1, "lon": 2 }), "an array with the elements of Mark");
+}
+
+#[test]
+fn what_is_left_out_is_not_what_is_null() {
+    let glider = Glider { id: Callsign::from("D1".to_owned()), time: Instant(5), ..Glider::default() };
+    round(&glider, &json!({ "id": "D1", "time": 5 }));
+    round(&Glider { fix: Some(None), ..glider.clone() }, &json!({ "id": "D1", "time": 5, "fix": null }));
+    let full = Glider {
+        position: Some(mark(1, None, None)),
+        phase: Some(Phase::from("sleeping")),
+        fix: Some(Some(Fix::Value3)),
+        marks: Some(Marks(vec![
+            MarksValue::Mark(mark(1, None, None)),
+            MarksValue::Callsign(glider.id.clone()),
+        ])),
+        climb: Some(vec![-0.5]),
+        crew: Some(vec!["a".to_owned()]),
+        winch: Some(GliderWinch::TheMiddle),
+        log: Some(String::new()),
+        towed_by: Some(Box::new(glider.clone())),
+        note: Some(json!({ "any": [null] })),
+        ..glider.clone()
+    };
+    let json = json!({
+        "id": "D1", "time": 5, "position": [1, 2], "phase": "sleeping", "fix": 3, "marks": [[1, 2], "D1"],
+        "climb": [-0.5], "crew": ["a"], "winch": "the middle", "log": "", "towed_by": { "id": "D1", "time": 5 },
+        "note": { "any": [null] }
+    });
+    round(&full, &json);
+    let with = |name: &str, value: Json| {
+        let mut json = json.clone();
+        json[name] = value;
+        json
+    };
+    refused::<Glider>(&with("phase", Json::Null), "null");
+    refused::<Glider>(&with("towed_by", Json::Null), "null");
+    refused::<Glider>(&with("fix", json!(1)), "a value of Fix");
+    refused::<Glider>(&with("winch", json!("middle")), "a value of GliderWinch");
+    refused::<Glider>(&with("marks", json!([1])), "none of the types");
+    refused::<Glider>(&with("else", json!(1)), "unknown field `else`");
+    refused::<Glider>(&json!({ "id": "D1" }), "missing field `time`");
+    refused::<Glider>(&json!(["D1", 5]), "an object with the fields of Glider");
+    let twice = serde_json::from_str::<Glider>(r#"{"id":"D1","time":1,"time":2}"#);
+    assert!(twice.expect_err("a refusal").to_string().contains("duplicate field `time`"));
+}
+
+#[test]
+fn names_know_their_range_and_sets_their_values() {
+    assert_eq!(Instant::RANGE, 0..=4_102_444_800_000);
+    assert!(Instant(0).is_in_range() && !Instant(-1).is_in_range());
+    assert!(odd::json::Option(-0.5).is_in_range() && !odd::json::Option(-0.6).is_in_range());
+    assert_eq!(Phase::from("final glide"), Phase::FinalGlide);
+    assert!(Phase::Towed.is_known() && !Phase::from("sleeping").is_known());
+    assert_eq!(Phase::from("sleeping").to_string(), "sleeping");
+    assert_eq!(Fix::ALL.iter().map(|fix| fix.value()).collect::<Vec<_>>(), [0, 2, 3]);
+}
+
+#[test]
+fn messages_are_told_apart_by_their_type() {
+    let ids = vec![Callsign::from("D1".to_owned())];
+    let request = Request::GliderInf(glider_inf::Request { ids });
+    round(&request, &json!({ "type": "GLIDER-INF", "ids": ["D1"] }));
+    assert_eq!(request.message_type(), "GLIDER-INF");
+    round(&Request::FieldClose(field_close::Request {}), &json!({ "type": "FIELD-CLOSE" }));
+    round(&Response::TowerAck(tower_ack::Response {}), &json!({ "type": "TOWER-ACK" }));
+    let glider = Glider { id: Callsign::from("D1".to_owned()), time: Instant(5), ..Glider::default() };
+    let status = BTreeMap::from([("D1".to_owned(), glider)]);
+    let json = json!({ "type": "GLIDER-INF", "status": { "D1": { "id": "D1", "time": 5 } } });
+    round(&Notification::GliderInf(glider_inf::Notification { status: status.clone() }), &json);
+    round(&Response::GliderInf(glider_inf::Response { status: Some(status), error: None }), &json);
+    let other = json!({ "type": "WINCH-INF", "load": { "D1": 1 }, "a": null });
+    round(&Response::Other(other.clone()), &other);
+    assert_eq!(Response::Other(other).message_type(), "WINCH-INF");
+
+    refused::<Request>(&json!({ "ids": [] }), "missing field `type`");
+    refused::<Request>(&json!({ "type": 1 }), "a string");
+    refused::<Request>(&json!([]), "an object");
+    refused::<Request>(&json!({ "type": "GLIDER-INF" }), "GLIDER-INF: missing field `ids`");
+    refused::<Response>(&json!({ "type": "TOWER-ACK", "else": 1 }), "unknown field `else`");
+}
+
+/// What the vectors say of a type, and what its Rust does: it reads what is valid, and writes it so that it reads the
+/// same again. What is of another shape is refused; ranges, lengths and patterns are not looked at.
+fn keeps_to_the_vectors<T: DeserializeOwned + Serialize + PartialEq + Debug>(
+    vectors: &[(String, Json)],
+    name: &str,
+) {
+    let path = format!("{name}.vectors.json");
+    let (_, file) = vectors.iter().find(|(found, _)| *found == path).unwrap_or_else(|| panic!("{path}"));
+    for case in file["cases"].as_array().expect("cases") {
+        let read = serde_json::from_value::<T>(case["json"].clone());
+        match (case["rule"].as_str(), read) {
+            (Some("SHAPE-RANGE" | "SHAPE-PATTERN" | "SHAPE-UNIQUE") | None, read) => {
+                let read = read.unwrap_or_else(|error| panic!("{name}: {case}: {error}"));
+                let written = serde_json::to_value(&read).expect("JSON");
+                let again: T = serde_json::from_value(written).expect("what was written");
+                assert_eq!(again, read, "{name}: {case}");
+            }
+            // Those of tuples are part of their shape, those of lists and strings are not.
+            (Some("SHAPE-LENGTH"), read) if !name.ends_with("/Mark") => drop(read),
+            // A message of another type is kept as it is.
+            (Some("SHAPE-VALUE"), read) if name.contains('.') => assert!(read.is_ok(), "{case}"),
+            (Some(_), read) => assert!(read.is_err(), "{name}: {case}: {read:?}"),
+        }
+    }
+}
+
+#[test]
+fn vectors_say_what_is_read() {
+    let mut sources = SourceMap::default();
+    let packages = PAGES.map(|(name, text)| {
+        let mut package = support::package(name, Form::Table);
+        package.sources.push(sources.add(format!("{name}.md"), text.into()).expect("a page"));
+        package
+    });
+    let (schema, _) = read(&sources, &packages);
+    let files = vectors::emit(&schema, &vectors::Options::default());
+    let files = files.iter().filter(|file| file.path.ends_with(".vectors.json"));
+    let vectors: Vec<(String, Json)> =
+        files.map(|file| (file.path.clone(), serde_json::from_str(&file.text).expect("JSON"))).collect();
+    macro_rules! check {
+        ($($package:ident: $($type:ident)*;)*) => {
+            $($(keeps_to_the_vectors::<$package::json::$type>(
+                &vectors,
+                concat!(stringify!($package), "/", stringify!($type)),
+            );)*)*
+        };
+    }
+    check! {
+        gliders: Callsign Fix Glider Instant Mark Marks Phase;
+        odd: A B D Option Result S Vec Visitor;
+    }
+    keeps_to_the_vectors::<Request>(&vectors, "gliders/GLIDER-INF.request");
+    keeps_to_the_vectors::<Response>(&vectors, "gliders/TOWER-ACK.response");
+    keeps_to_the_vectors::<Notification>(&vectors, "gliders/GLIDER-INF.notification");
+}
+
+#[test]
+fn words_of_the_language_are_names_like_others() {
+    use odd::json::{A, AMany, AMap, B, D, S, Visitor};
+    assert_eq!(serde_json::to_value(AMany::Other).expect("JSON"), "Other");
+    let inner = A { r#type: S("x".to_owned()), ..A::default() };
+    let value = A {
+        self_: Some(Some(D::from(9_007_199_254_740_993))),
+        r#ref: Some("r".to_owned()),
+        a_b: Some(Visitor::from("Other")),
+        a_b_2: Some(odd::json::Option(1.5)),
+        map: Some(BTreeMap::from([
+            ("b".to_owned(), Some(AMap::Boolean(true))),
+            ("i".to_owned(), Some(AMap::Integer(1))),
+            ("l".to_owned(), Some(AMap::List(vec![inner.clone()]))),
+            ("n".to_owned(), None),
+        ])),
+        key: Some(Box::new(B { a: Some(Box::new(inner.clone())), b: None })),
+        ..inner
+    };
+    let json = json!({
+        "type": "x", "self": 9_007_199_254_740_993_i64, "$ref": "r", "a-b": "Other", "a_b": 1.5,
+        "map": { "b": true, "i": 1, "l": [{ "type": "x" }], "n": null }, "key": [{ "type": "x" }]
+    });
+    round(&value, &json);
+    assert!(matches!(value.a_b, Some(Visitor::Other2)), "{:?}", value.a_b);
+}
