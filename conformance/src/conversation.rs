@@ -19,6 +19,7 @@ pub use self::operation::{Named, Operation, Stage};
 use self::remembered::Remembered;
 pub(crate) use self::turn::seconds;
 pub use self::turn::{Reference, Role, Turn};
+pub(crate) use self::vocabulary::OPERATIONS;
 pub use self::vocabulary::{MessageType, Parts, TYPES, message_type};
 use crate::json::Tree;
 use crate::record::{Direction, Exchange, Place};

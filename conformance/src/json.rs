@@ -7,7 +7,6 @@
 //! ([`Plans::explain`]). Both ask the same functions of single values (`value.rs`), so they can hardly
 //! disagree, and a test with random damage holds them to it.
 
-mod base64;
 mod clean;
 mod dialect;
 mod explain;
@@ -25,8 +24,3 @@ pub use self::plan::Plans;
 pub(crate) use self::template::Template;
 pub(crate) use self::tree::CUT_OFF;
 pub use self::tree::{SyntaxError, Tree};
-
-/// Whether a text is base64 with padding.
-pub(crate) fn is_base64(text: &str) -> bool {
-    base64::decode(text).is_some()
-}

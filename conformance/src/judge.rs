@@ -9,7 +9,9 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::io::{self, Read};
 
-use uavspec_codegen::schema::MessageId;
+use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
+use uavspec_codegen::schema::{MessageId, Shape};
+use uavspec_runtime::Scalar;
 
 pub use self::flockwave::{FlockwaveSource, TypeCount};
 pub use self::json::{JsonSource, judge_json};
@@ -273,4 +275,14 @@ impl<'d> Course<'d> {
             findings: self.findings,
         }
     }
+}
+
+/// Where in memory messages of a type have their `timestamp`.
+fn timestamp_offset(of: MessageType<'_>) -> Option<usize> {
+    let is_timestamp = |field: &Placed<'_>| {
+        field.name == "timestamp"
+            && matches!(field.element, PlacedElement::Scalar(Scalar::UInt64))
+            && field.shape == Shape::Single
+    };
+    of.layout().find(is_timestamp).map(|field| field.offset)
 }

@@ -10,6 +10,7 @@
 //! judged by a plan that is made once for each format; what happens over time is judged by rules that keep a
 //! small state for each channel.
 
+pub mod base64;
 pub mod catalogue;
 pub mod cli;
 pub mod comparison;

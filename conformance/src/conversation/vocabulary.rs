@@ -20,6 +20,31 @@ pub struct Parts {
     pub told: &'static [&'static str],
 }
 
+/// The types of which a reply tells of each object at once, with an error, or with a receipt.
+pub(crate) const OPERATIONS: [&str; 21] = [
+    "BCN-PROPS",
+    "FW-UPLOAD",
+    "LOG-INF",
+    "OBJ-CMD",
+    "PRM-GET",
+    "PRM-SET",
+    "PRM-SET-MANY",
+    "UAV-CALIB",
+    "UAV-FLY",
+    "UAV-HALT",
+    "UAV-HOVER",
+    "UAV-LAND",
+    "UAV-MOTOR",
+    "UAV-RST",
+    "UAV-RTH",
+    "UAV-SIGNAL",
+    "UAV-SLEEP",
+    "UAV-TAKEOFF",
+    "UAV-TEST",
+    "UAV-VER",
+    "UAV-WAKEUP",
+];
+
 const fn plain(name: &'static str) -> MessageType {
     MessageType { name, is_notification: false, parts: None }
 }

@@ -10,11 +10,11 @@ use uavspec_codegen::dynamic::members::{KeySeed, Seen};
 use uavspec_codegen::schema::{MessageId, Shape};
 use uavspec_runtime::Scalar;
 
-use super::base64;
 use super::dialect::{Dialect, Dialects};
 use super::plan::{Element, FieldPlan, MessagePlan, Plans};
 use super::template::keep;
 use super::value::Leaf;
+use crate::base64;
 
 /// What a clean message says of itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

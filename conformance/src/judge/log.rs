@@ -3,11 +3,10 @@
 use std::collections::BTreeMap;
 use std::io::Read;
 
-use uavspec_codegen::dynamic::{FormatProblem, MessageType, PlacedElement};
-use uavspec_codegen::schema::{MessageId, Shape};
-use uavspec_runtime::Scalar;
+use uavspec_codegen::dynamic::FormatProblem;
+use uavspec_codegen::schema::MessageId;
 
-use super::{Course, Judgement, Source};
+use super::{Course, Judgement, Source, timestamp_offset};
 use crate::comparison::{Comparison, compare};
 use crate::definitions::Definitions;
 use crate::detail::Detail;
@@ -137,7 +136,7 @@ impl<'d> LogJudge<'d> {
         let plan = match &mut open.plan {
             Some(plan) => plan,
             empty => {
-                open.timestamp = timestamp(record.of);
+                open.timestamp = timestamp_offset(record.of);
                 if let Some(rule) = rule("PX-FMT-03") {
                     self.course.findings.exercise(rule, 1);
                     if open.timestamp.is_none() {
@@ -230,16 +229,6 @@ impl Open {
             plan.exercise(self.messages, findings);
         }
     }
-}
-
-/// Where a payload has its `timestamp`.
-fn timestamp(of: MessageType<'_>) -> Option<usize> {
-    let is_timestamp = |field: &uavspec_codegen::dynamic::Placed<'_>| {
-        field.name == "timestamp"
-            && matches!(field.element, PlacedElement::Scalar(Scalar::UInt64))
-            && field.shape == Shape::Single
-    };
-    of.layout().find(is_timestamp).map(|field| field.offset)
 }
 
 /// The formats of all subscribed topics, compared with the definitions.

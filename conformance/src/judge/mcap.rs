@@ -254,10 +254,11 @@ impl<'d> McapJudge<'d> {
                     Ok(payload) => payload,
                     Err(problem) => return self.course.damage(place, problem),
                 };
-                let judged = judge.judge(payload, &channel, place, definitions, &mut self.course.findings);
+                let wants_values = self.course.wants_values(channel.index);
+                let findings = &mut self.course.findings;
+                let judged = judge.judge(payload, wants_values, &channel, place, definitions, findings);
                 if let Some(seen) = judged {
-                    let is_wanted = self.course.wants_values(channel.index);
-                    let values = is_wanted.then(|| judge.view(&seen, definitions)).flatten();
+                    let values = judge.view(&seen, definitions);
                     self.course.message(&channel, &Message { timestamp: seen.timestamp, values, place });
                 }
             }

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet, HashSet};
 use crate::conversation::message_type;
 use serde_json::Value;
 
-pub(super) use crate::conversation::{Reference, Role, Stage, Turn};
+pub(super) use crate::conversation::{OPERATIONS, Reference, Role, Stage, Turn};
 pub(super) use crate::json::Tree;
 pub(super) use crate::sample::Conversation;
 pub(super) use crate::shape::{INTEGER, Shape};
@@ -219,31 +219,6 @@ pub(super) fn exactly_one(turn: &Turn<'_>, judged: &mut Judged<'_>, names: &[&st
         });
     }
 }
-
-/// The types of which a reply tells of each object at once, with an error, or with a receipt.
-pub(super) const OPERATIONS: [&str; 21] = [
-    "BCN-PROPS",
-    "FW-UPLOAD",
-    "LOG-INF",
-    "OBJ-CMD",
-    "PRM-GET",
-    "PRM-SET",
-    "PRM-SET-MANY",
-    "UAV-CALIB",
-    "UAV-FLY",
-    "UAV-HALT",
-    "UAV-HOVER",
-    "UAV-LAND",
-    "UAV-MOTOR",
-    "UAV-RST",
-    "UAV-RTH",
-    "UAV-SIGNAL",
-    "UAV-SLEEP",
-    "UAV-TAKEOFF",
-    "UAV-TEST",
-    "UAV-VER",
-    "UAV-WAKEUP",
-];
 
 /// Whether replies of a type may have receipts.
 pub(super) fn gives_receipts(name: &str) -> bool {

@@ -2,6 +2,7 @@
 
 use super::fw::{self, Turn};
 use super::{Check, Judged, Level, Mutant, Rule, Status};
+use crate::conversation::OPERATIONS;
 
 pub(super) static RULE: Rule = Rule {
     id: "FW-ASY-02",
@@ -26,5 +27,5 @@ pub(super) static RULE: Rule = Rule {
 };
 
 fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::partition(turn, judged, &fw::OPERATIONS);
+    fw::partition(turn, judged, &OPERATIONS);
 }

@@ -2,6 +2,7 @@
 
 use super::fw::{self, Turn};
 use super::{Check, Judged, Level, Mutant, Rule, Status};
+use crate::conversation::OPERATIONS;
 
 pub(super) static RULE: Rule = Rule {
     id: "FW-ASY-03",
@@ -19,5 +20,5 @@ pub(super) static RULE: Rule = Rule {
 };
 
 fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::strangers(turn, judged, &fw::OPERATIONS);
+    fw::strangers(turn, judged, &OPERATIONS);
 }

@@ -7,6 +7,8 @@
 use serde_json::{Map, Number, Value, json};
 use uavspec_codegen::dynamic::{MessageType, PlacedElement};
 
+pub use crate::base64::{decode as from_base64, encode as to_base64};
+
 /// Up to here 64-bit floats hold every integer.
 const EXACT: u64 = 1 << 53;
 
@@ -122,45 +124,6 @@ fn tag(value: &Value) -> Option<(&str, &str)> {
     let members = value.as_object()?;
     let (name, text) = members.iter().next().filter(|_| members.len() == 1)?;
     Some((name, text.as_str()?))
-}
-
-const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-
-/// Bytes in base64.
-pub fn to_base64(bytes: &[u8]) -> String {
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for chunk in bytes.chunks(3) {
-        let byte = |index: usize| u32::from(chunk.get(index).copied().unwrap_or(0));
-        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
-        for index in 0..4 {
-            let digit = ALPHABET[(bits >> (18 - 6 * index) & 63) as usize];
-            text.push(if index <= chunk.len() { digit.into() } else { '=' });
-        }
-    }
-    text
-}
-
-/// Bytes from base64; none where it isn't that.
-pub fn from_base64(text: &str) -> Option<Vec<u8>> {
-    let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
-    let digits = text.trim_end_matches('=');
-    if !text.len().is_multiple_of(4) || text.len() - digits.len() > 2 {
-        return None;
-    }
-    for chunk in digits.as_bytes().chunks(4) {
-        let mut bits = 0;
-        for index in 0..4 {
-            let digit = chunk.get(index).map_or(Some(0), |digit| value_of(*digit))?;
-            bits = bits << 6 | digit;
-        }
-        let [_, found @ ..] = bits.to_be_bytes();
-        bytes.extend(found.iter().take(chunk.len() - 1));
-    }
-    Some(bytes)
-}
-
-fn value_of(digit: u8) -> Option<u32> {
-    ALPHABET.iter().position(|known| *known == digit).and_then(|at| u32::try_from(at).ok())
 }
 
 #[cfg(test)]

@@ -18,9 +18,13 @@ import tempfile
 SCREENS = [(1280, 900), (390, 844)]
 SCHEMES = ["light", "dark"]
 
+# Browsers take no picture of a page of more than some 16,000 pixels; what is below this is measured all the same.
+HIGHEST = 8000
+
 # The elements that reach beyond the window, the colour of the page, and its headings.
 MEASURE = """JSON.stringify({
   content: document.documentElement.scrollWidth,
+  height: document.documentElement.scrollHeight,
   window: innerWidth,
   beyond: [...document.body.querySelectorAll('*')]
     .filter(one => one.getBoundingClientRect().right > innerWidth + 0.5)
@@ -101,7 +105,8 @@ def look(browser, page, folder, width, height, scheme):
         result = browser.ask("Runtime.evaluate", {"expression": before + MEASURE})["result"]
         measures[name] = json.loads(result["value"])
         if name == "closed":
-            picture = browser.ask("Page.captureScreenshot", {"captureBeyondViewport": True})["data"]
+            clip = {"x": 0, "y": 0, "width": width, "height": min(measures[name]["height"], HIGHEST), "scale": 1}
+            picture = browser.ask("Page.captureScreenshot", {"captureBeyondViewport": True, "clip": clip})["data"]
             path = folder / f"{page.stem}-{width}-{scheme}.png"
             path.write_bytes(base64.b64decode(picture))
     print(json.dumps({

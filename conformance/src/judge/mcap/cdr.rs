@@ -5,19 +5,18 @@ use std::io::Read as _;
 use std::rc::Rc;
 
 use ruzstd::decoding::StreamingDecoder;
-use uavspec_codegen::dynamic::{
-    DynamicMessage, DynamicView, Error, MessageType, Placed, PlacedElement, Reason, Violation,
-};
+use uavspec_codegen::dynamic::{DynamicMessage, DynamicView, Error, MessageType, Reason, Violation};
 use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::schema::{Form, MessageId, Shape};
+use uavspec_codegen::schema::{Form, MessageId};
+use uavspec_runtime::Fault;
 use uavspec_runtime::cdr::{ByteOrder, HEADER};
-use uavspec_runtime::{Fault, Scalar};
 
 use super::Stated;
 use crate::definitions::Definitions;
 use crate::detail::{Detail, hexadecimal};
 use crate::finding::Findings;
 use crate::input::ZSTD;
+use crate::judge::timestamp_offset;
 use crate::plan::Plan;
 use crate::record::{Channel, Place};
 use crate::rule::rule;
@@ -30,8 +29,8 @@ const MAX_UNPACKED: u64 = Reader::<&[u8]>::MAX_RECORD;
 pub(super) struct Seen {
     /// Its field `timestamp`, where it has one.
     pub(super) timestamp: Option<u64>,
-    /// What it says, as it lies in memory.
-    pub(super) memory: Vec<u8>,
+    /// What it says, as it lies in memory, where a rule wants that.
+    pub(super) memory: Option<Vec<u8>>,
 }
 
 /// What a payload begins with.
@@ -74,7 +73,7 @@ impl CdrJudge {
     ) -> Self {
         let ty = stated.as_ref().map_or_else(|| definitions.types().get(of), |stated| stated.root());
         let plan = Plan::new(ty, Some(of), &definitions.schema, topic);
-        let (is_planned, timestamp) = (ty.size().is_some() || stated.is_some(), timestamp(ty));
+        let (is_planned, timestamp) = (ty.size().is_some() || stated.is_some(), timestamp_offset(ty));
         Self { of, plan, is_planned, timestamp, stated, headers: 0, bodies: 0, messages: 0, others: 0 }
     }
 
@@ -94,6 +93,7 @@ impl CdrJudge {
     pub(super) fn judge(
         &mut self,
         payload: &[u8],
+        wants_values: bool,
         channel: &Channel<'_>,
         place: Place,
         definitions: &Definitions,
@@ -137,17 +137,19 @@ impl CdrJudge {
             check_bools(ty, payload, channel, place, findings);
             message.view().validate_with(&mut |violation| tell(&violation, channel, place, findings));
         }
-        Some(Seen { timestamp: self.timestamp_of(&message), memory: message.memory().to_vec() })
+        let memory = wants_values.then(|| message.memory().to_vec());
+        Some(Seen { timestamp: self.timestamp_of(&message), memory })
     }
 
-    /// A message that was read, if it is of fixed size.
+    /// What a message says, where a rule wants that and the message is of fixed size.
     pub(super) fn view<'v>(
         &'v self,
         seen: &'v Seen,
         definitions: &'v Definitions,
     ) -> Option<DynamicView<'v>> {
+        let memory = seen.memory.as_deref()?;
         let stated = self.stated.as_ref().map(|stated| stated.root());
-        stated.unwrap_or_else(|| definitions.types().get(self.of)).view_uorb(&seen.memory).ok()
+        stated.unwrap_or_else(|| definitions.types().get(self.of)).view_uorb(memory).ok()
     }
 
     /// Looks at the header of a payload.
@@ -183,16 +185,6 @@ impl CdrJudge {
         self.plan.exercise(self.messages, findings);
         self.others
     }
-}
-
-/// Where in memory a message has its `timestamp`.
-fn timestamp(ty: MessageType<'_>) -> Option<usize> {
-    let is_timestamp = |field: &Placed<'_>| {
-        field.name == "timestamp"
-            && matches!(field.element, PlacedElement::Scalar(Scalar::UInt64))
-            && field.shape == Shape::Single
-    };
-    ty.layout().find(is_timestamp).map(|field| field.offset)
 }
 
 /// A payload that rosbag2 packed by itself, unpacked; no encapsulation header begins as zstd does. An error says why it

@@ -3,30 +3,7 @@
 use serde_json::{Value, json};
 
 use super::{Bug, Outgoing, progress};
-
-/// Types of responses that have three maps.
-const KINDS: [&str; 20] = [
-    "BCN-PROPS",
-    "LOG-INF",
-    "OBJ-CMD",
-    "PRM-GET",
-    "PRM-SET",
-    "PRM-SET-MANY",
-    "UAV-CALIB",
-    "UAV-FLY",
-    "UAV-HALT",
-    "UAV-HOVER",
-    "UAV-LAND",
-    "UAV-MOTOR",
-    "UAV-RST",
-    "UAV-RTH",
-    "UAV-SIGNAL",
-    "UAV-SLEEP",
-    "UAV-TAKEOFF",
-    "UAV-TEST",
-    "UAV-VER",
-    "UAV-WAKEUP",
-];
+use crate::conversation::OPERATIONS;
 
 pub(super) const BUGS: &[Bug] = &[
     Bug::message("FW-ASY-01", "LOG-DATA has a receipt and an error.", |out| {
@@ -36,9 +13,11 @@ pub(super) const BUGS: &[Bug] = &[
             body["error"] = json!("the log is late");
         }
     }),
-    Bug::message("FW-ASY-02", "The last object that was asked for is missing.", |out| out.lose_last(&KINDS)),
+    Bug::message("FW-ASY-02", "The last object that was asked for is missing.", |out| {
+        out.lose_last(&OPERATIONS);
+    }),
     Bug::message("FW-ASY-03", "There is an object that nobody asked for.", |out| {
-        if KINDS.contains(&out.kind()) {
+        if OPERATIONS.contains(&out.kind()) {
             out.message()["body"]["error"]["ghost-1"] = json!("there is no such object");
         }
     }),
