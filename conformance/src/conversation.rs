@@ -23,6 +23,7 @@ pub(crate) use self::vocabulary::OPERATIONS;
 pub use self::vocabulary::{MessageType, Parts, TYPES, message_type};
 use crate::json::Tree;
 use crate::record::{Direction, Exchange, Place};
+use crate::rule::Rule;
 use crate::shape;
 
 /// How much each memory takes, in bytes.
@@ -59,6 +60,8 @@ pub struct Asked {
     pub waited: Option<f64>,
     /// Whether it is a request of Flockwave by its envelope: with a version, and a type.
     pub is_sound: bool,
+    /// What is tried with it: a rule, and how.
+    pub trial: Option<(&'static Rule, String)>,
     /// Whether its id was in use when it was sent, so that nobody can tell which of them an answer is about.
     is_ambiguous: bool,
     /// How many requests with this id wait.
@@ -420,6 +423,7 @@ impl Asked {
             place: turn.exchange.place,
             waited: None,
             is_sound: turn.is_sound(),
+            trial: turn.exchange.trial.map(|trial| (trial.rule, trial.how.to_owned())),
             is_ambiguous: false,
             count: 1,
         }
@@ -427,7 +431,8 @@ impl Asked {
 
     fn size(&self) -> usize {
         let of_object = |object: &String| object.len() + 64;
-        MAX_ID + self.objects.iter().flatten().map(of_object).sum::<usize>()
+        let of_trial = self.trial.as_ref().map_or(0, |(_, how)| how.len());
+        MAX_ID + of_trial + self.objects.iter().flatten().map(of_object).sum::<usize>()
     }
 }
 

@@ -216,11 +216,19 @@ impl<'d> Course<'d> {
         self.tell(&turn);
     }
 
-    /// A connection, or all that is known of it, comes to its end.
-    fn disconnected(&mut self, connection: Connection<'_>) {
+    /// A connection, or all that is known of it, comes to its end, and perhaps it is known why.
+    fn disconnected(&mut self, connection: Connection<'_>, why: Option<&str>) {
         for asked in self.conversations.ended(connection.index) {
-            let (direction, place) = (Direction::Event, asked.place);
-            let exchange = Exchange { connection, direction, time: None, text: "", value: None, place };
+            let exchange = Exchange {
+                connection,
+                direction: Direction::Event,
+                time: None,
+                text: "",
+                value: None,
+                trial: None,
+                note: why,
+                place: asked.place,
+            };
             self.tell(&Turn::unanswered(&exchange, asked));
         }
     }

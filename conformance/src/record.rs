@@ -7,6 +7,7 @@ use uavspec_codegen::dynamic::DynamicView;
 use uavspec_codegen::schema::MessageId;
 
 use crate::json::Tree;
+use crate::rule::Rule;
 
 /// Where in its source a record stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -94,6 +95,15 @@ pub enum Direction {
     Event,
 }
 
+/// What a client tries a server with: an exchange that is there to see whether a rule holds.
+#[derive(Clone, Copy, Debug)]
+pub struct Trial<'e> {
+    /// The rule.
+    pub rule: &'static Rule,
+    /// How it is tried: how the exchange comes about, or what goes before it. May be empty.
+    pub how: &'e str,
+}
+
 /// Something that goes over a connection of Flockwave, or happens to it.
 #[derive(Clone, Copy, Debug)]
 pub struct Exchange<'e> {
@@ -107,6 +117,11 @@ pub struct Exchange<'e> {
     pub text: &'e str,
     /// The message, where it can be read as JSON.
     pub value: Option<&'e Tree<'e>>,
+    /// What is tried with it.
+    pub trial: Option<Trial<'e>>,
+    /// What the source says more of an event: of the beginning of a connection, where the server is, as a URL; of its
+    /// end, and of a connection that doesn't come about, why.
+    pub note: Option<&'e str>,
     /// Where it stands.
     pub place: Place,
 }

@@ -6,7 +6,7 @@ use super::{Asked, Named};
 use crate::detail::Detail;
 use crate::json::Tree;
 use crate::record::{Direction, Exchange};
-use crate::rule::Judged;
+use crate::rule::{Judged, Rule};
 use crate::shape::Deviation;
 
 /// How much of a message is shown, in characters.
@@ -154,6 +154,16 @@ impl<'t> Turn<'t> {
     pub fn is_sound(&self) -> bool {
         let version = self.exchange.value.and_then(|message| message.get("$fw.version"));
         version.and_then(Tree::as_str).is_some() && self.type_name.is_some()
+    }
+
+    /// How a rule is tried with the request that it answers, or that has got no answer, or with the connection that it
+    /// tells of.
+    pub fn tried(&self, rule: &Rule) -> Option<&str> {
+        let (of, how) = match &self.asked {
+            Some(asked) => asked.trial.as_ref().map(|(rule, how)| (*rule, how.as_str()))?,
+            None => self.exchange.trial.filter(|_| self.role == Role::Event).map(|of| (of.rule, of.how))?,
+        };
+        (of.id == rule.id).then_some(how)
     }
 
     /// A field of the body.

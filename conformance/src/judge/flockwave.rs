@@ -2,14 +2,19 @@
 //!
 //! A line of a recording is `{"t": seconds since the epoch, "conn": name, "dir": "in" or "out", "msg": {…}}`, seen from
 //! the client; with `"raw"`, a string, in the place of `"msg"` where what went over the connection is no JSON; or with
-//! `"dir": "event"` and `"event": "connect"` or `"closed"`. Members that are more than that say nothing here.
+//! `"dir": "event"` and `"event": "connect"`, `"closed"` or `"refused"`.
+//!
+//! Recordings of [`probe`](crate::probe) say more: `"trial"`, the id of a rule that is tried, with `"how"`; at the
+//! beginning of a connection `"url"`; and at its end `"why"`, which is `"client"` where that ended it. Other members say
+//! nothing here.
 
 use std::collections::{BTreeMap, HashMap};
 
 use super::{Course, Judgement, Source};
 use crate::conversation::message_type;
 use crate::json::{CUT_OFF, SyntaxError, Tree};
-use crate::record::{Connection, Direction, Exchange, Grouped, Place};
+use crate::record::{Connection, Direction, Exchange, Grouped, Place, Trial};
+use crate::rule::rule;
 
 /// How many connections are told apart: hostile input can have any number.
 const MAX_CONNECTIONS: usize = 10_000;
@@ -78,9 +83,22 @@ pub(super) struct FlockwaveJudge<'d> {
     names: Vec<String>,
 }
 
+/// Something that goes over a connection, or happens to it.
+#[derive(Clone, Copy)]
+struct Happening<'h> {
+    /// The name of the connection; without one, it isn't known which.
+    name: Option<&'h str>,
+    direction: Direction,
+    time: Option<f64>,
+    content: Content<'h>,
+    text: &'h str,
+    trial: Option<Trial<'h>>,
+    note: Option<&'h str>,
+}
+
 /// What goes over a connection.
 #[derive(Clone, Copy)]
-pub(super) enum Content<'c> {
+enum Content<'c> {
     Message(&'c Tree<'c>),
     /// What is no JSON.
     Raw,
@@ -115,7 +133,10 @@ impl<'d> FlockwaveJudge<'d> {
         }
         if is_message(&tree) {
             let direction = if is_request(&tree) { Direction::Out } else { Direction::In };
-            return self.exchange(None, direction, None, Content::Message(&tree), text, place);
+            let content = Content::Message(&tree);
+            let bare =
+                Happening { name: None, direction, time: None, content, text, trial: None, note: None };
+            return self.exchange(&bare, place);
         }
         Err("neither a line of a recording, with `dir` and one of `msg`, `raw` and `event`, nor a message of \
              Flockwave, with `$fw.version`"
@@ -143,40 +164,45 @@ impl<'d> FlockwaveJudge<'d> {
             Some("event") => Direction::Event,
             _ => return Err("`dir` is none of `in`, `out` and `event`".to_owned()),
         };
-        let name = name.as_deref();
         let string = |key| tree.get(key).and_then(Tree::as_str);
+        let trial = string("trial").and_then(rule);
+        let happening = Happening {
+            name: name.as_deref(),
+            direction,
+            time,
+            content: Content::Raw,
+            text,
+            trial: trial.map(|rule| Trial { rule, how: string("how").unwrap_or_default() }),
+            note: string("url").or_else(|| string("why")),
+        };
         match (direction, tree.get("msg"), string("raw")) {
             (Direction::Event, ..) => {
                 let event = string("event").ok_or("an event without a name: `event` is no string")?;
-                self.exchange(name, direction, time, Content::Event, event, place)
+                self.exchange(&Happening { content: Content::Event, text: event, ..happening }, place)
             }
             (_, Some(message), _) => {
-                self.exchange(name, direction, time, Content::Message(message), text, place)
+                self.exchange(&Happening { content: Content::Message(message), ..happening }, place)
             }
             // What one program takes for no JSON may be some to another.
             (_, None, Some(raw)) => match Tree::read(raw) {
-                Ok(message) => self.exchange(name, direction, time, Content::Message(&message), raw, place),
-                Err(_) => self.exchange(name, direction, time, Content::Raw, raw, place),
+                Ok(message) => {
+                    let content = Content::Message(&message);
+                    self.exchange(&Happening { content, text: raw, ..happening }, place)
+                }
+                Err(_) => self.exchange(&Happening { text: raw, ..happening }, place),
             },
             (_, None, None) => Err("neither `msg` nor `raw`, a string".to_owned()),
         }
     }
 
-    /// Something goes over a connection, or happens to it. Without a name, it isn't known which.
-    pub(super) fn exchange(
-        &mut self,
-        name: Option<&str>,
-        direction: Direction,
-        time: Option<f64>,
-        content: Content<'_>,
-        text: &str,
-        place: Place,
-    ) -> Result<(), String> {
+    /// Something goes over a connection, or happens to it.
+    fn exchange(&mut self, happening: &Happening<'_>, place: Place) -> Result<(), String> {
+        let Happening { name, direction, time, content, text, trial, note } = *happening;
         let index = self.connection(name.unwrap_or_default())?;
         let name_kept = std::mem::take(&mut self.names[index]);
         let connection = Connection { index, name: &name_kept, is_told: name.is_some_and(is_ordered) };
         let value = if let Content::Message(value) = content { Some(value) } else { None };
-        let exchange = Exchange { connection, direction, time, text, value, place };
+        let exchange = Exchange { connection, direction, time, text, value, trial, note, place };
         self.happen(&exchange);
         self.count(&exchange);
         self.course.exchanged(&exchange);
@@ -209,10 +235,10 @@ impl<'d> FlockwaveJudge<'d> {
         }
         match exchange.text {
             "connect" => {
-                self.course.disconnected(exchange.connection);
+                self.course.disconnected(exchange.connection, None);
                 self.course.conversations.opened(exchange.connection.index);
             }
-            "closed" => self.course.disconnected(exchange.connection),
+            "closed" => self.course.disconnected(exchange.connection, exchange.note),
             _ => {}
         }
     }
@@ -250,7 +276,7 @@ impl<'d> FlockwaveJudge<'d> {
     pub(super) fn finish(mut self, bytes: u64) -> Judgement {
         for (index, name) in self.names.iter().enumerate() {
             let is_told = !name.is_empty() && is_ordered(name);
-            self.course.disconnected(Connection { index, name, is_told });
+            self.course.disconnected(Connection { index, name, is_told }, None);
         }
         self.course.finish(bytes, Source::Flockwave(self.source))
     }

@@ -220,6 +220,52 @@ pub(super) fn exactly_one(turn: &Turn<'_>, judged: &mut Judged<'_>, names: &[&st
     }
 }
 
+/// Whether this is the response to a request that tries the rule. That there is none breaks it, and so does a connection
+/// that didn't come about.
+pub(super) fn tried(turn: &Turn<'_>, judged: &mut Judged<'_>) -> bool {
+    let Some(how) = turn.tried(judged.rule) else { return false };
+    let (what, actual) = match turn.role {
+        Role::Response => {
+            judged.exercise();
+            return true;
+        }
+        Role::Unanswered => ("no response", "none"),
+        Role::Event if turn.exchange.text == "refused" => ("no connection", "none"),
+        _ => return false,
+    };
+    judged.exercise();
+    let type_name = turn.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
+    let subject = if how.is_empty() { type_name.unwrap_or("message") } else { how };
+    judged.report(subject, turn.exchange.place, || {
+        let why = match turn.exchange.note {
+            // The client itself gave up.
+            None | Some("client") => String::new(),
+            Some("eof") => "; the server closed the connection".to_owned(),
+            Some(why) => format!("; {}", quoted(why)),
+        };
+        let of = type_name.map_or_else(String::new, |name| format!(" to {}", quoted(name)));
+        Detail::new(format!("{what}{of}{why}")).expected("a response").actual(actual)
+    });
+    false
+}
+
+/// A request that tries the rule is served: it has a response, which isn't ACK-NAK.
+pub(super) fn served(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    if !tried(turn, judged) || turn.type_name != Some("ACK-NAK") {
+        return;
+    }
+    let how = turn.tried(judged.rule).filter(|how| !how.is_empty());
+    judged.report(how.unwrap_or("ACK-NAK"), turn.exchange.place, || {
+        let reason = turn.field("reason").and_then(Tree::as_str).map(quoted);
+        Detail::new(match reason {
+            Some(reason) => format!("refused: {reason}"),
+            None => "refused".to_owned(),
+        })
+        .expected("what was asked for")
+        .actual("ACK-NAK")
+    });
+}
+
 /// Whether replies of a type may have receipts.
 pub(super) fn gives_receipts(name: &str) -> bool {
     name == "LOG-DATA" || OPERATIONS.contains(&name)

@@ -2,7 +2,9 @@
 //!
 //! No time limit is laid down, and a recording may end before the answer. So a request counts as unanswered only
 //! where no answer comes until the connection or the recording ends, and the server still spoke long after
-//! ([`PATIENCE`]).
+//! ([`PATIENCE`]). Who probes a server waits until he knows, and says so: such a request tries the rule.
+
+use serde_json::json;
 
 use super::fw::{self, Conversation, Role, Turn};
 use super::{Check, Detail, Judged, Level, Mutant, Rule, Status};
@@ -15,11 +17,22 @@ pub(super) static RULE: Rule = Rule {
     source: fw::GENERAL,
     applies_to: "requests over time",
     check: Check::Exchange(judge),
-    mutants: &[Mutant {
-        name: "a request without an answer",
-        make: |_| Some(Conversation::new().without("SYS-VER")?.to_bytes()),
-        also: &[],
-    }],
+    mutants: &[
+        Mutant {
+            name: "a request without an answer",
+            make: |_| Some(Conversation::new().without("SYS-VER")?.to_bytes()),
+            also: &[],
+        },
+        Mutant {
+            name: "a request without an answer after which a probe waits no longer",
+            make: |_| {
+                fw::then(|talk| {
+                    talk.tries("FW-ENV-07", "", json!({ "type": "SYS-VER" }));
+                })
+            },
+            also: &[],
+        },
+    ],
 };
 
 /// How long a server may take, in seconds: what takes longer is answered with a receipt.
@@ -29,6 +42,13 @@ fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
     let Some(asked) = &turn.asked else { return };
     // What is no request of Flockwave needn't have an answer.
     if !asked.is_sound || !turn.exchange.connection.is_told {
+        return;
+    }
+    if let Some((of, _)) = &asked.trial {
+        // What tries another rule is a matter of that one.
+        if of.id == RULE.id {
+            fw::tried(turn, judged);
+        }
         return;
     }
     if turn.role == Role::Response {

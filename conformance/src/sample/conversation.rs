@@ -73,6 +73,16 @@ impl Conversation {
         id
     }
 
+    /// The client asks, to try a rule; the id of its request.
+    pub fn tries(&mut self, rule: &str, how: &str, request: Value) -> String {
+        let id = self.sends(request);
+        if let Some(line) = self.lines.last_mut() {
+            line["trial"] = rule.into();
+            line["how"] = how.into();
+        }
+        id
+    }
+
     /// The server answers a request.
     pub fn answers(&mut self, id: &str, answer: Value) {
         self.said += 1;
