@@ -1,13 +1,15 @@
 //! The command line of `uavspec`.
 //!
 //! Exit status: 0 conforms; 1 doesn't; 2 wrong usage, or definitions or lists that can't be read; 3 a source that
-//! can't be read, a report that can't be written, or a testee that broke; 4 a list of known failures no longer holds
+//! can't be read, a report that can't be written, or a testee or server that broke; 4 a list of known failures no longer holds
 //! true; 5 nothing was checked. Where several apply, 2 goes before 3, 1, 4 and 5.
 
 mod check;
 mod known;
+mod probe;
 mod progress;
 mod report;
+mod required;
 mod rules;
 mod self_test;
 mod serve;
@@ -40,6 +42,8 @@ enum Command {
     /// Work on a testee, before it is asked in earnest.
     #[command(subcommand)]
     Testee(testee::TesteeCommand),
+    /// Ask a live Flockwave server, and judge what it says.
+    Probe(probe::ProbeArgs),
     /// Be a Flockwave server with a simulated fleet, for those who write clients, and with a bug for those who judge
     /// servers.
     Serve(serve::ServeArgs),
@@ -101,6 +105,7 @@ pub fn main() -> ExitCode {
         Command::Check(args) => check::check(&args),
         Command::Test(args) => test::test(&args),
         Command::Testee(command) => testee::testee(&command),
+        Command::Probe(args) => probe::run(&args),
         Command::Serve(args) => serve::serve(&args),
         Command::Rules(args) => rules::rules(&args),
         Command::SelfTest(args) => self_test::self_test(&args),

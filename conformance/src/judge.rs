@@ -13,7 +13,7 @@ use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
 use uavspec_codegen::schema::{MessageId, Shape};
 use uavspec_runtime::Scalar;
 
-pub use self::flockwave::{FlockwaveSource, TypeCount};
+pub use self::flockwave::{FlockwaveJudge, FlockwaveSource, TypeCount};
 pub use self::json::{JsonSource, judge_json};
 pub use self::log::{LogSource, judge_ulog};
 pub use self::mcap::{Basis, McapChannel, McapSource, Standing, judge_mcap};

@@ -26,6 +26,7 @@ pub mod live;
 pub mod matrix;
 pub mod parallel;
 pub mod plan;
+pub mod probe;
 pub mod record;
 pub mod report;
 pub mod rule;

@@ -71,6 +71,8 @@ pub enum Action {
     Check,
     /// A testee was asked.
     Test,
+    /// A live server was asked.
+    Probe,
 }
 
 /// A rule, and what came of it in all subjects.
@@ -152,6 +154,8 @@ pub struct Subject {
     pub damage: Vec<Damage>,
     /// How much more of that there is.
     pub more_damage: u64,
+    /// What happened while a server was probed, in order, that is no finding.
+    pub notes: Vec<String>,
     /// How long judging took, in milliseconds; no part of what is written for programs, as it differs from run to
     /// run.
     #[serde(skip)]
@@ -563,7 +567,7 @@ impl Report {
             action,
             command,
             definitions: definitions.name.clone(),
-            conclusion: Conclusion::of_all(&subjects, &unreadable, remarks),
+            conclusion: Conclusion::of_all(action, &subjects, &unreadable, remarks),
             rules: rules(&subjects),
             subjects,
             unreadable,

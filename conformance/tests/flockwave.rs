@@ -477,7 +477,7 @@ fn reports_say_what_a_recording_is() {
     let mut talk = Conversation::new();
     talk = talk.then(|talk| talk.asks(json!({ "type": "SOAR-LIST" }), json!({ "ids": [] })));
     let judgement = judged(&talk.to_bytes());
-    let judged = Judged { path: "hill.jsonl".to_owned(), judgement, elapsed: 1 };
+    let judged = Judged { path: "hill.jsonl".to_owned(), judgement, notes: Vec::new(), elapsed: 1 };
     let subject = Subject::of_source(judged, &definitions, &Settings::default());
     let text = subject_text(&subject);
     for part in ["Flockwave, 1 connection, 1 min", "UAV-INF 15", "SOAR-LIST", "conforms"] {

@@ -9,17 +9,16 @@ use std::time::Instant;
 use clap::Args;
 use uavspec_codegen::schema::MessageId;
 
-use super::known::{Known, KnownArgs};
+use super::known::KnownArgs;
 use super::progress::Progress;
 use super::report::{self, ReportArgs};
+use super::required::{RequireArgs, idle};
 use super::{Status, deliver};
 use crate::definitions::Definitions;
 use crate::input;
 use crate::judge;
-use crate::known::{Checked, Scope, excuse_findings, of_findings, of_unread};
 use crate::parallel;
 use crate::report::{Action, Judged, Kind, Report, Settings, Subject, Unreadable, subject_text};
-use crate::rule::rule;
 
 /// Arguments of `check`.
 #[derive(Args, Debug)]
@@ -68,9 +67,8 @@ pub(super) struct CheckArgs {
     /// Let formats that differ from the definitions count as breaches (PX-FMT-01).
     #[arg(long)]
     strict_formats: bool,
-    /// Rules that have to be exercised: that nothing was there to judge is a breach, too.
-    #[arg(long, value_name = "ID", value_delimiter = ',')]
-    require: Vec<String>,
+    #[command(flatten)]
+    require: RequireArgs,
     /// How many files are read at the same time; as many as there are processors, where nothing is said.
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
@@ -89,14 +87,10 @@ pub(super) fn check(args: &CheckArgs) -> Status {
         Ok(definitions) => definitions,
         Err(status) => return status,
     };
-    let mut required = Vec::new();
-    for id in &args.require {
-        let Some(rule) = rule(id) else {
-            anstream::eprintln!("error: --require {id}: no such rule\n  help: `uavspec rules` lists all");
-            return Status::Usage;
-        };
-        required.push(rule);
-    }
+    let required = match args.require.rules() {
+        Ok(rules) => rules,
+        Err(status) => return status,
+    };
     let of = args.of.as_deref().map(|name| (name, definitions.message_of_type(name)));
     if let Some((name, None)) = of {
         anstream::eprintln!("error: --type {name}: the definitions have no such message");
@@ -141,19 +135,9 @@ pub(super) fn check(args: &CheckArgs) -> Status {
         },
     );
     drop(progress);
-    let is_stale = settle(&mut known, &mut judged, &unreadable) == Status::Stale;
+    let is_stale = known.settle_sources(&mut judged, &unreadable) == Status::Stale;
     judged.into_iter().for_each(take);
-    let is_idle = |id: &str| {
-        let rules = subjects.iter().flat_map(|subject: &Subject| &subject.rules);
-        rules.filter(|rule| rule.id == id).all(|rule| rule.exercised == 0)
-    };
-    let idle = required.iter().filter(|rule| is_idle(rule.id));
-    let remarks: Vec<String> = idle
-        .map(|rule| format!("{} was required, and nothing was there that it could have judged", rule.id))
-        .collect();
-    for remark in &remarks {
-        anstream::eprintln!("error: {remark}");
-    }
+    let remarks = idle(&required, &subjects);
     let report = Report::new(Action::Check, super::command(), &definitions, subjects, unreadable, remarks);
     deliver(&args.report, &report.with_stale_list(is_stale))
 }
@@ -170,7 +154,7 @@ fn settings(args: &CheckArgs) -> Settings {
     if args.strict_formats {
         arguments.push("--strict-formats".to_owned());
     }
-    Settings { are_formats_strict: args.strict_formats, arguments }
+    Settings { are_formats_strict: args.strict_formats, arguments, command: None }
 }
 
 fn judge(
@@ -182,21 +166,5 @@ fn judge(
     let started = Instant::now();
     let source = input::unpacked(progress.reading(input::open(path)?))?;
     let judgement = judge::judge(source, of, definitions)?;
-    Ok(Judged { path: path.display().to_string(), judgement, elapsed: started.elapsed().as_millis() })
-}
-
-/// Holds the lists of known failures against what was found, and notes at each finding what excuses it.
-fn settle(known: &mut Known, judged: &mut [Judged], unread: &[Unreadable]) -> Status {
-    if known.lists.is_empty() {
-        return Status::Conforms;
-    }
-    let mut checked: Vec<Checked<'_>> = unread.iter().flat_map(|file| of_unread(&file.path)).collect();
-    for judged in judged.iter() {
-        checked.extend(of_findings(&judged.path, &judged.judgement.findings));
-    }
-    let status = known.settle(Scope::Rules, &checked);
-    for judged in judged {
-        excuse_findings(&known.lists, &judged.path, &mut judged.judgement.findings);
-    }
-    status
+    Ok(Judged { path: path.display().to_string(), judgement, notes: Vec::new(), elapsed: started.elapsed().as_millis() })
 }

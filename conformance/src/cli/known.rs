@@ -7,7 +7,8 @@ use clap::Args;
 use uavspec_codegen::diagnostic::Level;
 
 use super::Status;
-use crate::known::{Checked, Date, Lists, Scope, Stale};
+use crate::known::{Checked, Date, Lists, Scope, Stale, excuse_findings, of_findings, of_unread};
+use crate::report::{Judged, Unreadable};
 
 /// Arguments of commands that know such lists.
 #[derive(Args, Debug)]
@@ -63,6 +64,22 @@ impl Known {
                 Status::Usage
             }
         }
+    }
+
+    /// Holds the lists against what was found in sources, and notes at each finding what excuses it.
+    pub(super) fn settle_sources(&mut self, judged: &mut [Judged], unread: &[Unreadable]) -> Status {
+        if self.lists.is_empty() {
+            return Status::Conforms;
+        }
+        let mut checked: Vec<Checked<'_>> = unread.iter().flat_map(|file| of_unread(&file.path)).collect();
+        for judged in judged.iter() {
+            checked.extend(of_findings(&judged.path, &judged.judgement.findings));
+        }
+        let status = self.settle(Scope::Rules, &checked);
+        for judged in judged {
+            excuse_findings(&self.lists, &judged.path, &mut judged.judgement.findings);
+        }
+        status
     }
 
     fn fix(&mut self, stale: &[Stale]) -> Result<(), Box<dyn Error>> {

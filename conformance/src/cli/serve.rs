@@ -207,7 +207,7 @@ fn known_bug(rule: &str) -> Result<&'static Bug, String> {
     bug(rule).ok_or_else(|| "no bug breaks this rule: --list-bugs lists all".to_owned())
 }
 
-fn login(text: &str) -> Result<(String, String), String> {
+pub(super) fn login(text: &str) -> Result<(String, String), String> {
     let (name, password) = text.split_once(':').ok_or("write NAME:PASSWORD")?;
     if name.is_empty() {
         Err("the name is missing".to_owned())

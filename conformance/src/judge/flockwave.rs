@@ -12,6 +12,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use super::{Course, Judgement, Source};
 use crate::conversation::message_type;
+use crate::definitions::Definitions;
 use crate::json::{CUT_OFF, SyntaxError, Tree};
 use crate::record::{Connection, Direction, Exchange, Grouped, Place, Trial};
 use crate::rule::rule;
@@ -73,8 +74,8 @@ fn is_message(tree: &Tree<'_>) -> bool {
     tree.get("$fw.version").is_some()
 }
 
-/// Judges what goes over connections, wherever that comes from.
-pub(super) struct FlockwaveJudge<'d> {
+/// Judges what goes over connections, as lines of a recording, whether they come from a file or from a live server.
+pub struct FlockwaveJudge<'d> {
     pub(super) course: Course<'d>,
     source: FlockwaveSource,
     /// The number of each connection, by its name.
@@ -106,13 +107,18 @@ enum Content<'c> {
 }
 
 impl<'d> FlockwaveJudge<'d> {
+    /// One that knows nothing yet.
+    pub fn of(definitions: &'d Definitions) -> Self {
+        Self::new(Course::new(definitions))
+    }
+
     pub(super) fn new(course: Course<'d>) -> Self {
         let source = FlockwaveSource::default();
         Self { course, source, connections: HashMap::new(), names: Vec::new() }
     }
 
     /// Judges a line of a recording, or a bare message.
-    pub(super) fn line(&mut self, bytes: &[u8], line: u64, is_last: bool) {
+    pub fn line(&mut self, bytes: &[u8], line: u64, is_last: bool) {
         let place = Place::Line(line);
         if let Err(problem) = self.read(bytes, place, is_last) {
             self.course.damage(place, problem);
@@ -273,7 +279,8 @@ impl<'d> FlockwaveJudge<'d> {
         *(if is_of_server { &mut count.incoming } else { &mut count.out }) += 1;
     }
 
-    pub(super) fn finish(mut self, bytes: u64) -> Judgement {
+    /// What came of it, after so many bytes.
+    pub fn finish(mut self, bytes: u64) -> Judgement {
         for (index, name) in self.names.iter().enumerate() {
             let is_told = !name.is_empty() && is_ordered(name);
             self.course.disconnected(Connection { index, name, is_told }, None);

@@ -33,7 +33,7 @@ pub trait Client: Send {
     fn hear(&mut self, until: Instant) -> io::Result<Heard>;
 
     /// Sends bytes as they are, with nothing that marks where a message ends: for messages in pieces, and several at
-    /// once. Transports that have no such thing say so by an error.
+    /// once. Over Socket.IO they are a packet. Transports that have no such thing say so by an error.
     fn send_raw(&mut self, _bytes: &[u8]) -> io::Result<()> {
         Err(io::Error::new(io::ErrorKind::Unsupported, "this transport can't send parts of a message"))
     }
@@ -44,12 +44,15 @@ pub trait Client: Send {
     }
 }
 
-/// Connects to a server, up to where messages can be sent.
+/// Connects to a server, up to where messages can be sent. HTTP has no connection: each message may take as long.
 pub fn connect(endpoint: &Endpoint, until: Instant) -> io::Result<Box<dyn Client>> {
     Ok(match endpoint {
         Endpoint::Tcp(address) => Box::new(tcp::Tcp::connect(address, until)?),
         Endpoint::Udp(address) => Box::new(udp::Udp::connect(address, until)?),
-        Endpoint::Http { address, path } => Box::new(http::OneShot::new(address, path)),
+        Endpoint::Http { address, path } => {
+            let limit = until.saturating_duration_since(Instant::now());
+            Box::new(http::OneShot::new(address, path, limit))
+        }
         Endpoint::SocketIo { address, revision, carrier: Carrier::WebSocket } => {
             Box::new(websocket::WebSocketClient::connect(address, *revision, until)?)
         }
@@ -57,6 +60,11 @@ pub fn connect(endpoint: &Endpoint, until: Instant) -> io::Result<Box<dyn Client
             Box::new(polling::Polling::connect(address, *revision, until)?)
         }
     })
+}
+
+/// What is to be sent over Socket.IO.
+fn text_of(bytes: &[u8]) -> io::Result<&str> {
+    std::str::from_utf8(bytes).map_err(|_| odd("Socket.IO carries text only"))
 }
 
 /// An error about what a server did.

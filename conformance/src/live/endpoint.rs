@@ -42,6 +42,29 @@ pub enum Carrier {
     Polling,
 }
 
+impl Endpoint {
+    /// The transport, as URLs name it.
+    pub fn scheme(&self) -> &'static str {
+        match self {
+            Self::Tcp(_) => "tcp",
+            Self::Udp(_) => "udp",
+            Self::Http { .. } => "http",
+            Self::SocketIo { .. } => "socketio",
+        }
+    }
+
+    /// The same server, with packets of Socket.IO that travel in this way.
+    #[must_use]
+    pub fn by(&self, carrier: Carrier) -> Self {
+        match self {
+            Self::SocketIo { address, revision, .. } => {
+                Self::SocketIo { address: address.clone(), revision: *revision, carrier }
+            }
+            other => other.clone(),
+        }
+    }
+}
+
 impl FromStr for Endpoint {
     type Err = String;
 

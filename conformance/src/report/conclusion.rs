@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{About, Subject, Unreadable, Verdict};
+use super::{About, Action, Subject, Unreadable, Verdict};
 
 /// What something comes to.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -83,15 +83,18 @@ impl Conclusion {
     }
 
     /// Of a whole run.
-    pub(super) fn of_all(subjects: &[Subject], unreadable: &[Unreadable], remarks: Vec<String>) -> Self {
+    pub(super) fn of_all(
+        action: Action,
+        subjects: &[Subject], unreadable: &[Unreadable], remarks: Vec<String>) -> Self {
         let mut conclusion = Self::of_subjects(subjects);
         if !remarks.is_empty() && conclusion.outcome < Outcome::Breaks {
             conclusion = Self::new(Outcome::Breaks, "Does not conform");
         }
         if !unreadable.is_empty() {
-            let text = match unreadable.len() {
-                1 => "One file could not be read".to_owned(),
-                count => format!("{count} files could not be read"),
+            let text = match (action, unreadable.len()) {
+                (Action::Probe, _) => "The server could not be asked everything".to_owned(),
+                (_, 1) => "One file could not be read".to_owned(),
+                (_, count) => format!("{count} files could not be read"),
             };
             let rest = if subjects.is_empty() { Vec::new() } else { vec![conclusion.text] };
             conclusion = Self { remarks: rest, ..Self::new(Outcome::Broken, text) };
@@ -180,6 +183,7 @@ mod tests {
             more_findings: 0,
             damage: Vec::new(),
             more_damage: 0,
+            notes: Vec::new(),
             elapsed: 0,
         };
         subject.conclude();
@@ -187,7 +191,7 @@ mod tests {
     }
 
     fn concluded(subjects: &[Subject]) -> (u8, String) {
-        let conclusion = Conclusion::of_all(subjects, &[], Vec::new());
+        let conclusion = Conclusion::of_all(Action::Check, subjects, &[], Vec::new());
         assert_eq!(conclusion.status, conclusion.outcome.status());
         (conclusion.status, conclusion.text)
     }
@@ -216,11 +220,11 @@ mod tests {
     #[test]
     fn what_is_no_finding_counts_too() {
         let good = [source(1, &[Verdict::Pass])];
-        let required = Conclusion::of_all(&good, &[], vec!["a rule was required".to_owned()]);
+        let required = Conclusion::of_all(Action::Check, &good, &[], vec!["a rule was required".to_owned()]);
         assert_eq!((required.status, required.text.as_str()), (1, "Does not conform"));
         assert_eq!(required.remarks, ["a rule was required"]);
         let gone = Unreadable { path: "gone".to_owned(), message: "absent".to_owned() };
-        let unreadable = Conclusion::of_all(&good, &[gone.clone(), gone], Vec::new());
+        let unreadable = Conclusion::of_all(Action::Check, &good, &[gone.clone(), gone], Vec::new());
         assert_eq!((unreadable.status, unreadable.text.as_str()), (3, "2 files could not be read"));
         assert_eq!(unreadable.remarks, ["Conforms"], "what could be read is told, too");
     }

@@ -66,6 +66,7 @@ fn head(report: &Report) -> Markup {
     let what = match report.action {
         Action::Check => "Conformance of recorded data",
         Action::Test => "Conformance of a codec",
+        Action::Probe => "Conformance of a live server",
     };
     html! {
         header.head.(class(*outcome)) {

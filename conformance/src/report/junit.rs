@@ -20,6 +20,7 @@ pub(super) fn write(report: &Report) -> String {
     let name = match report.action {
         Action::Check => "uavspec check",
         Action::Test => "uavspec test",
+        Action::Probe => "uavspec probe",
     };
     let mut suites: Vec<Suite> =
         report.subjects.iter().map(|subject| suite(subject, &report.rules)).collect();
@@ -59,6 +60,9 @@ fn readable(subject: &Subject) -> junit::Case {
     }
     if subject.more_damage > 0 {
         let _ = writeln!(case.output, "… and {} more", subject.more_damage);
+    }
+    for note in &subject.notes {
+        let _ = writeln!(case.output, "{}", shown(note));
     }
     case
 }

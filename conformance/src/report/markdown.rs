@@ -133,6 +133,10 @@ fn of_subject(page: &mut Page, subject: &Subject) {
         page.heading(3, "Damage");
         list(page, &damage);
     }
+    if !subject.notes.is_empty() {
+        page.heading(3, "What happened");
+        list(page, &subject.notes);
+    }
 }
 
 fn of_finding(page: &mut Page, finding: &Finding) {

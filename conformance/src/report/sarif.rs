@@ -21,6 +21,7 @@ pub(super) fn write(report: &Report) -> String {
     let command = match report.action {
         Action::Check => "check",
         Action::Test => "test",
+        Action::Probe => "probe",
     };
     let mut entries = Vec::new();
     for subject in &report.subjects {

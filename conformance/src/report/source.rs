@@ -25,6 +25,8 @@ pub struct Judged {
     pub path: String,
     /// What came of it.
     pub judgement: Judgement,
+    /// What happened on the way, where it is a server that was probed.
+    pub notes: Vec<String>,
     /// How long that took, in milliseconds.
     pub elapsed: u128,
 }
@@ -36,11 +38,16 @@ pub struct Settings {
     pub are_formats_strict: bool,
     /// The arguments of the command but the files, so that one finds the same again.
     pub arguments: Vec<String>,
+    /// The command that finds the same again, where it isn't `check`.
+    pub command: Option<String>,
 }
 
 impl Settings {
     /// The command that judges a source again.
     fn command(&self, path: &str) -> String {
+        if let Some(command) = &self.command {
+            return command.clone();
+        }
         let words = ["uavspec", "check"].into_iter().chain(self.arguments.iter().map(String::as_str));
         super::shown::command_line(words.chain([path]))
     }
@@ -70,7 +77,7 @@ impl From<finding::Verdict> for Verdict {
 impl Subject {
     /// Of a source that was judged.
     pub fn of_source(judged: Judged, definitions: &Definitions, settings: &Settings) -> Self {
-        let Judged { path, judgement, elapsed } = judged;
+        let Judged { path, judgement, notes, elapsed } = judged;
         let findings = &judgement.findings;
         // What the rules on other kinds of sources find in it isn't worth telling.
         let is_flockwave = matches!(judgement.source, Source::Flockwave(_));
@@ -95,6 +102,7 @@ impl Subject {
             rules,
             damage: damage.map(|(place, text)| Damage { place: *place, message: text.clone() }).collect(),
             more_damage: judgement.more_damage,
+            notes,
             elapsed,
         };
         subject.conclude();

@@ -61,6 +61,7 @@ impl Subject {
             more_findings: 0,
             damage: Vec::new(),
             more_damage: 0,
+            notes: Vec::new(),
             elapsed: 0,
         }
     }

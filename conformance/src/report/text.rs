@@ -64,6 +64,12 @@ fn of_source(
 ) -> std::fmt::Result {
     head(text)?;
     damage(subject, text)?;
+    for note in &subject.notes {
+        writeln!(text, "note         {}", shown(note))?;
+    }
+    if !subject.notes.is_empty() {
+        writeln!(text)?;
+    }
     let width =
         subject.findings.iter().map(|found| found.rule.len()).max().unwrap_or_default().max(MIN_WIDTH);
     for level in [Level::Must, Level::Should, Level::Info] {

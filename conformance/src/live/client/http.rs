@@ -14,9 +14,6 @@ use super::{Client, Heard, odd};
 use crate::live::MESSAGE_LIMIT;
 use crate::testee::target::Address;
 
-/// How long a server may take to answer. Operations that go on after the response to others are waited for.
-const ANSWER_LIMIT: Duration = Duration::from_secs(30);
-
 pub(super) struct OneShot {
     agent: Agent,
     url: String,
@@ -24,9 +21,10 @@ pub(super) struct OneShot {
 }
 
 impl OneShot {
-    pub(super) fn new(address: &Address, path: &str) -> Self {
+    /// A client of a server that may take so long for an answer.
+    pub(super) fn new(address: &Address, path: &str, limit: Duration) -> Self {
         let url = format!("http://{address}{path}");
-        Self { agent: agent(ANSWER_LIMIT), url, answers: VecDeque::new() }
+        Self { agent: agent(limit), url, answers: VecDeque::new() }
     }
 }
 

@@ -10,7 +10,7 @@ use serde::Deserialize;
 use ureq::Agent;
 
 use super::http::{agent, body};
-use super::{Client, Heard, late, odd};
+use super::{Client, Heard, late, odd, text_of};
 use crate::live::SOCKET_IO_PATH;
 use crate::live::engine::{Kind, Packet, Revision, decode, encode};
 use crate::live::socketio;
@@ -210,8 +210,11 @@ impl Polling {
 
 impl Client for Polling {
     fn send(&mut self, message: &[u8]) -> io::Result<()> {
-        let text = std::str::from_utf8(message).map_err(|_| odd("Socket.IO carries text only"))?;
-        self.send_packets(&[Packet::new(Kind::Message, socketio::message(text))])
+        self.send_raw(socketio::message(text_of(message)?).as_bytes())
+    }
+
+    fn send_raw(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.send_packets(&[Packet::new(Kind::Message, text_of(bytes)?)])
     }
 
     fn hear(&mut self, until: Instant) -> io::Result<Heard> {

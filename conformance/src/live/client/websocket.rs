@@ -9,7 +9,7 @@ use tungstenite::client::IntoClientRequest as _;
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Error, HandshakeError, Message, WebSocket};
 
-use super::{Client, Heard, late, odd};
+use super::{Client, Heard, late, odd, text_of};
 use crate::live::client::polling::{Heartbeat, Opening, Step, step};
 use crate::live::engine::{Kind, Packet, Revision};
 use crate::live::http::is_silence;
@@ -91,8 +91,11 @@ impl WebSocketClient {
 
 impl Client for WebSocketClient {
     fn send(&mut self, message: &[u8]) -> io::Result<()> {
-        let text = std::str::from_utf8(message).map_err(|_| odd("Socket.IO carries text only"))?;
-        self.send_packet(&Packet::new(Kind::Message, socketio::message(text)))
+        self.send_raw(socketio::message(text_of(message)?).as_bytes())
+    }
+
+    fn send_raw(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.send_packet(&Packet::new(Kind::Message, text_of(bytes)?))
     }
 
     fn hear(&mut self, until: Instant) -> io::Result<Heard> {

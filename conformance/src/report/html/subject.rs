@@ -86,6 +86,7 @@ pub(super) fn section(subject: &Subject, index: usize) -> Markup {
                 About::Testee(testee) => (testee::section(testee)),
             }
             (damage(subject))
+            (notes("What happened", &subject.notes))
             (findings(subject, &anchor))
         }
     }

@@ -1,0 +1,419 @@
+//! Asks a live Flockwave server, and judges what it says.
+//!
+//! ```text
+//!  survey, commands, trials ──▶ session ──▶ tape ──line──▶ judge ──▶ findings
+//!                                  ▲          └──line──▶ file
+//!                                server
+//! ```
+//!
+//! First comes a *survey*: requests that change nothing, over one connection, then listening for what comes by itself,
+//! and, where the caller allows it, *commands* for the UAVs that he names. Then come *trials* of what a server has to
+//! bear, each on a connection of its own. All that goes over the wire is written to a *tape* as a line of a recording,
+//! and judged as that: [`check`](crate::judge) finds the same in the recording later on.
+//!
+//! Nothing here waits without a limit; a server that is silent, floods, or dies is told of in the findings and notes.
+
+mod commands;
+mod malformed;
+mod session;
+mod survey;
+mod tape;
+mod trials;
+
+use std::io::{self, Write};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+
+use self::session::Session;
+use self::tape::{Tape, Trial};
+use self::trials::{Attempt, Said, Step};
+use crate::base64;
+use crate::definitions::Definitions;
+use crate::judge::Judgement;
+use crate::live::endpoint::Endpoint;
+use crate::rule::rule;
+
+/// How long a probe may take that only asks, but for listening.
+const LIMIT: Duration = Duration::from_secs(45);
+
+/// How long a server may take to take a connection, and until it answers the first request.
+const READY: Duration = Duration::from_secs(5);
+
+/// How long it waits from one attempt to connect to the next.
+const PAUSE: Duration = Duration::from_millis(250);
+
+/// How long an answer is waited for, before the next request is sent; it may still come later.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// The same once the server has left so many requests without an answer.
+const LESS: (u32, Duration) = (3, Duration::from_millis(300));
+
+/// How long late answers may take that nobody waits for any more.
+const GRACE: Duration = Duration::from_millis(400);
+
+/// How often a connection is made anew after the server has closed it.
+const MAX_RECONNECTS: u32 = 20;
+
+/// How many notes are kept.
+const MAX_NOTES: usize = 50;
+
+/// How a server is to be probed.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// How long to listen for what comes by itself.
+    pub observe: Duration,
+    /// Name and password to log in with.
+    pub login: Option<(String, String)>,
+    /// The UAVs that commands may be sent to; none, where commands aren't allowed.
+    pub uavs: Vec<String>,
+    /// How long all of it may take, but for [`observe`](Self::observe).
+    pub limit: Duration,
+}
+
+impl Options {
+    /// To listen so long, log in so, and send commands to these UAVs, within the time that is usual for that.
+    pub fn new(observe: Duration, login: Option<(String, String)>, uavs: Vec<String>) -> Self {
+        let limit = if uavs.is_empty() { LIMIT } else { LIMIT + commands::TIME };
+        Self { observe, login, uavs, limit }
+    }
+}
+
+/// What came of a probe.
+#[derive(Debug)]
+pub struct Probed {
+    /// What was found in all that went over the wire.
+    pub judgement: Judgement,
+    /// What happened on the way, in order.
+    pub notes: Vec<String>,
+    /// Why not all could be asked.
+    pub failure: Option<String>,
+    /// Why the recording isn't whole.
+    pub unrecorded: Option<io::Error>,
+}
+
+/// Probes a server. What goes over the wire is also written to `record`; `told` hears how many of how many steps are
+/// done.
+pub fn probe<'d>(
+    endpoint: &Endpoint,
+    options: &Options,
+    definitions: &'d Definitions,
+    record: Option<Box<dyn Write + 'd>>,
+    told: &dyn Fn(usize, usize),
+) -> Probed {
+    let attempts = trials::all(endpoint);
+    let commands = if options.uavs.is_empty() { 0 } else { commands::STEPS };
+    let mut probe = Probe {
+        endpoint,
+        options,
+        tape: Tape::new(definitions, record),
+        session: None,
+        connections: 0,
+        reconnects: 0,
+        requests: 0,
+        silences: 0,
+        end: Instant::now() + options.limit + options.observe,
+        notes: Vec::new(),
+        failure: None,
+        is_bare: false,
+        steps: (0, survey::STEPS + commands + attempts.len()),
+        told,
+    };
+    if probe.begin() {
+        probe.survey();
+        probe.leave();
+        probe.reset_steps(survey::STEPS + commands);
+        for attempt in &attempts {
+            if probe.failure.is_some() || !probe.attempt(attempt) {
+                break;
+            }
+        }
+    }
+    probe.finish()
+}
+
+/// A probe under way.
+struct Probe<'p, 'd> {
+    endpoint: &'p Endpoint,
+    options: &'p Options,
+    tape: Tape<'d>,
+    /// The connection of the survey.
+    session: Option<Session>,
+    connections: usize,
+    reconnects: u32,
+    requests: u64,
+    /// How many requests had no answer in time.
+    silences: u32,
+    /// When all has to be over.
+    end: Instant,
+    notes: Vec<String>,
+    failure: Option<String>,
+    /// Whether answers come without an envelope.
+    is_bare: bool,
+    steps: (usize, usize),
+    told: &'p dyn Fn(usize, usize),
+}
+
+impl Probe<'_, '_> {
+    /// Waits until the server can be reached, and answers.
+    fn begin(&mut self) -> bool {
+        let until = Instant::now() + READY;
+        loop {
+            match self.open(None) {
+                Ok(session) => {
+                    self.session = Some(session);
+                    break;
+                }
+                Err(error) if Instant::now() + PAUSE >= until => {
+                    self.fail(format!("no connection: {error}"));
+                    return false;
+                }
+                Err(_) => thread::sleep(PAUSE),
+            }
+        }
+        let answer = self.post(json!({ "type": "SYS-PING" }), plain(), until.max(Instant::now() + PATIENCE));
+        if answer.is_none() {
+            self.fail("it answers nothing".to_owned());
+        }
+        answer.is_some()
+    }
+
+    fn finish(mut self) -> Probed {
+        self.leave();
+        let (judgement, unrecorded) = self.tape.finish();
+        Probed { judgement, notes: self.notes, failure: self.failure, unrecorded }
+    }
+
+    /// A new connection.
+    fn open(&mut self, endpoint: Option<&Endpoint>) -> io::Result<Session> {
+        self.connections += 1;
+        let limit = READY.min(self.left()).max(PAUSE);
+        Session::open(endpoint.unwrap_or(self.endpoint), self.connections, &mut self.tape, limit)
+    }
+
+    /// The connection of the survey, made anew where the server closed it.
+    fn standing(&mut self) -> bool {
+        if self.session.as_ref().is_some_and(|session| !session.is_over()) {
+            return true;
+        }
+        if self.failure.is_some() || self.is_late() {
+            return false;
+        }
+        if self.reconnects >= MAX_RECONNECTS {
+            self.fail(format!("it closed the connection {MAX_RECONNECTS} times"));
+            return false;
+        }
+        self.reconnects += 1;
+        self.session = self.reopen(None);
+        if self.session.is_some() {
+            self.note(format!("the server closed connection {}; the probe connected again", self.connections - 1));
+            self.log_in();
+        }
+        self.session.is_some()
+    }
+
+    /// A new connection to a server that may just be starting anew.
+    fn reopen(&mut self, endpoint: Option<&Endpoint>) -> Option<Session> {
+        let until = Instant::now() + READY;
+        loop {
+            match self.open(endpoint) {
+                Ok(session) => return Some(session),
+                Err(_) if Instant::now() + PAUSE < until.min(self.end) => thread::sleep(PAUSE),
+                Err(error) => {
+                    self.fail(format!("it can't be reached any more: {error}"));
+                    return None;
+                }
+            }
+        }
+    }
+
+    /// Ends the connection of the survey, after a while for late answers.
+    fn leave(&mut self) {
+        let Some(mut session) = self.session.take() else { return };
+        let until = Instant::now() + if session.is_waiting() { self.patience() } else { Duration::ZERO };
+        session.settle_all(&mut self.tape, until);
+        if session.bare_answers() > 0 && !std::mem::replace(&mut self.is_bare, true) {
+            self.note("answers over HTTP come without an envelope, and are judged as if they had one".to_owned());
+        }
+        session.close(&mut self.tape);
+    }
+
+    /// Asks on the connection of the survey, and waits for the answer. That it comes at all is judged as well.
+    fn ask(&mut self, body: Value) -> Option<Value> {
+        self.ask_trying("FW-ENV-07", "", body)
+    }
+
+    /// The same, to try a rule.
+    fn ask_trying(&mut self, id: &str, how: &str, body: Value) -> Option<Value> {
+        let trial = rule(id).map(|rule| Trial { rule, how });
+        self.step();
+        if self.is_late() || !self.standing() {
+            return None;
+        }
+        let until = Instant::now() + self.patience();
+        let answer = self.post(body, trial, until);
+        if answer.is_none() {
+            self.silences += 1;
+        }
+        answer
+    }
+
+    /// Sends a request, and waits for its answer.
+    fn post(&mut self, body: Value, trial: Option<Trial<'_>>, until: Instant) -> Option<Value> {
+        let id = self.next_id();
+        let message = json!({ "$fw.version": "1.0", "id": id, "body": body });
+        self.post_message(&id, &message, trial, until)
+    }
+
+    fn post_message(
+        &mut self,
+        id: &str,
+        message: &Value,
+        trial: Option<Trial<'_>>,
+        until: Instant,
+    ) -> Option<Value> {
+        let session = self.session.as_mut()?;
+        session.send(&mut self.tape, message.to_string().as_bytes(), Some(id), trial);
+        session.answer(&mut self.tape, id, until)
+    }
+
+    fn next_id(&mut self) -> String {
+        self.requests += 1;
+        format!("probe-{}", self.requests)
+    }
+
+    /// Logs in, where the caller gave a name.
+    fn log_in(&mut self) {
+        let Some((name, password)) = &self.options.login else { return };
+        let data = base64::encode(format!("{name}:{password}").as_bytes());
+        let until = Instant::now() + PATIENCE;
+        let answer = self.post(json!({ "type": "AUTH-REQ", "method": "basic", "data": data }), plain(), until);
+        if answer.is_none_or(|answer| answer["body"]["result"] != true) {
+            self.note("the login failed".to_owned());
+        }
+    }
+
+    /// Makes an attempt on a connection of its own; whether the next one can be made.
+    fn attempt(&mut self, attempt: &Attempt) -> bool {
+        let Attempt { rule, how, endpoint, steps } = attempt;
+        if self.is_late() {
+            let (done, all) = self.steps;
+            self.fail(format!("the time was over: {} trials were not made", all - done));
+            return false;
+        }
+        self.step();
+        let trial = Trial { rule: *rule, how: how.as_str() };
+        let session = match endpoint {
+            // That there is no such connection is what is tried.
+            Some(other) => match self.open(Some(other)) {
+                Ok(session) => Some(session),
+                Err(error) => {
+                    let name = session::name(other, self.connections);
+                    self.tape.refused(&name, &error.to_string(), Some(trial));
+                    return true;
+                }
+            },
+            None => self.reopen(None),
+        };
+        let Some(session) = session else { return false };
+        self.session = Some(session);
+        self.log_in();
+        let patience = self.patience();
+        let Some(mut session) = self.session.take() else { return false };
+        for step in steps {
+            perform(&mut session, &mut self.tape, step, trial);
+        }
+        let last = steps.last().and_then(Step::id);
+        let mut until = (Instant::now() + patience).min(self.end + patience);
+        let mut is_last_answered = false;
+        while session.is_waiting() && !session.is_over() && session.hear(&mut self.tape, until).is_some() {
+            if !is_last_answered && last.is_some_and(|id| !session.waits_for(id)) {
+                is_last_answered = true;
+                until = until.min(Instant::now() + GRACE);
+            }
+            if Instant::now() >= until {
+                break;
+            }
+        }
+        if session.is_waiting() && !session.is_over() && !is_last_answered {
+            self.silences += 1;
+        }
+        session.close(&mut self.tape);
+        true
+    }
+
+    /// How long an answer is waited for.
+    fn patience(&self) -> Duration {
+        let usual = if self.silences < LESS.0 { PATIENCE } else { LESS.1 };
+        usual.min(self.left())
+    }
+
+    fn left(&self) -> Duration {
+        self.end.saturating_duration_since(Instant::now())
+    }
+
+    fn is_late(&self) -> bool {
+        self.left().is_zero()
+    }
+
+    fn step(&mut self) {
+        self.steps.0 = (self.steps.0 + 1).min(self.steps.1);
+        (self.told)(self.steps.0, self.steps.1);
+    }
+
+    /// So many steps are done, whether or not there was something to do in each.
+    fn reset_steps(&mut self, done: usize) {
+        self.steps.0 = done;
+    }
+
+    fn note(&mut self, text: String) {
+        if self.notes.len() < MAX_NOTES {
+            self.notes.push(text);
+        }
+    }
+
+    fn fail(&mut self, why: String) {
+        self.failure.get_or_insert(why);
+    }
+}
+
+/// What every request tries: that it has an answer.
+fn plain() -> Option<Trial<'static>> {
+    rule("FW-ENV-07").map(|rule| Trial { rule, how: "" })
+}
+
+fn perform(session: &mut Session, tape: &mut Tape<'_>, step: &Step, trial: Trial<'_>) {
+    let of = |said: &Said| said.id.is_some().then_some(trial);
+    if session.is_over() {
+        // It is told all the same that what was to be answered has no answer.
+        step.said().iter().for_each(|said| session.note(tape, &said.text, said.id.as_deref(), of(said)));
+        return;
+    }
+    match step {
+        Step::Send(said) => session.send(tape, &said.text, said.id.as_deref(), of(said)),
+        Step::Together(all) => {
+            let mut bytes = Vec::new();
+            for said in all {
+                bytes.extend_from_slice(&said.text);
+                bytes.push(b'\n');
+            }
+            all.iter().for_each(|said| session.note(tape, &said.text, said.id.as_deref(), of(said)));
+            session.send_raw(tape, &bytes);
+        }
+        Step::Pieces(said, count, pause) => {
+            session.note(tape, &said.text, said.id.as_deref(), of(said));
+            let line = [&said.text[..], b"\n"].concat();
+            for (at, piece) in line.chunks(line.len().div_ceil(*count)).enumerate() {
+                if at > 0 {
+                    thread::sleep(*pause);
+                }
+                session.send_raw(tape, piece);
+            }
+        }
+        Step::Packet(text) => {
+            session.note(tape, text.as_bytes(), None, None);
+            session.send_raw(tape, text.as_bytes());
+        }
+    }
+}

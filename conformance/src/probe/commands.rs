@@ -1,0 +1,155 @@
+//! Commands, for the UAVs that the caller named. They take off, go home and land, are tested, calibrated, put to sleep
+//! and woken; nothing that could let one fall from the sky (UAV-HALT) or restart it (UAV-RST) is sent.
+
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+
+use super::Probe;
+
+/// How many steps there are, more or less.
+pub(super) const STEPS: usize = 25;
+
+/// How much longer all may take with commands.
+pub(super) const TIME: Duration = Duration::from_secs(45);
+
+/// How long an operation may take until something is heard of it, or of its end.
+const WORD: Duration = Duration::from_secs(11);
+
+/// How long is waited for an operation to be suspended, or to go on though it is.
+const SUSPENSION: Duration = Duration::from_millis(2_500);
+
+/// The height at which UAVs fly to where they are, in mm above home.
+const HEIGHT: u32 = 10_000;
+
+/// The receipt of no operation.
+const NOBODY: &str = "nobody-knows-this";
+
+impl Probe<'_, '_> {
+    /// Sends commands to those of these UAVs that the caller named.
+    pub(super) fn command(&mut self, uavs: &[String]) {
+        let named: Vec<String> = self.options.uavs.clone();
+        if named.is_empty() {
+            return;
+        }
+        let (known, missing): (Vec<String>, Vec<String>) = named.into_iter().partition(|id| uavs.contains(id));
+        if !missing.is_empty() {
+            self.note(format!("no such UAV, so no commands were sent to it: {}", missing.join(", ")));
+        }
+        let Some(first) = known.first().cloned() else { return };
+        self.ask(json!({ "type": "SYS-TIME" }));
+        self.ask(json!({ "type": "SYS-TIME", "adjustment": 0 }));
+        self.ask(json!({ "type": "SYS-TIME" }));
+        self.suspend(&first);
+        self.cancel(&first);
+        self.store(&known, &first);
+        self.fly(&known, &first);
+        self.sleep(&known);
+    }
+
+    /// An operation that may stop half-way until it is told to go on.
+    fn suspend(&mut self, uav: &str) {
+        let calibrate = json!({ "type": "UAV-CALIB", "ids": [uav, NOBODY], "component": "compass" });
+        let Some(receipt) = receipt(self.ask(calibrate).as_ref()) else { return };
+        let resume = json!({ "type": "ASYNC-RESUME", "ids": [receipt], "values": {} });
+        self.ask_trying("FW-ASY-19", "", resume.clone());
+        let is_word = |message: &Value| message["body"]["suspended"] == true || is_end(message, &receipt);
+        if self.wait(WORD, is_word).is_some_and(|message| message["body"]["suspended"] == true) {
+            // Whoever is suspended has to stay so.
+            if self.wait(SUSPENSION, |message| is_end(message, &receipt)).is_none() {
+                self.ask(resume);
+                self.wait(WORD, |message| is_end(message, &receipt));
+            }
+        }
+    }
+
+    /// An operation that is cancelled on the way.
+    fn cancel(&mut self, uav: &str) {
+        let calibrate = json!({ "type": "UAV-CALIB", "ids": [uav], "component": "baro" });
+        let Some(receipt) = receipt(self.ask(calibrate).as_ref()) else { return };
+        self.ask(json!({ "type": "ASYNC-CANCEL", "ids": [receipt, NOBODY] }));
+        self.wait(WORD, |message| is_end(message, &receipt));
+    }
+
+    /// Parameters and logs.
+    fn store(&mut self, uavs: &[String], first: &str) {
+        let ids = with_nobody(uavs);
+        self.ask(json!({ "type": "PRM-GET", "ids": ids, "name": "PROBE_NONE" }));
+        self.ask(json!({ "type": "PRM-SET-MANY", "ids": ids, "parameters": { "PROBE_NONE": 1 } }));
+        self.ask(json!({ "type": "LOG-INF", "ids": ids }));
+        self.ask(json!({ "type": "LOG-DATA", "uavId": first, "logId": "1" }));
+    }
+
+    /// A short flight.
+    fn fly(&mut self, uavs: &[String], first: &str) {
+        let ids = with_nobody(uavs);
+        let test = json!({ "type": "UAV-TEST", "ids": ids, "component": "led" });
+        self.operate("FW-ASY-10", test);
+        self.ask(json!({ "type": "UAV-SIGNAL", "ids": ids, "signals": ["light"], "duration": 500 }));
+        self.operate("FW-ENV-07", json!({ "type": "UAV-TAKEOFF", "ids": ids }));
+        let state = self.ask(json!({ "type": "UAV-INF", "ids": [first] }));
+        let position = state.map(|answer| answer["body"]["status"][first]["position"].clone());
+        if let Some([latitude, longitude, ..]) = position.as_ref().and_then(Value::as_array).map(Vec::as_slice) {
+            let target = json!([latitude, longitude, null, HEIGHT]);
+            self.ask(json!({ "type": "UAV-FLY", "ids": [first], "target": target }));
+        }
+        for kind in ["UAV-HOVER", "UAV-RTH"] {
+            self.ask(json!({ "type": kind, "ids": ids }));
+        }
+        self.operate("FW-ENV-07", json!({ "type": "UAV-LAND", "ids": ids }));
+    }
+
+    /// UAVs that sleep answer nothing, which has to be told as well.
+    fn sleep(&mut self, uavs: &[String]) {
+        self.operate("FW-ENV-07", json!({ "type": "UAV-SLEEP", "ids": uavs }));
+        self.operate("FW-ENV-07", json!({ "type": "UAV-SIGNAL", "ids": uavs, "signals": ["light"], "duration": 500 }));
+        self.operate("FW-ENV-07", json!({ "type": "UAV-WAKEUP", "ids": uavs }));
+    }
+
+    /// A command, and the end of the first operation that it starts.
+    fn operate(&mut self, rule: &str, body: Value) {
+        if let Some(receipt) = receipt(self.ask_trying(rule, "", body).as_ref()) {
+            self.wait(WORD, |message| is_end(message, &receipt));
+        }
+    }
+
+    /// Waits for a message.
+    fn wait(&mut self, time: Duration, is_wanted: impl Fn(&Value) -> bool) -> Option<Value> {
+        let until = Instant::now() + time.min(self.left());
+        let session = self.session.as_mut()?;
+        while let Some(message) = session.hear(&mut self.tape, until) {
+            if is_wanted(&message) {
+                return Some(message);
+            }
+            if Instant::now() >= until {
+                break;
+            }
+        }
+        None
+    }
+}
+
+fn with_nobody(uavs: &[String]) -> Vec<&str> {
+    uavs.iter().map(String::as_str).chain([NOBODY]).collect()
+}
+
+/// The first receipt of an answer.
+fn receipt(answer: Option<&Value>) -> Option<String> {
+    match &answer?["body"]["receipt"] {
+        Value::String(receipt) => Some(receipt.clone()),
+        Value::Object(receipts) => receipts.values().find_map(|receipt| Some(receipt.as_str()?.to_owned())),
+        _ => None,
+    }
+}
+
+/// Whether a message tells of the end of an operation.
+fn is_end(message: &Value, receipt: &str) -> bool {
+    let body = &message["body"];
+    match body["type"].as_str() {
+        Some("ASYNC-RESP") => body["id"] == receipt,
+        Some("ASYNC-TIMEOUT") => {
+            body["ids"].as_array().is_some_and(|ids| ids.iter().any(|id| id == receipt))
+        }
+        _ => false,
+    }
+}

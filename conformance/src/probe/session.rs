@@ -1,0 +1,221 @@
+//! A connection of a probe: all that goes over it is recorded.
+
+use std::collections::BTreeSet;
+use std::io::{self, ErrorKind};
+use std::time::{Duration, Instant};
+
+use serde_json::value::RawValue;
+use serde_json::{Value, json};
+
+use super::tape::{Tape, Trial};
+use crate::live::client::{Client, Heard, connect};
+use crate::live::endpoint::Endpoint;
+use crate::record::Direction;
+
+/// How many ids of requests without an answer are kept.
+const MAX_WAITING: usize = 1_000;
+
+/// What the recording says where the server closed a connection.
+const CLOSED: &str = "eof";
+
+/// How long is listened for what a server said before it closed the connection.
+const LAST_WORDS: Duration = Duration::from_millis(200);
+
+/// A connection.
+pub(super) struct Session {
+    name: String,
+    /// Whether each message is a request of HTTP, which goes wrong for itself.
+    is_one_shot: bool,
+    client: Box<dyn Client>,
+    waiting: BTreeSet<String>,
+    /// The last request.
+    asked: Option<String>,
+    /// How many answers came without an envelope.
+    bare: u64,
+    is_over: bool,
+}
+
+impl Session {
+    /// Connects, under a name that no other connection has.
+    pub(super) fn open(
+        endpoint: &Endpoint,
+        number: usize,
+        tape: &mut Tape<'_>,
+        limit: Duration,
+    ) -> io::Result<Self> {
+        let client = connect(endpoint, Instant::now() + limit)?;
+        let name = name(endpoint, number);
+        tape.connected(&name, &endpoint.to_string());
+        let is_one_shot = matches!(endpoint, Endpoint::Http { .. });
+        Ok(Self { name, is_one_shot, client, waiting: BTreeSet::new(), asked: None, bare: 0, is_over: false })
+    }
+
+    /// How many answers came without an envelope.
+    pub(super) fn bare_answers(&self) -> u64 {
+        self.bare
+    }
+
+    /// Whether nothing more can go over it.
+    pub(super) fn is_over(&self) -> bool {
+        self.is_over
+    }
+
+    /// Whether a request has no answer yet.
+    pub(super) fn is_waiting(&self) -> bool {
+        !self.waiting.is_empty()
+    }
+
+    /// Whether this request has no answer yet.
+    pub(super) fn waits_for(&self, id: &str) -> bool {
+        self.waiting.contains(id)
+    }
+
+    /// Sends a message, or what is none. Where it has an id by which an answer can be known, that is waited for.
+    pub(super) fn send(&mut self, tape: &mut Tape<'_>, text: &[u8], id: Option<&str>, trial: Option<Trial<'_>>) {
+        self.note(tape, text, id, trial);
+        match self.client.send(text) {
+            Err(error) if self.is_one_shot && error.kind() == ErrorKind::InvalidData => {
+                tape.failed(&self.name, &error.to_string());
+                self.waiting.retain(|waiting| Some(waiting.as_str()) != id);
+            }
+            sent => {
+                self.settle(tape, sent);
+                self.asked = id.map(str::to_owned);
+            }
+        }
+    }
+
+    /// Notes a message that is sent in another way than all others.
+    pub(super) fn note(&mut self, tape: &mut Tape<'_>, text: &[u8], id: Option<&str>, trial: Option<Trial<'_>>) {
+        tape.message(&self.name, Direction::Out, text, trial);
+        if let Some(id) = id.filter(|_| self.waiting.len() < MAX_WAITING) {
+            self.waiting.insert(id.to_owned());
+        }
+    }
+
+    /// Sends bytes as they are.
+    pub(super) fn send_raw(&mut self, tape: &mut Tape<'_>, bytes: &[u8]) {
+        let sent = self.client.send_raw(bytes);
+        self.settle(tape, sent);
+    }
+
+    /// Waits for the next message that is JSON.
+    pub(super) fn hear(&mut self, tape: &mut Tape<'_>, until: Instant) -> Option<Value> {
+        while !self.is_over {
+            match self.client.hear(until) {
+                Ok(Heard::Message(bytes)) => {
+                    let bytes = self.enveloped(bytes);
+                    tape.message(&self.name, Direction::In, &bytes, None);
+                    if let Ok(message) = serde_json::from_slice::<Value>(&bytes) {
+                        self.take(tape, &message);
+                        return Some(message);
+                    }
+                }
+                Ok(Heard::TooLong) => tape.too_long(&self.name),
+                Ok(Heard::Silence) => return None,
+                Ok(Heard::End) => self.over(tape, CLOSED),
+                Err(error) => self.fail(tape, &error),
+            }
+            if Instant::now() >= until {
+                return None;
+            }
+        }
+        None
+    }
+
+    /// Listens until there is nothing left to wait for, or the time is over.
+    pub(super) fn settle_all(&mut self, tape: &mut Tape<'_>, until: Instant) {
+        while self.is_waiting() && Instant::now() < until && self.hear(tape, until).is_some() {}
+    }
+
+    /// Waits for the answer to a request.
+    pub(super) fn answer(&mut self, tape: &mut Tape<'_>, id: &str, until: Instant) -> Option<Value> {
+        while let Some(message) = self.hear(tape, until) {
+            if message["refs"] == id {
+                return Some(message);
+            }
+            // Who says enough else must not keep anybody waiting.
+            if Instant::now() >= until {
+                break;
+            }
+        }
+        None
+    }
+
+    /// Ends the connection.
+    pub(super) fn close(mut self, tape: &mut Tape<'_>) {
+        self.over(tape, "client");
+    }
+
+    /// Over HTTP, servers may answer with the body alone, as it is clear what it answers; the specification says nothing
+    /// of this transport. Such a body gets the envelope that goes without saying.
+    fn enveloped(&mut self, bytes: Vec<u8>) -> Vec<u8> {
+        let Some(asked) = self.asked.as_deref().filter(|_| self.is_one_shot) else { return bytes };
+        let Ok(body) = serde_json::from_slice::<&RawValue>(&bytes) else { return bytes };
+        let is_bare = serde_json::from_str::<Value>(body.get())
+            .is_ok_and(|body| body["type"].is_string() && body.get("$fw.version").is_none());
+        if !is_bare {
+            return bytes;
+        }
+        self.bare += 1;
+        let (id, refs) = (format!("bare-{}", self.bare), Value::from(asked));
+        format!(r#"{{"$fw.version":"1.0","id":"{id}","refs":{refs},"body":{}}}"#, body.get()).into_bytes()
+    }
+
+    /// What comes in answers requests; and the server may ask whether anybody is there.
+    fn take(&mut self, tape: &mut Tape<'_>, message: &Value) {
+        if let Some(refs) = message["refs"].as_str() {
+            self.waiting.remove(refs);
+        } else if message["body"]["type"] == "SYS-PING"
+            && let Some(id) = message["id"].as_str()
+        {
+            let answer = json!({
+                "$fw.version": "1.0", "id": format!("re-{}", short(id)), "refs": id, "body": { "type": "ACK-ACK" },
+            });
+            self.send(tape, answer.to_string().as_bytes(), None, None);
+        }
+    }
+
+    fn settle(&mut self, tape: &mut Tape<'_>, sent: io::Result<()>) {
+        let Err(error) = sent else { return };
+        if is_end(&error) {
+            // What was said before stays said.
+            let until = Instant::now() + LAST_WORDS;
+            while self.hear(tape, until).is_some() {}
+            self.over(tape, CLOSED);
+        } else {
+            self.fail(tape, &error);
+        }
+    }
+
+    fn fail(&mut self, tape: &mut Tape<'_>, error: &io::Error) {
+        if is_end(error) { self.over(tape, CLOSED) } else { self.over(tape, &error.to_string()) }
+    }
+
+    fn over(&mut self, tape: &mut Tape<'_>, why: &str) {
+        if !std::mem::replace(&mut self.is_over, true) {
+            tape.closed(&self.name, why);
+        }
+    }
+}
+
+/// What a connection is called: after its transport, by which rules know whether messages keep their order.
+pub(super) fn name(endpoint: &Endpoint, number: usize) -> String {
+    format!("{}#{number}", endpoint.scheme())
+}
+
+/// Whether the server closed the connection, with what was on its way to it.
+fn is_end(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        ErrorKind::BrokenPipe
+            | ErrorKind::ConnectionReset
+            | ErrorKind::ConnectionAborted
+            | ErrorKind::NotConnected
+            | ErrorKind::UnexpectedEof
+    )
+}
+
+fn short(id: &str) -> String {
+    id.chars().take(30).collect()
+}

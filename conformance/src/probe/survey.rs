@@ -1,0 +1,218 @@
+//! What a server is asked that changes nothing: of each family what there is, and how it is.
+
+use std::collections::BTreeSet;
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+
+use super::Probe;
+use super::tape::Trial;
+use crate::rule::rule;
+
+/// How many steps there are, more or less.
+pub(super) const STEPS: usize = 70;
+
+/// An id that no object has.
+const NOBODY: &str = "nobody-knows-this";
+
+/// A type that no message has.
+const NOTHING: &str = "PROBE-NONE";
+
+/// How many objects are asked for in detail.
+const MAX_OBJECTS: usize = 50;
+
+/// How long it may take until a UAV appears: some are there only while a client is.
+const UAVS: Duration = Duration::from_secs(5);
+
+/// How long it waits from one look to the next.
+const LOOK: Duration = Duration::from_millis(400);
+
+impl Probe<'_, '_> {
+    /// Asks all that can be asked without changing anything.
+    pub(super) fn survey(&mut self) {
+        if !self.server() {
+            return;
+        }
+        let uavs = self.fleet();
+        self.lists(&uavs);
+        self.unknown(&uavs);
+        self.envelopes();
+        self.ask(json!({ "type": "SYS-TIME" }));
+        self.observe();
+        self.command(&uavs);
+        self.ask(json!({ "type": "UAV-LIST" }));
+        self.ask(json!({ "type": "OBJ-LIST" }));
+    }
+
+    /// The server itself; whether it serves at all.
+    fn server(&mut self) -> bool {
+        let login = self.ask_trying("FW-ENV-24", "", json!({ "type": "AUTH-INF" }));
+        let is_required = login.is_some_and(|answer| answer["body"]["required"] == true);
+        if is_required {
+            self.ask_trying("FW-ACK-06", "", json!({ "type": "UAV-LIST" }));
+            if self.options.login.is_none() {
+                self.fail("it wants a login: give one with --login".to_owned());
+                return false;
+            }
+        }
+        self.log_in();
+        self.ask(json!({ "type": "AUTH-WHOAMI" }));
+        self.ask_trying("FW-SYS-PING-01", "", json!({ "type": "SYS-PING" }));
+        self.ask_trying("FW-ENV-24", "", json!({ "type": "SYS-VER" }));
+        self.ask(json!({ "type": "SYS-VER" }));
+        for _ in 0..2 {
+            self.ask(json!({ "type": "SYS-TIME" }));
+        }
+        self.ask(json!({ "type": "SYS-PORTS" }));
+        self.ask(json!({ "type": NOTHING }));
+        !self.is_late() && self.failure.is_none()
+    }
+
+    /// Which UAVs there are, how they are, and what else there is.
+    fn fleet(&mut self) -> Vec<String> {
+        let began = Instant::now();
+        let mut uavs = ids(self.ask_trying("FW-ENV-24", "", json!({ "type": "UAV-LIST" })).as_ref());
+        while uavs.is_empty() && began.elapsed() < UAVS && !self.is_late() && self.standing() {
+            self.listen(LOOK);
+            uavs = ids(self.ask(json!({ "type": "UAV-LIST" })).as_ref());
+        }
+        if uavs.is_empty() {
+            self.note(format!("no UAV has appeared within {} s", UAVS.as_secs()));
+        } else if began.elapsed() > LOOK {
+            self.note(format!("the first UAV appeared after {:.1} s", began.elapsed().as_secs_f64()));
+            // The others are on their way.
+            self.listen(LOOK * 4);
+        }
+        self.ask(json!({ "type": "UAV-LIST" }));
+        self.ask_trying("FW-ENV-24", "", json!({ "type": "OBJ-LIST", "filter": ["uav"] }));
+        uavs = ids(self.ask(json!({ "type": "UAV-LIST" })).as_ref());
+        self.ask(json!({ "type": "OBJ-LIST" }));
+        for kind in ["uav", "beacon", "weatherStation", "dock"] {
+            self.ask(json!({ "type": "OBJ-LIST", "filter": [kind] }));
+        }
+        self.ask(json!({ "type": "OBJ-LIST" }));
+        uavs.truncate(MAX_OBJECTS);
+        if !uavs.is_empty() {
+            for kind in ["UAV-INF", "UAV-VER", "UAV-PREFLT"] {
+                self.ask(json!({ "type": kind, "ids": with_nobody(&uavs) }));
+            }
+            self.ask(json!({ "type": "UAV-LIST" }));
+        }
+        uavs
+    }
+
+    /// What else there is, family by family.
+    fn lists(&mut self, uavs: &[String]) {
+        let connections = ids(self.ask_trying("FW-ENV-24", "", json!({ "type": "CONN-LIST" })).as_ref());
+        self.ask(json!({ "type": "CONN-INF", "ids": with_nobody(&connections) }));
+        let clocks = ids(self.ask(json!({ "type": "CLK-LIST" })).as_ref());
+        self.ask(json!({ "type": "CLK-INF", "ids": with_nobody(&clocks) }));
+        let beacons = ids(self.ask(json!({ "type": "OBJ-LIST", "filter": ["beacon"] })).as_ref());
+        for kind in ["BCN-INF", "BCN-PROPS"] {
+            self.ask(json!({ "type": kind, "ids": with_nobody(&beacons) }));
+        }
+        let stations = ids(self.ask(json!({ "type": "WTH-LIST" })).as_ref());
+        self.ask(json!({ "type": "WTH-INF", "ids": with_nobody(&stations) }));
+        self.ask(json!({ "type": "WTH-AT", "position": [474_863_000, 189_151_000] }));
+        let presets = ids(self.ask_trying("FW-ENV-24", "", json!({ "type": "RTK-LIST" })).as_ref());
+        self.ask(json!({ "type": "RTK-INF", "ids": with_nobody(&presets) }));
+        for kind in ["RTK-SOURCE", "RTK-STAT", "RTK-SURVEY"] {
+            self.ask(json!({ "type": kind }));
+        }
+        let extensions = self.ask_trying("FW-ENV-24", "", json!({ "type": "EXT-LIST" }));
+        let extensions = strings(extensions.as_ref().map(|answer| &answer["body"]["loaded"]));
+        self.ask_trying("FW-ENV-24", "", json!({ "type": "EXT-INF", "ids": with_nobody(&extensions) }));
+        self.devices(uavs);
+    }
+
+    /// The devices of a UAV, and a channel of one.
+    fn devices(&mut self, uavs: &[String]) {
+        let asked = with_nobody(&uavs[..uavs.len().min(2)]);
+        let trees = self.ask_trying("FW-ENV-24", "", json!({ "type": "DEV-LIST", "ids": asked }));
+        let channel = trees.as_ref().and_then(|answer| {
+            let trees = answer["body"]["devices"].as_object()?;
+            trees.iter().find_map(|(id, tree)| channel(&format!("/{id}"), tree, 0))
+        });
+        let paths: Vec<String> = channel.into_iter().chain([format!("/{NOBODY}")]).collect();
+        for kind in ["DEV-INF", "DEV-SUB", "DEV-UNSUB"] {
+            self.ask(json!({ "type": kind, "paths": paths }));
+        }
+        self.ask_trying("FW-ENV-24", "", json!({ "type": "DEV-LISTSUB", "pathFilter": ["/"] }));
+    }
+
+    /// What nobody knows.
+    fn unknown(&mut self, uavs: &[String]) {
+        self.ask_trying("FW-OBJ-LIST-03", "", json!({ "type": "OBJ-LIST", "filter": ["kite-of-nobody"] }));
+        self.ask_trying("FW-UAV-INF-06", "", json!({ "type": "UAV-INF", "ids": [NOBODY] }));
+        self.ask_trying("FW-UAV-INF-07", "no ids", json!({ "type": "UAV-INF", "ids": [] }));
+        if let Some(first) = uavs.first() {
+            let body = json!({ "type": "UAV-INF", "ids": [first, first] });
+            self.ask_trying("FW-UAV-INF-07", "an id twice", body);
+        }
+        self.ask_trying("FW-ASY-18", "cancelled", json!({ "type": "ASYNC-CANCEL", "ids": [NOBODY] }));
+        let resume = json!({ "type": "ASYNC-RESUME", "ids": [NOBODY], "values": {} });
+        self.ask_trying("FW-ASY-18", "resumed", resume.clone());
+        self.ask_trying("FW-ENV-24", "", resume);
+    }
+
+    /// Envelopes that are unusual, and right.
+    fn envelopes(&mut self) {
+        let tried = |id, how| rule(id).map(|rule| Trial { rule, how });
+        let body = json!({ "type": "SYS-PING" });
+        self.step();
+        if !self.is_late() && self.standing() {
+            let (id, until) = (self.next_id(), Instant::now() + self.patience());
+            let message = json!({ "$fw.version": "1.0", "id": id, "wind": "west", "body": body });
+            self.post_message(&id, &message, tried("FW-ENV-13", "a key that nobody knows"), until);
+        }
+        self.step();
+        if !self.is_late() && self.standing() {
+            let (id, until) = (self.next_id(), Instant::now() + self.patience());
+            let message = json!({ "$fw.version": "1.0", "id": id, "body": body });
+            if self.post_message(&id, &message, super::plain(), until).is_some() {
+                self.post_message(&id, &message, tried("FW-ENV-19", "an id that is answered"), until);
+            }
+        }
+    }
+
+    /// Listens for what comes by itself.
+    fn observe(&mut self) {
+        let until = (Instant::now() + self.options.observe).min(self.end);
+        while Instant::now() < until && self.standing() {
+            self.listen(until.saturating_duration_since(Instant::now()).min(LOOK));
+        }
+        self.step();
+    }
+
+    /// Hears what comes for a while.
+    pub(super) fn listen(&mut self, time: Duration) {
+        let until = Instant::now() + time;
+        let Some(session) = &mut self.session else { return };
+        while session.hear(&mut self.tape, until).is_some() && Instant::now() < until {}
+    }
+}
+
+/// The ids that an answer lists, each once.
+fn ids(answer: Option<&Value>) -> Vec<String> {
+    strings(answer.map(|answer| &answer["body"]["ids"]))
+}
+
+fn strings(list: Option<&Value>) -> Vec<String> {
+    let list = list.and_then(Value::as_array).into_iter().flatten();
+    let found: BTreeSet<&str> = list.filter_map(Value::as_str).collect();
+    found.into_iter().map(str::to_owned).collect()
+}
+
+/// Some of these ids, and one that nobody has.
+fn with_nobody(ids: &[String]) -> Vec<&str> {
+    ids.iter().take(MAX_OBJECTS).map(String::as_str).chain([NOBODY]).collect()
+}
+
+/// The path of the first channel in a tree of devices.
+fn channel(path: &str, node: &Value, depth: usize) -> Option<String> {
+    if node["type"] == "channel" {
+        return Some(path.to_owned());
+    }
+    let children = node["children"].as_object().filter(|_| depth < 8)?;
+    children.iter().find_map(|(name, child)| channel(&format!("{path}/{name}"), child, depth + 1))
+}

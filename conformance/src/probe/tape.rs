@@ -1,0 +1,122 @@
+//! The recording of a probe: each line is judged as it is written, by what judges recordings. So a live run and its
+//! recording can't come to different findings.
+
+use std::io::{self, Write};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use serde_json::Value;
+
+use crate::definitions::Definitions;
+use crate::json::Tree;
+use crate::judge::{FlockwaveJudge, Judgement};
+use crate::record::Direction;
+use crate::rule::Rule;
+
+/// What stands in the place of a message that was too long to be kept.
+const TOO_LONG: &[u8] = b"(more than 16 MiB)";
+
+/// What is tried: a rule, and how.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trial<'t> {
+    /// The rule.
+    pub(super) rule: &'static Rule,
+    /// How it is tried, in a few words.
+    pub(super) how: &'t str,
+}
+
+/// A recording under way.
+pub(super) struct Tape<'d> {
+    judge: FlockwaveJudge<'d>,
+    file: Option<Box<dyn Write + 'd>>,
+    failure: Option<io::Error>,
+    lines: u64,
+    bytes: u64,
+}
+
+impl<'d> Tape<'d> {
+    /// Starts one, which is also written to `file`.
+    pub(super) fn new(definitions: &'d Definitions, file: Option<Box<dyn Write + 'd>>) -> Self {
+        Self { judge: FlockwaveJudge::of(definitions), file, failure: None, lines: 0, bytes: 0 }
+    }
+
+    /// Something went over a connection.
+    pub(super) fn message(
+        &mut self,
+        connection: &str,
+        direction: Direction,
+        bytes: &[u8],
+        trial: Option<Trial<'_>>,
+    ) {
+        let direction = if direction == Direction::In { "in" } else { "out" };
+        let content = match std::str::from_utf8(bytes) {
+            // Line ends between the tokens of JSON mean nothing; strings hold none.
+            Ok(text) if Tree::read(text).is_ok() => {
+                format!("\"msg\":{}", text.replace(['\n', '\r'], " "))
+            }
+            Ok(text) => format!("\"raw\":{}", quoted(text)),
+            Err(_) => {
+                format!("\"raw\":{}", quoted(&format!("(no UTF-8) {}", String::from_utf8_lossy(bytes))))
+            }
+        };
+        self.line(connection, direction, &content, trial);
+    }
+
+    /// A message came that was too long to be kept.
+    pub(super) fn too_long(&mut self, connection: &str) {
+        self.message(connection, Direction::In, TOO_LONG, None);
+    }
+
+    /// A connection came about.
+    pub(super) fn connected(&mut self, connection: &str, url: &str) {
+        let content = format!("\"event\":\"connect\",\"url\":{}", quoted(url));
+        self.line(connection, "event", &content, None);
+    }
+
+    /// A connection didn't come about.
+    pub(super) fn refused(&mut self, connection: &str, why: &str, trial: Option<Trial<'_>>) {
+        let content = format!("\"event\":\"refused\",\"why\":{}", quoted(why));
+        self.line(connection, "event", &content, trial);
+    }
+
+    /// A request of HTTP got no answer that is one.
+    pub(super) fn failed(&mut self, connection: &str, why: &str) {
+        let content = format!("\"event\":\"failed\",\"why\":{}", quoted(why));
+        self.line(connection, "event", &content, None);
+    }
+
+    /// A connection ended.
+    pub(super) fn closed(&mut self, connection: &str, why: &str) {
+        let content = format!("\"event\":\"closed\",\"why\":{}", quoted(why));
+        self.line(connection, "event", &content, None);
+    }
+
+    fn line(&mut self, connection: &str, direction: &str, content: &str, trial: Option<Trial<'_>>) {
+        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let (seconds, micros) = (now.as_secs(), now.subsec_micros());
+        let tried = trial.map_or_else(String::new, |trial| {
+            format!(",\"trial\":{},\"how\":{}", quoted(trial.rule.id), quoted(trial.how))
+        });
+        let line = format!(
+            "{{\"t\":{seconds}.{micros:06},\"conn\":{},\"dir\":\"{direction}\",{content}{tried}}}",
+            quoted(connection)
+        );
+        self.lines += 1;
+        self.bytes += line.len() as u64 + 1;
+        self.judge.line(line.as_bytes(), self.lines, false);
+        if let Some(file) = &mut self.file
+            && let Err(error) = writeln!(file, "{line}")
+        {
+            (self.file, self.failure) = (None, Some(error));
+        }
+    }
+
+    /// What came of it all; or why the recording couldn't be written to its end.
+    pub(super) fn finish(mut self) -> (Judgement, Option<io::Error>) {
+        let flushed = self.file.as_mut().map_or(Ok(()), Write::flush);
+        (self.judge.finish(self.bytes), self.failure.or(flushed.err()))
+    }
+}
+
+fn quoted(text: &str) -> String {
+    Value::from(text).to_string()
+}
