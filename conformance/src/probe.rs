@@ -207,7 +207,10 @@ impl Probe<'_, '_> {
         self.reconnects += 1;
         self.session = self.reopen(None);
         if self.session.is_some() {
-            self.note(format!("the server closed connection {}; the probe connected again", self.connections - 1));
+            self.note(format!(
+                "the server closed connection {}; the probe connected again",
+                self.connections - 1
+            ));
             self.log_in();
         }
         self.session.is_some()
@@ -234,7 +237,9 @@ impl Probe<'_, '_> {
         let until = Instant::now() + if session.is_waiting() { self.patience() } else { Duration::ZERO };
         session.settle_all(&mut self.tape, until);
         if session.bare_answers() > 0 && !std::mem::replace(&mut self.is_bare, true) {
-            self.note("answers over HTTP come without an envelope, and are judged as if they had one".to_owned());
+            self.note(
+                "answers over HTTP come without an envelope, and are judged as if they had one".to_owned(),
+            );
         }
         session.close(&mut self.tape);
     }
@@ -288,7 +293,8 @@ impl Probe<'_, '_> {
         let Some((name, password)) = &self.options.login else { return };
         let data = base64::encode(format!("{name}:{password}").as_bytes());
         let until = Instant::now() + PATIENCE;
-        let answer = self.post(json!({ "type": "AUTH-REQ", "method": "basic", "data": data }), plain(), until);
+        let answer =
+            self.post(json!({ "type": "AUTH-REQ", "method": "basic", "data": data }), plain(), until);
         if answer.is_none_or(|answer| answer["body"]["result"] != true) {
             self.note("the login failed".to_owned());
         }

@@ -31,7 +31,7 @@ use std::io;
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::thread::JoinHandle;
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 pub use self::bug::{Bug, bug, bugs};
 use self::listen::Shared;
@@ -91,6 +91,10 @@ pub struct Options {
     pub charge: f64,
     /// Error codes that UAVs have from the start ([`error`]).
     pub errors: Vec<(String, u16)>,
+    /// UAVs that get lost, and how long after the start ([`loss`]).
+    pub losses: Vec<(String, Duration)>,
+    /// How long a client may stay; then the server says farewell to it.
+    pub stay: Option<Duration>,
     /// Name and password without which nobody is served.
     pub login: Option<(String, String)>,
     /// The rule that is to be broken.
@@ -109,6 +113,8 @@ impl Default for Options {
             rate: 2.0,
             charge: 100.0,
             errors: Vec::new(),
+            losses: Vec::new(),
+            stay: None,
             login: None,
             bug: None,
             start: u64::try_from(now.as_millis()).unwrap_or_default(),
@@ -121,6 +127,14 @@ pub fn error(text: &str) -> Result<(String, u16), String> {
     let (id, code) = text.split_once('=').ok_or("write UAV=CODE, such as glider-2=66")?;
     let code = code.parse().map_err(|_| "the code is no number from 0 to 65535".to_owned())?;
     Ok((id.to_owned(), error_code::settable(code)?))
+}
+
+/// Reads when a UAV of the fleet gets lost: `glider-2@30`, in seconds.
+pub fn loss(text: &str) -> Result<(String, Duration), String> {
+    let (id, time) = text.split_once('@').ok_or("write UAV@SECONDS, such as glider-2@30")?;
+    let seconds = time.parse().map_err(|_| "the time is no number of seconds".to_owned())?;
+    let time = Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())?;
+    Ok((id.to_owned(), time))
 }
 
 /// A server that runs. It ends when it is dropped, or with [`end`](Self::end).

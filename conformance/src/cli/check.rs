@@ -166,5 +166,10 @@ fn judge(
     let started = Instant::now();
     let source = input::unpacked(progress.reading(input::open(path)?))?;
     let judgement = judge::judge(source, of, definitions)?;
-    Ok(Judged { path: path.display().to_string(), judgement, notes: Vec::new(), elapsed: started.elapsed().as_millis() })
+    Ok(Judged {
+        path: path.display().to_string(),
+        judgement,
+        notes: Vec::new(),
+        elapsed: started.elapsed().as_millis(),
+    })
 }

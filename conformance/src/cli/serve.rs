@@ -11,7 +11,7 @@ use serde_json::json;
 
 use super::Status;
 use super::test::seconds;
-use crate::server::{Bug, Options, Server, Transport, bug, bugs, error};
+use crate::server::{Bug, Options, Server, Transport, bug, bugs, error, loss};
 
 /// Where the server listens where nothing is said: the port that clients of the protocol try first.
 const USUAL: &str = "127.0.0.1:5001";
@@ -23,6 +23,7 @@ const USUAL: &str = "127.0.0.1:5001";
   uavspec serve --tcp 127.0.0.1:5001 --udp 127.0.0.1:5001 --http 127.0.0.1:5002 --socketio 127.0.0.1:5000
   uavspec serve --uavs 20 --battery 35 --speed 10
   uavspec serve --error glider-2=193 --login pilot:secret
+  uavspec serve --lose glider-3@20 --stay 60
   uavspec serve --tcp 127.0.0.1:0 --for 60 --format json
   uavspec serve --bug FW-UST-HEADING
   uavspec serve --list-bugs
@@ -68,6 +69,12 @@ pub(super) struct ServeArgs {
     /// Give a UAV an error code; may be given several times.
     #[arg(long = "error", value_name = "UAV=CODE", value_parser = error)]
     errors: Vec<(String, u16)>,
+    /// Let a UAV get lost some seconds after the start; may be given several times.
+    #[arg(long = "lose", value_name = "UAV@SECONDS", value_parser = loss)]
+    losses: Vec<(String, Duration)>,
+    /// Say farewell to each client some seconds after it came (SYS-CLOSE), and end its connection.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    stay: Option<Duration>,
     /// Serve only those who log in so (AUTH-REQ, method basic).
     #[arg(long, value_name = "NAME:PASSWORD", value_parser = login)]
     login: Option<(String, String)>,
@@ -92,8 +99,10 @@ pub(super) fn serve(args: &ServeArgs) -> Status {
     if args.list_bugs {
         return list(args.format);
     }
-    if let Some((id, _)) = args.errors.iter().find(|(id, _)| !has_uav(args.uavs, id)) {
-        anstream::eprintln!("error: --error {id}: the fleet has glider-1 to glider-{}", args.uavs);
+    let named = args.errors.iter().map(|(id, _)| ("error", id));
+    let named = named.chain(args.losses.iter().map(|(id, _)| ("lose", id)));
+    if let Some((option, id)) = named.into_iter().find(|(_, id)| !has_uav(args.uavs, id)) {
+        anstream::eprintln!("error: --{option} {id}: the fleet has glider-1 to glider-{}", args.uavs);
         return Status::Usage;
     }
     let server = match Server::start(options(args), &addresses(args)) {
@@ -140,6 +149,8 @@ fn options(args: &ServeArgs) -> Options {
         rate: args.rate,
         charge: args.battery.into(),
         errors: args.errors.clone(),
+        losses: args.losses.clone(),
+        stay: args.stay,
         login: args.login.clone(),
         bug: args.bug,
         ..Options::default()

@@ -53,6 +53,11 @@ impl Lines {
         Some(if is_too_long { Line::TooLong } else { line })
     }
 
+    /// All lines that have come to their end.
+    pub fn taken(&mut self) -> Vec<Line> {
+        std::iter::from_fn(|| self.take()).collect()
+    }
+
     /// Whether something has come of a line that hasn't ended.
     pub fn has_rest(&self) -> bool {
         self.is_skipping || self.start < self.buffer.len()
@@ -82,10 +87,6 @@ mod tests {
 
     use super::*;
 
-    fn all(lines: &mut Lines) -> Vec<Line> {
-        std::iter::from_fn(|| lines.take()).collect()
-    }
-
     fn whole(text: &str) -> Line {
         Line::Whole(text.as_bytes().to_vec())
     }
@@ -94,10 +95,10 @@ mod tests {
     fn lines_end_with_either_line_end_and_the_rest_waits() {
         let mut lines = Lines::default();
         lines.feed(b"one\r\n\ntw");
-        assert_eq!(all(&mut lines), [whole("one"), whole("")]);
+        assert_eq!(lines.taken(), [whole("one"), whole("")]);
         assert!(lines.has_rest());
         lines.feed(b"o\n");
-        assert_eq!(all(&mut lines), [whole("two")]);
+        assert_eq!(lines.taken(), [whole("two")]);
         assert!(!lines.has_rest());
     }
 
@@ -108,11 +109,11 @@ mod tests {
         let mut found = Vec::new();
         for _ in 0..40 {
             lines.feed(&piece);
-            found.extend(all(&mut lines));
+            found.extend(lines.taken());
             assert!(lines.buffer.len() <= MESSAGE_LIMIT + piece.len());
         }
         lines.feed(b"\nnext\n");
-        found.extend(all(&mut lines));
+        found.extend(lines.taken());
         assert_eq!(found, [Line::TooLong, whole("next")]);
     }
 
@@ -122,7 +123,7 @@ mod tests {
         let mut text = vec![b'x'; MESSAGE_LIMIT + 1];
         text.extend(b"\nnext\n");
         lines.feed(&text);
-        assert_eq!(all(&mut lines), [Line::TooLong, whole("next")]);
+        assert_eq!(lines.taken(), [Line::TooLong, whole("next")]);
     }
 
     proptest! {
@@ -133,12 +134,12 @@ mod tests {
             let whole = pieces.concat();
             let mut at_once = Lines::default();
             at_once.feed(&whole);
-            let expected = all(&mut at_once);
+            let expected = at_once.taken();
             let mut lines = Lines::default();
             let mut found = Vec::new();
             for piece in &pieces {
                 lines.feed(piece);
-                found.extend(all(&mut lines));
+                found.extend(lines.taken());
             }
             prop_assert_eq!(found, expected);
         }

@@ -32,7 +32,8 @@ impl Probe<'_, '_> {
         if named.is_empty() {
             return;
         }
-        let (known, missing): (Vec<String>, Vec<String>) = named.into_iter().partition(|id| uavs.contains(id));
+        let (known, missing): (Vec<String>, Vec<String>) =
+            named.into_iter().partition(|id| uavs.contains(id));
         if !missing.is_empty() {
             self.note(format!("no such UAV, so no commands were sent to it: {}", missing.join(", ")));
         }
@@ -89,7 +90,9 @@ impl Probe<'_, '_> {
         self.operate("FW-ENV-07", json!({ "type": "UAV-TAKEOFF", "ids": ids }));
         let state = self.ask(json!({ "type": "UAV-INF", "ids": [first] }));
         let position = state.map(|answer| answer["body"]["status"][first]["position"].clone());
-        if let Some([latitude, longitude, ..]) = position.as_ref().and_then(Value::as_array).map(Vec::as_slice) {
+        if let Some([latitude, longitude, ..]) =
+            position.as_ref().and_then(Value::as_array).map(Vec::as_slice)
+        {
             let target = json!([latitude, longitude, null, HEIGHT]);
             self.ask(json!({ "type": "UAV-FLY", "ids": [first], "target": target }));
         }
@@ -102,7 +105,10 @@ impl Probe<'_, '_> {
     /// UAVs that sleep answer nothing, which has to be told as well.
     fn sleep(&mut self, uavs: &[String]) {
         self.operate("FW-ENV-07", json!({ "type": "UAV-SLEEP", "ids": uavs }));
-        self.operate("FW-ENV-07", json!({ "type": "UAV-SIGNAL", "ids": uavs, "signals": ["light"], "duration": 500 }));
+        self.operate(
+            "FW-ENV-07",
+            json!({ "type": "UAV-SIGNAL", "ids": uavs, "signals": ["light"], "duration": 500 }),
+        );
         self.operate("FW-ENV-07", json!({ "type": "UAV-WAKEUP", "ids": uavs }));
     }
 
@@ -147,9 +153,7 @@ fn is_end(message: &Value, receipt: &str) -> bool {
     let body = &message["body"];
     match body["type"].as_str() {
         Some("ASYNC-RESP") => body["id"] == receipt,
-        Some("ASYNC-TIMEOUT") => {
-            body["ids"].as_array().is_some_and(|ids| ids.iter().any(|id| id == receipt))
-        }
+        Some("ASYNC-TIMEOUT") => body["ids"].as_array().is_some_and(|ids| ids.iter().any(|id| id == receipt)),
         _ => false,
     }
 }

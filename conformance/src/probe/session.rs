@@ -71,7 +71,13 @@ impl Session {
     }
 
     /// Sends a message, or what is none. Where it has an id by which an answer can be known, that is waited for.
-    pub(super) fn send(&mut self, tape: &mut Tape<'_>, text: &[u8], id: Option<&str>, trial: Option<Trial<'_>>) {
+    pub(super) fn send(
+        &mut self,
+        tape: &mut Tape<'_>,
+        text: &[u8],
+        id: Option<&str>,
+        trial: Option<Trial<'_>>,
+    ) {
         self.note(tape, text, id, trial);
         match self.client.send(text) {
             Err(error) if self.is_one_shot && error.kind() == ErrorKind::InvalidData => {
@@ -86,7 +92,13 @@ impl Session {
     }
 
     /// Notes a message that is sent in another way than all others.
-    pub(super) fn note(&mut self, tape: &mut Tape<'_>, text: &[u8], id: Option<&str>, trial: Option<Trial<'_>>) {
+    pub(super) fn note(
+        &mut self,
+        tape: &mut Tape<'_>,
+        text: &[u8],
+        id: Option<&str>,
+        trial: Option<Trial<'_>>,
+    ) {
         tape.message(&self.name, Direction::Out, text, trial);
         if let Some(id) = id.filter(|_| self.waiting.len() < MAX_WAITING) {
             self.waiting.insert(id.to_owned());

@@ -126,8 +126,10 @@ impl Attempts {
     }
 
     fn order(&mut self) {
-        let kinds = ["SYS-VER", "SYS-PING", "UAV-LIST", "SYS-TIME", "CONN-LIST", "SYS-PING", "SYS-VER", "SYS-TIME"];
-        let requests = kinds.iter().enumerate().map(|(at, kind)| Said::request(format!("at-once-{at}"), kind));
+        let kinds =
+            ["SYS-VER", "SYS-PING", "UAV-LIST", "SYS-TIME", "CONN-LIST", "SYS-PING", "SYS-VER", "SYS-TIME"];
+        let requests =
+            kinds.iter().enumerate().map(|(at, kind)| Said::request(format!("at-once-{at}"), kind));
         self.add("FW-ENV-25", "", vec![Step::Together(requests.collect())]);
     }
 

@@ -85,7 +85,10 @@ impl Conclusion {
     /// Of a whole run.
     pub(super) fn of_all(
         action: Action,
-        subjects: &[Subject], unreadable: &[Unreadable], remarks: Vec<String>) -> Self {
+        subjects: &[Subject],
+        unreadable: &[Unreadable],
+        remarks: Vec<String>,
+    ) -> Self {
         let mut conclusion = Self::of_subjects(subjects);
         if !remarks.is_empty() && conclusion.outcome < Outcome::Breaks {
             conclusion = Self::new(Outcome::Breaks, "Does not conform");

@@ -92,7 +92,12 @@ fn a_report_with_every_rule_broken_keeps_to_it() {
     let subject = |bytes: Vec<u8>| {
         let judgement = judge(&bytes[..], None, &definitions).expect("bytes can be read");
         Subject::of_source(
-            Judged { path: "a\nb".to_owned(), judgement, notes: vec!["the wind turned".to_owned()], elapsed: 7 },
+            Judged {
+                path: "a\nb".to_owned(),
+                judgement,
+                notes: vec!["the wind turned".to_owned()],
+                elapsed: 7,
+            },
             &definitions,
             &Settings::default(),
         )

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use super::Options;
 use super::bug::Outgoing;
 use super::family;
-use super::message::{envelope, refusal};
+use super::message::{envelope, enveloped, refusal};
 use super::operation::{Operation, Report};
 use super::request::{Body, Incoming};
 use super::uav::Uav;
@@ -65,6 +65,8 @@ pub(super) struct Session {
     /// The values that the client was told last, by path.
     pub(super) told: BTreeMap<String, Value>,
     operations: Vec<Operation>,
+    /// When the client came.
+    since: Duration,
     /// How many messages were sent.
     sent: u64,
     /// Ids that won't be taken again: of a server that has this bug.
@@ -141,6 +143,7 @@ impl Hub {
             subscriptions: BTreeMap::new(),
             told: BTreeMap::new(),
             operations: Vec::new(),
+            since: self.elapsed,
             sent: 0,
             answered: Vec::new(),
         };
@@ -218,6 +221,8 @@ impl Hub {
             let items: Vec<Value> = remarks.iter().map(|remark| remark.to_item(now)).collect();
             self.notify_all(&json!({ "type": "SYS-MSG", "items": items }));
         }
+        self.lose_in_time();
+        self.part_in_time();
         if self.elapsed.saturating_sub(self.notified).as_secs_f64() * self.options.rate >= 1.0 {
             self.notified = self.elapsed;
             self.notify_of_uavs();
@@ -227,9 +232,44 @@ impl Hub {
 
     /// Says farewell to all, and ends their connections.
     pub(super) fn end(&mut self) {
-        self.notify_all(&json!({ "type": "SYS-CLOSE", "reason": "the server ends" }));
+        self.notify_all(&farewell("the server ends"));
         for session in self.sessions.values() {
             session.sink.close();
+        }
+    }
+
+    /// Forgets UAVs, and tells everybody.
+    pub(super) fn lose(&mut self, ids: &[String]) {
+        if ids.is_empty() {
+            return;
+        }
+        if !self.breaks("FW-OBJ-DEL-02") {
+            self.world.uavs.retain(|uav| !ids.contains(&uav.id));
+        }
+        self.notify_all(&json!({ "type": "OBJ-DEL", "ids": ids }));
+    }
+
+    /// Loses the UAVs that are to get lost by now.
+    fn lose_in_time(&mut self) {
+        let elapsed = self.elapsed;
+        let lost: Vec<(String, Duration)> =
+            self.options.losses.extract_if(.., |(_, time)| *time <= elapsed).collect();
+        let ids: Vec<String> = lost.into_iter().map(|(id, _)| id).collect();
+        self.lose(&ids);
+    }
+
+    /// Ends the connections that have lasted as long as they may.
+    fn part_in_time(&mut self) {
+        let Some(limit) = self.options.stay else { return };
+        for id in self.listeners() {
+            let Some(session) = self.sessions.get_mut(&id) else { continue };
+            if self.elapsed.saturating_sub(session.since) < limit {
+                continue;
+            }
+            // It is told once, and closes when all that was to be said is on its way.
+            session.since = Duration::MAX;
+            self.notify(id, farewell("the time is over"));
+            self.cut(id);
         }
     }
 
@@ -242,6 +282,8 @@ impl Hub {
         let mut receipt = format!("r{}", self.next_receipt);
         if self.breaks("FW-ASY-04") {
             receipt = format!("{receipt:0>70}");
+        } else if self.breaks("FW-ASY-04I") {
+            "r1".clone_into(&mut receipt);
         }
         let session = self.sessions.get_mut(&session).ok_or("the connection has ended")?;
         if session.operations.len() >= OPERATION_LIMIT {
@@ -270,8 +312,18 @@ impl Hub {
 
     /// Sends a notification to all who may hear it.
     pub(super) fn notify_all(&mut self, body: &Value) {
-        for id in self.listeners() {
-            self.notify(id, body.clone());
+        let listeners = self.listeners();
+        if self.options.bug.is_some() {
+            listeners.into_iter().for_each(|id| self.notify(id, body.clone()));
+            return;
+        }
+        // What goes to many is written once.
+        let written = body.to_string();
+        for id in listeners {
+            if let Some(session) = self.sessions.get_mut(&id) {
+                session.sent += 1;
+                session.sink.send(&enveloped(&format!("s{}", session.sent), &written));
+            }
         }
     }
 
@@ -378,6 +430,11 @@ impl Hub {
             session.sink.close();
         }
     }
+}
+
+/// The notification before a connection ends.
+fn farewell(reason: &str) -> Value {
+    json!({ "type": "SYS-CLOSE", "reason": reason })
 }
 
 /// The notification about an operation.

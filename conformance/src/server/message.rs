@@ -18,6 +18,11 @@ pub(super) fn envelope(id: &str, refs: Option<&str>, body: Value) -> Value {
     message
 }
 
+/// The same of the body of a notification that is written already.
+pub(super) fn enveloped(id: &str, body: &str) -> String {
+    format!(r#"{{"$fw.version":"{PROTOCOL}","id":"{id}","body":{body}}}"#)
+}
+
 /// The answer that says yes.
 pub(super) fn acknowledgment() -> Value {
     json!({ "type": "ACK-ACK" })

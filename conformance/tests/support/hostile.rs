@@ -53,7 +53,8 @@ pub(crate) fn checked(definitions: &Definitions) -> Report {
     let subject = |(path, bytes): (String, Vec<u8>)| {
         let judgement = judge(&bytes[..], None, definitions).expect("bytes can be read");
         // The time that it took is no part of what is compared.
-        let judged = Judged { path, judgement, notes: vec!["the <b>wind</b>\u{1b}[1m turned".to_owned()], elapsed: 7 };
+        let judged =
+            Judged { path, judgement, notes: vec!["the <b>wind</b>\u{1b}[1m turned".to_owned()], elapsed: 7 };
         let arguments = vec!["--definitions".to_owned(), HOSTILE.to_owned()];
         Subject::of_source(judged, definitions, &Settings { arguments, ..Settings::default() })
     };

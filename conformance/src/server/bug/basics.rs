@@ -94,7 +94,8 @@ pub(super) const BUGS: &[Bug] = &[
             item.insert("severity".to_owned(), json!("loud"));
         }
     }),
-    Bug::message("FW-OBJ-LIST-01", "OBJ-LIST has its first id twice.", |out| repeat(out, "OBJ-LIST")),
+    Bug::message("FW-OBJ-LIST-01", "The last id in OBJ-LIST is a number.", |out| number(out, "OBJ-LIST")),
+    Bug::message("FW-OBJ-LIST-01J", "OBJ-LIST has its first id twice.", |out| repeat(out, "OBJ-LIST")),
     Bug::behaviour("FW-OBJ-LIST-02", "OBJ-LIST doesn't heed its filter.")
         .with(&["FW-OBJ-LIST-03", "FW-UAV-LIST-02"]),
     Bug::behaviour("FW-OBJ-LIST-03", "OBJ-LIST refuses types that the server doesn't know."),
@@ -105,7 +106,8 @@ pub(super) const BUGS: &[Bug] = &[
         }
     }),
     Bug::behaviour("FW-OBJ-DEL-02", "Objects that are gone stay in the lists."),
-    Bug::message("FW-UAV-LIST-01", "UAV-LIST has its first id twice.", |out| repeat(out, "UAV-LIST")),
+    Bug::message("FW-UAV-LIST-01", "The last id in UAV-LIST is a number.", |out| number(out, "UAV-LIST")),
+    Bug::message("FW-UAV-LIST-01J", "UAV-LIST has its first id twice.", |out| repeat(out, "UAV-LIST")),
     Bug::message("FW-UAV-LIST-02", "UAV-LIST lacks its last UAV.", |out| {
         if let Some(ids) = out.body_of("UAV-LIST").and_then(|body| body["ids"].as_array_mut()) {
             ids.pop();
@@ -177,6 +179,13 @@ fn ports<'o>(out: &'o mut Outgoing<'_>) -> impl Iterator<Item = &'o mut Value> {
 
 fn item<'o>(out: &'o mut Outgoing<'_>) -> Option<&'o mut serde_json::Map<String, Value>> {
     out.body_of("SYS-MSG")?["items"][0].as_object_mut()
+}
+
+fn number(out: &mut Outgoing<'_>, kind: &str) {
+    let ids = out.body_of(kind).and_then(|body| body["ids"].as_array_mut());
+    if let Some(last) = ids.and_then(|ids| ids.last_mut()) {
+        *last = json!(7);
+    }
 }
 
 fn repeat(out: &mut Outgoing<'_>, kind: &str) {

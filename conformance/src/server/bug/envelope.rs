@@ -14,9 +14,16 @@ pub(super) const BUGS: &[Bug] = &[
     Bug::message("FW-ENV-02", "The version of the protocol is a number.", |out| {
         out.message()["$fw.version"] = json!(1);
     }),
+    Bug::message("FW-ENV-02J", "The version of the protocol is a word.", |out| {
+        out.message()["$fw.version"] = json!("newest");
+    }),
     Bug::message("FW-ENV-03", "Ids are numbers.", |out| {
         let number = out.number;
         out.message()["id"] = json!(number);
+    }),
+    Bug::message("FW-ENV-03J", "Ids have 40 characters.", |out| {
+        let id = format!("{:0>40}", out.number);
+        out.message()["id"] = json!(id);
     }),
     Bug::message("FW-ENV-04", "All messages have the same id.", |out| out.message()["id"] = json!("s1")),
     Bug::message("FW-ENV-05", "Notifications have refs, which are null.", |out| {
@@ -117,8 +124,8 @@ pub(super) const BUGS: &[Bug] = &[
             }
         },
     )
-    .with(&["FW-ENV-05", "FW-ENV-06", "FW-ENV-07"]),
-    Bug::behaviour("FW-ENV-22", "A request that is malformed ends the connection.").with(&["FW-ENV-07"]),
+    .with(&["FW-ENV-05", "FW-ENV-06"]),
+    Bug::behaviour("FW-ENV-22", "A request that is malformed ends the connection."),
     Bug::message("FW-ENV-23", "Notifications have a key twice.", |out| {
         if out.is_notification() {
             out.write = |message| {
@@ -128,4 +135,8 @@ pub(super) const BUGS: &[Bug] = &[
         }
     }),
     Bug::behaviour("FW-ENV-24", "Nothing of the family DEV is handled."),
+    Bug::behaviour(
+        "FW-ENV-25",
+        "Over TCP, requests that come at once are answered from the last to the first.",
+    ),
 ];

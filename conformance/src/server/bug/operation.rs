@@ -22,6 +22,11 @@ pub(super) const BUGS: &[Bug] = &[
         }
     }),
     Bug::behaviour("FW-ASY-04", "Receipts are 70 characters long."),
+    Bug::behaviour("FW-ASY-04I", "All operations have the same receipt.").with(&[
+        "FW-ASY-09",
+        "FW-ASY-10",
+        "FW-ASY-11",
+    ]),
     Bug::message("FW-ASY-06", "Progress comes before the response with the receipt.", |out| {
         if let Some(receipt) = receipt(out) {
             out.precede(progress(&receipt));
@@ -80,7 +85,12 @@ pub(super) const BUGS: &[Bug] = &[
     Bug::behaviour("FW-ASY-17", "Operations that were cancelled go on."),
     Bug::behaviour("FW-ASY-18", "Operations that nobody knows can be cancelled."),
     Bug::behaviour("FW-ASY-19", "Operations that aren't suspended can be resumed."),
-    Bug::message("FW-ASY-20", "ASYNC-TIMEOUT has its receipt twice.", |out| {
+    Bug::message("FW-ASY-20", "ASYNC-TIMEOUT has its receipt as a text.", |out| {
+        if let Some(body) = out.body_of("ASYNC-TIMEOUT") {
+            body["ids"] = body["ids"][0].take();
+        }
+    }),
+    Bug::message("FW-ASY-20J", "ASYNC-TIMEOUT has its receipt twice.", |out| {
         if let Some(ids) = out.body_of("ASYNC-TIMEOUT").and_then(|body| body["ids"].as_array_mut()) {
             ids.extend_from_within(..1);
         }

@@ -59,7 +59,7 @@ fn command(hub: &mut Hub, call: &Call<'_>) -> Answer {
         };
         parts.put(id, outcome.map(|text| Outcome::Value(json!({ "type": "plain", "data": text }))));
     }
-    lose(hub, &lost);
+    hub.lose(&lost);
     Ok(parts.into_body())
 }
 
@@ -86,15 +86,4 @@ fn obey(uav: &mut Uav, command: &str, arguments: &[Value]) -> Result<String, Str
         }
         _ => Err("there are the commands error, battery and lose".to_owned()),
     }
-}
-
-/// Forgets UAVs, and tells everybody.
-fn lose(hub: &mut Hub, ids: &[String]) {
-    if ids.is_empty() {
-        return;
-    }
-    if !hub.breaks("FW-OBJ-DEL-02") {
-        hub.world.uavs.retain(|uav| !ids.contains(&uav.id));
-    }
-    hub.notify_all(&json!({ "type": "OBJ-DEL", "ids": ids }));
 }

@@ -91,7 +91,11 @@ fn read(
             Err(error) => return Err(error),
         };
         lines.feed(&piece[..length]);
-        while let Some(line) = lines.take() {
+        let mut taken = lines.taken();
+        if shared.breaks("FW-ENV-25") {
+            taken.reverse();
+        }
+        for line in taken {
             // Of a line that is too long nobody knows what it asked.
             let Line::Whole(line) = line else { continue };
             if shared.breaks("FW-TCP-03") && serde_json::from_slice::<IgnoredAny>(&line).is_err() {
@@ -99,7 +103,7 @@ fn read(
             }
             shared.receive(id, &line);
             if shared.breaks("FW-TCP-02") {
-                while lines.take().is_some() {}
+                break;
             }
         }
         if shared.breaks("FW-TCP-04") {

@@ -33,6 +33,8 @@ pub(super) struct Session {
 struct State {
     /// The session in the hub, once the client has joined the namespace.
     joined: Option<SessionId>,
+    /// Whether it takes no more messages: where it has that bug.
+    is_deaf: bool,
     heard: Instant,
     asked: Instant,
 }
@@ -82,7 +84,7 @@ impl Session {
             outbox: Arc::default(),
             is_upgraded: AtomicBool::new(false),
             is_polled: AtomicBool::new(false),
-            state: Mutex::new(State { joined: None, heard: now, asked: now }),
+            state: Mutex::new(State { joined: None, is_deaf: false, heard: now, asked: now }),
         };
         let opening = json!({
             "sid": sid,
@@ -162,7 +164,11 @@ impl Session {
     }
 
     fn take_message(&self, shared: &Shared, text: &str) {
-        match socketio::Packet::parse(text) {
+        let packet = socketio::Packet::parse(text);
+        if shared.breaks("FW-SIO-03") && is_odd(packet.as_ref()) {
+            self.state().is_deaf = true;
+        }
+        match packet {
             Some(socketio::Packet::Connect { namespace }) if namespace == "/" => {
                 let answer = match self.revision {
                     Revision::Three => "0".to_owned(),
@@ -185,8 +191,8 @@ impl Session {
                 if let Some(number) = receipt {
                     push(&self.outbox, Kind::Message, socketio::receipt(number));
                 }
-                let joined = self.state().joined;
-                if let Some(joined) = joined {
+                let State { joined, is_deaf, .. } = *self.state();
+                if let Some(joined) = joined.filter(|_| !is_deaf) {
                     shared.receive(joined, text.as_bytes());
                 }
             }
@@ -207,5 +213,14 @@ impl Session {
 
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Whether a packet carries no message, and is for nothing else either.
+fn is_odd(packet: Option<&socketio::Packet>) -> bool {
+    match packet {
+        Some(socketio::Packet::Message { text, .. }) => !text.starts_with('{'),
+        Some(socketio::Packet::Other) | None => true,
+        Some(_) => false,
     }
 }

@@ -1,0 +1,221 @@
+//! Probing servers that are as they should be, and others that are not.
+//!
+//! Nothing here depends on something being fast, but a probe may be told to be over at some time.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+use uavspec_conformance::definitions::Definitions;
+use uavspec_conformance::judge::judge;
+use uavspec_conformance::live::endpoint::Endpoint;
+use uavspec_conformance::probe::{Options, Probed, probe};
+
+static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
+
+/// How much longer a probe may take than it was told: for what it has just begun, and the last report.
+const SLACK: Duration = Duration::from_secs(20);
+
+/// A probe that is over soon.
+fn brief() -> Options {
+    Options { limit: Duration::from_secs(8), ..Options::new(Duration::from_millis(200), None, Vec::new()) }
+}
+
+/// What is written, for two to see.
+#[derive(Clone, Default)]
+struct Shared(Arc<Mutex<Vec<u8>>>);
+
+impl std::io::Write for Shared {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).write(bytes)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Probes a server. What the recording comes to has to be the same.
+fn probed(url: &str, options: &Options) -> Probed {
+    let endpoint: Endpoint = url.parse().expect("an endpoint");
+    let tape = Shared::default();
+    let began = Instant::now();
+    let probed = probe(&endpoint, options, &DEFINITIONS, Some(Box::new(tape.clone())), &|_, _| {});
+    assert!(began.elapsed() < options.limit + options.observe + SLACK, "it is over in time");
+    assert!(probed.unrecorded.is_none());
+    let recording = tape.0.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    let replayed = judge(&*recording, None, &DEFINITIONS).expect("bytes can be read");
+    let of = |judgement: &uavspec_conformance::judge::Judgement| -> Vec<String> {
+        judgement.findings.groups().map(|group| format!("{group:?}")).collect()
+    };
+    assert_eq!(of(&replayed), of(&probed.judgement));
+    assert_eq!(probed.judgement.damage, vec![], "the recording is what recordings are");
+    probed
+}
+
+/// How often each rule is broken.
+fn broken(probed: &Probed) -> BTreeMap<&'static str, u64> {
+    let mut counts = BTreeMap::new();
+    for group in probed.judgement.findings.groups() {
+        *counts.entry(group.rule.id).or_default() += group.count;
+    }
+    counts
+}
+
+/// The rules that are broken.
+fn rules(probed: &Probed) -> BTreeSet<&'static str> {
+    broken(probed).into_keys().collect()
+}
+
+/// Serves each connection over TCP in a thread of its own; the URL.
+fn served(serve: impl Fn(TcpStream, usize) + Clone + Send + 'static) -> String {
+    let listener = TcpListener::bind(SocketAddr::from(([127, 0, 0, 1], 0))).expect("a free port");
+    let address = listener.local_addr().expect("an address");
+    thread::spawn(move || {
+        for (number, stream) in listener.incoming().enumerate() {
+            let (Ok(stream), serve) = (stream, serve.clone()) else { return };
+            thread::spawn(move || serve(stream, number));
+        }
+    });
+    format!("tcp://{address}")
+}
+
+/// The answer to a request, from a server that knows no more than to acknowledge.
+fn answer(line: &[u8], number: &mut u64) -> Option<String> {
+    let message: Value = serde_json::from_slice(line).ok()?;
+    *number += 1;
+    let id = message["id"].as_str()?;
+    let body = match message["body"]["type"].as_str() {
+        Some("SYS-PING") => json!({ "type": "ACK-ACK" }),
+        Some("SYS-VER") => json!({ "type": "SYS-VER", "software": "Lull", "version": "1.0" }),
+        Some("UAV-LIST" | "OBJ-LIST" | "CONN-LIST" | "CLK-LIST") => {
+            json!({ "type": message["body"]["type"], "ids": [] })
+        }
+        _ => json!({ "type": "ACK-NAK", "reason": "too calm" }),
+    };
+    let answer = json!({ "$fw.version": "1.0", "id": format!("calm-{number}"), "refs": id, "body": body });
+    Some(format!("{answer}\n"))
+}
+
+/// Takes all that comes, and hands on the segments.
+fn segments(stream: &TcpStream, mut take: impl FnMut(&[u8]) -> bool) {
+    let (mut stream, mut piece) = (stream, vec![0; 1 << 16]);
+    while let Ok(length) = stream.read(&mut piece) {
+        if length == 0 || !take(&piece[..length]) {
+            return;
+        }
+    }
+}
+
+#[test]
+fn nobody_at_home_is_told() {
+    let free = TcpListener::bind("127.0.0.1:0").expect("a free port").local_addr().expect("an address");
+    let probed = probed(&format!("tcp://{free}"), &brief());
+    assert!(probed.failure.expect("a reason").starts_with("no connection"));
+    assert_eq!(probed.judgement.judged, 0);
+}
+
+#[test]
+fn a_silent_server_ends_in_time() {
+    let probed = probed(&served(|stream, _| segments(&stream, |_| true)), &brief());
+    assert_eq!(probed.failure.as_deref(), Some("it answers nothing"));
+    assert_eq!(broken(&probed), BTreeMap::from([("FW-ENV-07", 1)]));
+}
+
+#[test]
+fn garbage_is_found_and_ends_in_time() {
+    let probed = probed(
+        &served(|mut stream, _| {
+            while stream.write_all(b"\xff\xfe wind \x00\n{\"half\n[[[[\n").is_ok() {
+                thread::sleep(Duration::from_millis(20));
+            }
+        }),
+        &brief(),
+    );
+    assert_eq!(probed.failure.as_deref(), Some("it answers nothing"));
+    // One of these lines may have been the answer.
+    assert_eq!(rules(&probed), BTreeSet::from(["FW-ENV-01"]));
+}
+
+#[test]
+fn a_byte_a_second_and_a_line_without_end_end_in_time() {
+    for pause in [1_000, 0] {
+        let probed = probed(
+            &served(move |mut stream, _| {
+                let piece = if pause == 0 { vec![b'x'; 1 << 16] } else { vec![b'x'] };
+                while stream.write_all(&piece).is_ok() {
+                    thread::sleep(Duration::from_millis(pause));
+                }
+            }),
+            &brief(),
+        );
+        assert_eq!(probed.failure.as_deref(), Some("it answers nothing"));
+        assert_eq!(rules(&probed).contains("FW-ENV-01"), pause == 0, "a line beyond all limits is found");
+    }
+}
+
+#[test]
+fn a_million_notifications_end_in_time() {
+    let probed = probed(
+        &served(|mut stream, _| {
+            let one = json!({
+                "$fw.version": "1.0", "id": "same", "body": { "type": "SYS-MSG", "items": [{ "message": "gust" }] },
+            });
+            let many = format!("{one}\n").repeat(100);
+            for _ in 0..10_000 {
+                if stream.write_all(many.as_bytes()).is_err() {
+                    return;
+                }
+            }
+        }),
+        &brief(),
+    );
+    assert_eq!(rules(&probed), BTreeSet::from(["FW-ENV-04", "FW-ENV-07"]));
+}
+
+#[test]
+fn a_server_that_dies_in_the_middle_is_told() {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let url = format!("tcp://{}", listener.local_addr().expect("an address"));
+    thread::spawn(move || {
+        let (mut stream, _) = listener.accept().expect("a client");
+        // Nobody can come after it.
+        drop(listener);
+        let reader = BufReader::new(stream.try_clone().expect("a stream"));
+        let mut number = 0;
+        for line in reader.lines().map_while(Result::ok).take(10) {
+            let answer = answer(line.as_bytes(), &mut number).expect("a request");
+            stream.write_all(answer.as_bytes()).expect("it is written");
+        }
+    });
+    let probed = probed(&url, &brief());
+    assert!(probed.failure.expect("a reason").starts_with("it can't be reached any more"));
+    let told = probed.judgement.findings.groups().flat_map(|group| &group.examples);
+    let lost = told.filter(|(_, detail)| detail.message.ends_with("; the server closed the connection"));
+    assert_eq!(lost.count(), 1, "a request without an answer");
+}
+
+#[test]
+fn a_server_that_closes_now_and_then_is_asked_to_the_end() {
+    let probed = probed(
+        &served(|mut stream, number| {
+            let reader = BufReader::new(stream.try_clone().expect("a stream"));
+            let mut count = 0;
+            // The first connections end early, between an answer and the next request.
+            for line in reader.lines().map_while(Result::ok).take(if number < 3 { 12 } else { 1_000 }) {
+                let Some(answer) = answer(line.as_bytes(), &mut count) else { continue };
+                if stream.write_all(answer.as_bytes()).is_err() {
+                    return;
+                }
+            }
+        }),
+        &Options { limit: Duration::from_secs(30), ..brief() },
+    );
+    assert_eq!(probed.failure, None);
+    let again = probed.notes.iter().filter(|note| note.contains("connected again")).count();
+    assert_eq!(again, 3, "{:?}", probed.notes);
+}
