@@ -1,5 +1,7 @@
 //! What each rule finds in each mutant of each rule: whether they find what they should, and nothing else.
 
+pub mod live;
+
 use std::collections::BTreeSet;
 
 use crate::definitions::Definitions;

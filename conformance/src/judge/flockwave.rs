@@ -289,9 +289,11 @@ impl<'d> FlockwaveJudge<'d> {
     }
 }
 
-/// Whether messages come as they were sent over a connection of this name. Those of UDP are called `udp` or begin so.
+/// Whether messages come as they were sent over a connection of this name. Those of UDP are called `udp` or begin so; and
+/// what is called `http` is many connections, one for each request.
 fn is_ordered(name: &str) -> bool {
-    !name.get(..3).is_some_and(|start| start.eq_ignore_ascii_case("udp"))
+    let begins = |with: &str| name.get(..with.len()).is_some_and(|start| start.eq_ignore_ascii_case(with));
+    !begins("udp") && !begins("http")
 }
 
 /// Whether a bare message is a request. What some type has in both, in a request and in a notification, is told from

@@ -17,7 +17,10 @@ pub(super) const TIME: Duration = Duration::from_secs(45);
 const WORD: Duration = Duration::from_secs(11);
 
 /// How long is waited for an operation to be suspended, or to go on though it is.
-const SUSPENSION: Duration = Duration::from_millis(2_500);
+const SUSPENSION: Duration = Duration::from_millis(1_500);
+
+/// How long a UAV goes on with what it does in the air.
+const FLIGHT: Duration = Duration::from_secs(1);
 
 /// The height at which UAVs fly to where they are, in mm above home.
 const HEIGHT: u32 = 10_000;
@@ -44,8 +47,8 @@ impl Probe<'_, '_> {
         self.suspend(&first);
         self.cancel(&first);
         self.store(&known, &first);
-        self.fly(&known, &first);
         self.sleep(&known);
+        self.fly(&known, &first);
     }
 
     /// An operation that may stop half-way until it is told to go on.
@@ -88,6 +91,7 @@ impl Probe<'_, '_> {
         self.operate("FW-ASY-10", test);
         self.ask(json!({ "type": "UAV-SIGNAL", "ids": ids, "signals": ["light"], "duration": 500 }));
         self.operate("FW-ENV-07", json!({ "type": "UAV-TAKEOFF", "ids": ids }));
+        self.listen(FLIGHT);
         let state = self.ask(json!({ "type": "UAV-INF", "ids": [first] }));
         let position = state.map(|answer| answer["body"]["status"][first]["position"].clone());
         if let Some([latitude, longitude, ..]) =
@@ -95,6 +99,7 @@ impl Probe<'_, '_> {
         {
             let target = json!([latitude, longitude, null, HEIGHT]);
             self.ask(json!({ "type": "UAV-FLY", "ids": [first], "target": target }));
+            self.listen(FLIGHT);
         }
         for kind in ["UAV-HOVER", "UAV-RTH"] {
             self.ask(json!({ "type": kind, "ids": ids }));

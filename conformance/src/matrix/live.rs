@@ -1,0 +1,183 @@
+//! The same of live servers: the reference server is probed as it is, and with each of its bugs.
+
+use std::collections::BTreeSet;
+use std::io::{self, Write};
+use std::net::{Ipv4Addr, SocketAddr};
+use std::num::NonZeroUsize;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use crate::definitions::Definitions;
+use crate::judge::{Judgement, judge};
+use crate::live::endpoint::Endpoint;
+use crate::parallel;
+use crate::probe::{self, probe};
+use crate::server::{self, Bug, Server, Transport, bugs};
+
+/// How many servers are probed at the same time: most of it is waiting.
+const JOBS: usize = 24;
+
+/// How long it is listened to each.
+const OBSERVE: Duration = Duration::from_millis(1_500);
+
+/// When the UAV that gets lost does so.
+const LOSS: Duration = Duration::from_millis(700);
+
+/// How long a client may stay at the server that says farewell.
+const STAY: Duration = Duration::from_millis(1_200);
+
+/// How many times as fast as life the simulation goes.
+const SPEED: f64 = 10.0;
+
+/// How often clients are told of the fleet, a second.
+const RATE: f64 = 10.0;
+
+/// The UAVs that commands are sent to.
+const UAVS: [&str; 2] = ["glider-1", "glider-2"];
+
+/// Name and password, where a login is needed.
+const LOGIN: (&str, &str) = ("pilot", "soar");
+
+/// The ways to a server without a bug: transport, and what follows host and port.
+const WAYS: [(Transport, &str); 7] = [
+    (Transport::Tcp, ""),
+    (Transport::Udp, ""),
+    (Transport::Http, ""),
+    (Transport::SocketIo, "?protocol=4&transport=websocket"),
+    (Transport::SocketIo, "?protocol=4&transport=polling"),
+    (Transport::SocketIo, "?protocol=5&transport=websocket"),
+    (Transport::SocketIo, "?protocol=5&transport=polling"),
+];
+
+/// How a server is, and how it is reached.
+#[derive(Clone, Copy, Debug)]
+pub struct Case {
+    /// The bug that it has.
+    pub bug: Option<&'static Bug>,
+    /// What it is reached over.
+    pub transport: Transport,
+    /// What follows host and port in its URL.
+    rest: &'static str,
+    /// Whether it wants a login.
+    pub has_login: bool,
+    /// Whether it says farewell to its clients.
+    pub is_parting: bool,
+}
+
+/// What came of probing a server.
+#[derive(Debug)]
+pub struct Row {
+    /// How it was.
+    pub case: Case,
+    /// The rules that were broken.
+    pub broken: BTreeSet<&'static str>,
+    /// The rules that are broken by the recording.
+    pub replayed: BTreeSet<&'static str>,
+    /// The rules that were exercised.
+    pub exercised: BTreeSet<&'static str>,
+    /// Why not all could be asked.
+    pub failure: Option<String>,
+}
+
+impl Case {
+    /// A name for people.
+    pub fn name(&self) -> String {
+        let with = |is: bool, what| if is { what } else { "" };
+        let (login, parting) = (with(self.has_login, ", with a login"), with(self.is_parting, ", parting"));
+        format!("{}{}{login}{parting}", self.transport.name(), self.rest)
+    }
+}
+
+impl Row {
+    /// The rules that it should break.
+    pub fn expected(&self) -> BTreeSet<&'static str> {
+        let bug = self.case.bug;
+        bug.into_iter().flat_map(|bug| bug.also.iter().copied().chain([bug.rule])).collect()
+    }
+
+    /// Whether it broke what it should, and nothing else, live and recorded.
+    pub fn is_right(&self) -> bool {
+        self.broken == self.expected() && self.replayed == self.broken
+    }
+}
+
+/// All cases: a server without a bug over each transport, and each bug over the one that it shows on.
+pub fn cases() -> Vec<Case> {
+    let plain = |(transport, rest)| Case { bug: None, transport, rest, has_login: false, is_parting: false };
+    let tcp = plain((Transport::Tcp, ""));
+    let odd = [Case { has_login: true, ..tcp }, Case { is_parting: true, ..tcp }];
+    let with_bug = |bug: &'static Bug| {
+        let transport = match &bug.rule[..6] {
+            "FW-UDP" => Transport::Udp,
+            "FW-SIO" => Transport::SocketIo,
+            _ => Transport::Tcp,
+        };
+        let has_login = matches!(bug.rule, "FW-ACK-06" | "FW-AUTH-01");
+        let is_parting = bug.rule == "FW-SYS-CLOSE-01";
+        Case { bug: Some(bug), transport, has_login, is_parting, ..tcp }
+    };
+    WAYS.into_iter().map(plain).chain(odd).chain(bugs().map(with_bug)).collect()
+}
+
+/// Probes a server for each case, and hands on what came of it, in their order.
+pub fn live(cases: &[Case], definitions: &Definitions, mut take: impl FnMut(io::Result<Row>)) {
+    let work = |case: &Case| row(case, definitions);
+    parallel::each(cases, NonZeroUsize::new(JOBS), work, |_, row| take(row));
+}
+
+fn row(case: &Case, definitions: &Definitions) -> io::Result<Row> {
+    let options = server::Options {
+        bug: case.bug,
+        speed: SPEED,
+        rate: RATE,
+        losses: vec![("glider-5".to_owned(), LOSS)],
+        stay: case.is_parting.then_some(STAY),
+        login: case.has_login.then(|| (LOGIN.0.to_owned(), LOGIN.1.to_owned())),
+        ..server::Options::default()
+    };
+    let free = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
+    let server = Server::start(options, &[(case.transport, free)])?;
+    let Some(place) = server.listening().first() else {
+        return Err(io::Error::other("it listens nowhere"));
+    };
+    let endpoint: Endpoint = format!("{place}{}", case.rest).parse().map_err(io::Error::other)?;
+    // Over HTTP nobody hears what comes of a command.
+    let uavs = if case.transport == Transport::Http { &[][..] } else { &UAVS[..] };
+    let login = case.has_login.then(|| (LOGIN.0.to_owned(), LOGIN.1.to_owned()));
+    let uavs = uavs.iter().map(|id| (*id).to_owned()).collect();
+    let options = probe::Options::new(OBSERVE, login, uavs);
+    let tape = Tape::default();
+    let probed = probe(&endpoint, &options, definitions, Some(Box::new(tape.clone())), &|_, _| {});
+    let recording = tape.0.lock().unwrap_or_else(PoisonError::into_inner);
+    let replayed = judge(&**recording, None, definitions)?;
+    Ok(Row {
+        case: *case,
+        broken: broken(&probed.judgement),
+        replayed: broken(&replayed),
+        exercised: exercised(&probed.judgement),
+        failure: probed.failure,
+    })
+}
+
+fn broken(judgement: &Judgement) -> BTreeSet<&'static str> {
+    judgement.findings.groups().map(|group| group.rule.id).collect()
+}
+
+fn exercised(judgement: &Judgement) -> BTreeSet<&'static str> {
+    let is_exercised = |rule: &&&'static crate::rule::Rule| judgement.findings.exercised(rule) > 0;
+    crate::rule::RULES.iter().filter(is_exercised).map(|rule| rule.id).collect()
+}
+
+/// A recording in memory.
+#[derive(Clone, Default)]
+struct Tape(Arc<Mutex<Vec<u8>>>);
+
+impl Write for Tape {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
