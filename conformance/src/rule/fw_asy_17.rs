@@ -36,7 +36,7 @@ pub(super) static RULE: Rule = Rule {
             make: |_| {
                 fw::over("tcp#9", |talk| {
                     cancel(talk, "rcpt-40");
-                    talk.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-40", "result": true }));
+                    talk.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-40", "result": "Flaps out" }));
                 })
             },
             also: &[],

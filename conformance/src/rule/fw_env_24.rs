@@ -27,6 +27,7 @@ pub(super) static RULE: Rule = Rule {
             name: "DEV is refused as what there isn't",
             make: |_| {
                 fw::over("tcp#9", |talk| {
+                    talk.logs_in();
                     for (rule, name) in
                         [("FW-ENV-24", "DEV-LIST"), ("FW-ENV-07", "UAV-SOAR"), ("FW-ENV-24", "DEV-SUB")]
                     {
@@ -41,6 +42,7 @@ pub(super) static RULE: Rule = Rule {
             name: "CONN is refused without a reason, as is what there isn't",
             make: |_| {
                 fw::over("tcp#9", |talk| {
+                    talk.logs_in();
                     for (rule, name) in [("FW-ENV-07", "UAV-SOAR"), ("FW-ENV-24", "CONN-LIST")] {
                         talk.tries_and_hears(rule, "", json!({ "type": name }), json!({ "type": "ACK-NAK" }));
                     }

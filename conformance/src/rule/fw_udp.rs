@@ -74,7 +74,9 @@ impl Checker for Trials {
         }
         fw::served(turn, judged);
         let is_answered = turn.role == Role::Response;
-        if let (Some(how), true) = (turn.tried(judged.rule), is_answered || turn.role == Role::Unanswered) {
+        // Of a recording that doesn't show how the connection ended, nobody knows what was to come.
+        let is_over = turn.role == Role::Unanswered && turn.exchange.note.is_some();
+        if let (Some(how), true) = (turn.tried(judged.rule), is_answered || is_over) {
             let place = turn.asked.as_ref().map_or(turn.exchange.place, |asked| asked.place);
             let trials = self.0.of(turn);
             let how = if trials.len() < MAX_WAYS { how } else { "" };

@@ -190,8 +190,7 @@ impl Conversation {
             self.asks(json!({ "type": "SYS-TIME" }), json!({ "timestamp": now }));
         }
         self.asks(json!({ "type": "SYS-PORTS" }), json!({ "ports": { "tcp": 7001, "udp": 7002 } }));
-        let login = json!({ "type": "AUTH-REQ", "method": "basic", "data": "d2luZDpoaWxs" });
-        self.asks_other(login, json!({ "type": "AUTH-RESP", "result": true, "user": "wind" }));
+        self.logs_in();
         // The server wants to know whether the client is there.
         self.tells(json!({ "type": "SYS-PING" }));
         let answer = json!({
@@ -202,6 +201,12 @@ impl Conversation {
         self.asks_other(json!({ "type": "UAV-SOAR" }), nobody_knows);
         let id = self.sends(json!({ "type": "LCN-INF" }));
         self.answers(&id, json!({ "error": { "code": 3, "message": "The licence can't be read" } }));
+    }
+
+    /// The client logs in.
+    pub fn logs_in(&mut self) {
+        let login = json!({ "type": "AUTH-REQ", "method": "basic", "data": "d2luZDpoaWxs" });
+        self.asks_other(login, json!({ "type": "AUTH-RESP", "result": true, "user": "wind" }));
     }
 
     /// Which gliders there are, and how they are.

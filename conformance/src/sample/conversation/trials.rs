@@ -130,8 +130,7 @@ impl Conversation {
 
     /// A request of each family that servers have to know, and one of a family that there isn't.
     fn families(&mut self) {
-        let login = json!({ "type": "AUTH-REQ", "method": "basic", "data": "d2luZDpoaWxs" });
-        self.asks_other(login, json!({ "type": "AUTH-RESP", "result": true, "user": "wind" }));
+        self.logs_in();
         let nobody = json!({ "type": "ACK-NAK", "reason": "No handler for UAV-SOAR" });
         self.tries_and_hears("FW-ENV-07", "an unknown type", json!({ "type": "UAV-SOAR" }), nobody);
         let none = json!({ "ids": [] });
