@@ -169,19 +169,18 @@ fn a_recording_may_begin_and_end_anywhere() {
 fn what_is_lost_is_told_and_nothing_else() {
     let talk = Conversation::new();
     let lines: Vec<String> = talk.lines.iter().map(ToString::to_string).collect();
-    for at in 1..lines.len() {
-        for junk in [
-            "{\"t\":1,\"conn\":\"hill\",\"dir\":\"in\",\"msg\":{\"$fw.ver",
-            "no JSON",
-            "7",
-            "{\"dir\":\"up\",\"msg\":{}}",
-        ] {
-            let mut lines = lines.clone();
-            lines[at] = junk.to_owned();
-            let judgement = judged(lines.join("\n").as_bytes());
-            assert_eq!(broken(&judgement), BTreeMap::new(), "line {} is `{junk}`", at + 1);
-            assert_eq!(judgement.damage.len(), 1, "line {} is `{junk}`", at + 1);
-        }
+    let junk = [
+        "{\"t\":1,\"conn\":\"hill\",\"dir\":\"in\",\"msg\":{\"$fw.ver",
+        "no JSON",
+        "7",
+        "{\"dir\":\"up\",\"msg\":{}}",
+    ];
+    for (at, junk) in (1..lines.len()).zip(junk.into_iter().cycle()) {
+        let mut lines = lines.clone();
+        lines[at] = junk.to_owned();
+        let judgement = judged(lines.join("\n").as_bytes());
+        assert_eq!(broken(&judgement), BTreeMap::new(), "line {} is `{junk}`", at + 1);
+        assert_eq!(judgement.damage.len(), 1, "line {} is `{junk}`", at + 1);
     }
 }
 

@@ -1,4 +1,7 @@
 //! What the rules on Flockwave (`FW-…`) have in common. They are about servers: what clients send is only followed.
+//!
+//! Some show only where someone tries them ([`tried`]). `FW-ERR-05`, on the severity of error codes, isn't among them: what
+//! severity a code has isn't sent, and is asked of codecs (`severity` of the testee protocol).
 
 mod lines;
 mod per_connection;
