@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 pub use self::operation::{Named, Operation, Stage};
 use self::remembered::Remembered;
 pub(crate) use self::turn::seconds;
-pub use self::turn::{Reference, Role, Turn};
+pub use self::turn::{ClockMove, Reference, Role, Turn};
 pub(crate) use self::vocabulary::OPERATIONS;
 pub use self::vocabulary::{MessageType, Parts, TYPES, message_type};
 use crate::json::Tree;
@@ -49,6 +49,10 @@ pub struct Asked {
     pub type_name: Option<String>,
     /// What it asks for, where that is a list of strings, all of them kept.
     pub objects: Option<BTreeSet<String>>,
+    /// Whether it names one of them twice.
+    pub is_repeated: bool,
+    /// The types of objects that it has as a filter, where it has one; none of them where that is no list of strings.
+    pub filter: Option<BTreeSet<String>>,
     /// Whether it sets what it could ask for: a source of RTK, or the time.
     pub is_setting: bool,
     /// When it was sent.
@@ -62,6 +66,8 @@ pub struct Asked {
     pub is_sound: bool,
     /// What is tried with it: a rule, and how.
     pub trial: Option<(&'static Rule, String)>,
+    /// Whether it asks to adjust the time by nothing.
+    is_adjusting_by_nothing: bool,
     /// Whether its id was in use when it was sent, so that nobody can tell which of them an answer is about.
     is_ambiguous: bool,
     /// How many requests with this id wait.
@@ -90,6 +96,10 @@ struct State {
     is_time_lost: bool,
     /// By how much the server's clock is ahead of the recording's: bounds, in seconds.
     clock: Option<(f64, f64)>,
+    /// When that was learnt.
+    clock_time: f64,
+    /// Whether the server was asked to adjust its clock by nothing, and no later request has told what came of it.
+    is_adjusted_by_nothing: bool,
 }
 
 /// A key of what belongs to a connection.
@@ -150,10 +160,11 @@ impl Conversations {
         turn
     }
 
-    /// The requests that got no answer until a connection ended, or began anew. Nothing is known of what follows.
-    pub fn ended(&mut self, connection: usize) -> Vec<Asked> {
+    /// The requests that got no answer until a connection ended, or began anew, with what told that connection from
+    /// others. Nothing is known of what follows.
+    pub fn ended(&mut self, connection: usize) -> (u64, Vec<Asked>) {
         let serial = self.next_serial();
-        let Some(state) = self.states.get_mut(connection) else { return Vec::new() };
+        let Some(state) = self.states.get_mut(connection) else { return (serial, Vec::new()) };
         let state = std::mem::replace(state, State { serial, ..State::default() });
         let (serial, heard) = (state.serial, state.heard);
         let is_sound = !state.is_time_lost;
@@ -163,7 +174,7 @@ impl Conversations {
         };
         let first = (serial, Side::Client, String::new());
         let is_of = |key: &(u64, Side, String)| key.0 == serial && key.1 == Side::Client;
-        self.open.take(&first, is_of).into_iter().map(waited).collect()
+        (serial, self.open.take(&first, is_of).into_iter().map(waited).collect())
     }
 
     /// A connection is opened; what had its name before is over.
@@ -234,13 +245,15 @@ impl Conversations {
     }
 
     fn request(&mut self, turn: &mut Turn<'_>) {
-        let state = &mut self.states[turn.exchange.connection.index];
         let side = side(turn);
         let asked = Asked::of(turn);
+        if side == Side::Client && asked.is_setting && turn.type_name == Some("SYS-TIME") {
+            // Other connections may lead to the same server.
+            self.states.iter_mut().for_each(|state| state.clock = None);
+        }
+        let state = &mut self.states[turn.exchange.connection.index];
         if side == Side::Client {
-            if asked.is_setting && turn.type_name == Some("SYS-TIME") {
-                state.clock = None;
-            }
+            state.is_adjusted_by_nothing |= asked.is_adjusting_by_nothing;
             release(&mut self.operations, state.serial, &asked);
         }
         let Some(id) = turn.id.filter(|id| id.len() <= MAX_ID) else {
@@ -369,9 +382,9 @@ impl Conversations {
         }
     }
 
-    /// What a client made to go on.
+    /// What a client made to go on, or to end.
     fn resumed(&mut self, turn: &mut Turn<'_>) {
-        if turn.type_name != Some("ASYNC-RESUME") {
+        if !matches!(turn.type_name, Some("ASYNC-CANCEL" | "ASYNC-RESUME")) {
             return;
         }
         let serial = self.states[turn.exchange.connection.index].serial;
@@ -382,9 +395,18 @@ impl Conversations {
     }
 
     /// Learns how the clocks of both sides stand to each other.
-    fn learn_time(&mut self, turn: &Turn<'_>) {
-        let Some(reading) = turn.clock_reading() else { return };
-        self.states[turn.exchange.connection.index].clock = Some(reading);
+    fn learn_time(&mut self, turn: &mut Turn<'_>) {
+        let (Some(now), Some(time)) = (turn.clock_reading(), turn.time) else { return };
+        let state = &mut self.states[turn.exchange.connection.index];
+        turn.clock_move = turn.clock.map(|before| ClockMove {
+            // An offset that both answers allow is no move.
+            by: (now.0 - before.1).max(before.0 - now.1).max(0.0),
+            since: time - state.clock_time,
+            is_after_nothing: state.is_adjusted_by_nothing,
+        });
+        (state.clock, state.clock_time) = (Some(now), time);
+        state.is_adjusted_by_nothing &=
+            turn.asked.as_ref().is_some_and(|asked| asked.is_adjusting_by_nothing);
     }
 }
 
@@ -410,6 +432,9 @@ impl Asked {
     fn of(turn: &Turn<'_>) -> Self {
         let parts = turn.type_name.and_then(message_type).and_then(|known| known.parts);
         let objects = parts.and_then(|parts| strings(turn.field(parts.asked)));
+        let named = objects.as_ref().map_or(0, Vec::len);
+        let objects: Option<BTreeSet<String>> = objects.map(BTreeSet::from_iter);
+        let filter = turn.field("filter").map(|filter| strings(Some(filter)).unwrap_or_default());
         let is_setting = match turn.type_name {
             Some("RTK-SOURCE") => turn.field("id").is_some(),
             Some("SYS-TIME") => turn.field("adjustment").is_some_and(|by| *by != Tree::Int(0)),
@@ -417,8 +442,12 @@ impl Asked {
         };
         Self {
             type_name: turn.type_name.filter(|name| name.len() <= MAX_ID).map(str::to_owned),
-            objects: objects.map(BTreeSet::from_iter),
+            is_repeated: objects.as_ref().is_some_and(|objects| objects.len() < named),
+            objects,
+            filter: filter.map(BTreeSet::from_iter),
             is_setting,
+            is_adjusting_by_nothing: turn.type_name == Some("SYS-TIME")
+                && turn.field("adjustment") == Some(&Tree::Int(0)),
             time: turn.time,
             place: turn.exchange.place,
             waited: None,
@@ -432,7 +461,7 @@ impl Asked {
     fn size(&self) -> usize {
         let of_object = |object: &String| object.len() + 64;
         let of_trial = self.trial.as_ref().map_or(0, |(_, how)| how.len());
-        MAX_ID + of_trial + self.objects.iter().flatten().map(of_object).sum::<usize>()
+        MAX_ID + of_trial + self.objects.iter().chain(&self.filter).flatten().map(of_object).sum::<usize>()
     }
 }
 

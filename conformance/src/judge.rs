@@ -218,7 +218,8 @@ impl<'d> Course<'d> {
 
     /// A connection, or all that is known of it, comes to its end, and perhaps it is known why.
     fn disconnected(&mut self, connection: Connection<'_>, why: Option<&str>) {
-        for asked in self.conversations.ended(connection.index) {
+        let (serial, unanswered) = self.conversations.ended(connection.index);
+        for asked in unanswered {
             let exchange = Exchange {
                 connection,
                 direction: Direction::Event,
@@ -229,7 +230,7 @@ impl<'d> Course<'d> {
                 note: why,
                 place: asked.place,
             };
-            self.tell(&Turn::unanswered(&exchange, asked));
+            self.tell(&Turn::unanswered(&exchange, serial, asked));
         }
     }
 

@@ -7,6 +7,7 @@ mod fw;
 mod fw_ack_01;
 mod fw_ack_03;
 mod fw_ack_04;
+mod fw_ack_06;
 mod fw_asy_01;
 mod fw_asy_02;
 mod fw_asy_03;
@@ -22,6 +23,9 @@ mod fw_asy_12;
 mod fw_asy_13;
 mod fw_asy_14;
 mod fw_asy_16;
+mod fw_asy_17;
+mod fw_asy_18;
+mod fw_asy_19;
 mod fw_asy_20;
 mod fw_asy_20j;
 mod fw_asy_22;
@@ -50,7 +54,10 @@ mod fw_env_15;
 mod fw_env_16;
 mod fw_env_17;
 mod fw_env_19;
+mod fw_env_22;
 mod fw_env_23;
+mod fw_env_24;
+mod fw_env_25;
 mod fw_err_01;
 mod fw_err_02;
 mod fw_err_03;
@@ -65,26 +72,41 @@ mod fw_obj_del_01;
 mod fw_obj_del_02;
 mod fw_obj_list_01;
 mod fw_obj_list_01j;
+mod fw_obj_list_02;
+mod fw_obj_list_03;
+mod fw_obj_list_04;
 mod fw_prm_01;
 mod fw_sys_close_01;
 mod fw_sys_close_02;
 mod fw_sys_msg_01;
 mod fw_sys_msg_02;
+mod fw_sys_ping_01;
+mod fw_sys_ping_02;
 mod fw_sys_ports_01;
+mod fw_sys_ports_02;
 mod fw_sys_time_01;
 mod fw_sys_time_02;
+mod fw_sys_time_03;
 mod fw_sys_ver_01;
 mod fw_sys_ver_02;
 mod fw_sys_ver_03;
+mod fw_sys_ver_04;
+mod fw_tcp_01;
+mod fw_trials;
 mod fw_uav_inf_01;
 mod fw_uav_inf_02;
 mod fw_uav_inf_03;
 mod fw_uav_inf_04;
 mod fw_uav_inf_05;
+mod fw_uav_inf_06;
 mod fw_uav_inf_08;
 mod fw_uav_inf_09;
 mod fw_uav_list_01;
 mod fw_uav_list_01j;
+mod fw_uav_list_02;
+mod fw_uav_list_03;
+mod fw_udp;
+mod fw_udp_01;
 mod fw_ust;
 mod fw_wth_01;
 mod px_arr_01;
@@ -129,10 +151,11 @@ use crate::record::{Channel, Message, Place};
 use crate::sample::Flight;
 
 /// Every rule, by id.
-pub static RULES: [&Rule; 125] = [
+pub static RULES: [&Rule; 155] = [
     &fw_ack_01::RULE,
     &fw_ack_03::RULE,
     &fw_ack_04::RULE,
+    &fw_ack_06::RULE,
     &fw_asy_01::RULE,
     &fw_asy_02::RULE,
     &fw_asy_03::RULE,
@@ -148,6 +171,9 @@ pub static RULES: [&Rule; 125] = [
     &fw_asy_13::RULE,
     &fw_asy_14::RULE,
     &fw_asy_16::RULE,
+    &fw_asy_17::RULE,
+    &fw_asy_18::RULE,
+    &fw_asy_19::RULE,
     &fw_asy_20::RULE,
     &fw_asy_20j::RULE,
     &fw_asy_22::RULE,
@@ -176,7 +202,11 @@ pub static RULES: [&Rule; 125] = [
     &fw_env_16::RULE,
     &fw_env_17::RULE,
     &fw_env_19::RULE,
+    &fw_trials::ENV_21,
+    &fw_env_22::RULE,
     &fw_env_23::RULE,
+    &fw_env_24::RULE,
+    &fw_env_25::RULE,
     &fw_err_01::RULE,
     &fw_err_02::RULE,
     &fw_err_03::RULE,
@@ -191,26 +221,48 @@ pub static RULES: [&Rule; 125] = [
     &fw_obj_del_02::RULE,
     &fw_obj_list_01::RULE,
     &fw_obj_list_01j::RULE,
+    &fw_obj_list_02::RULE,
+    &fw_obj_list_03::RULE,
+    &fw_obj_list_04::RULE,
     &fw_prm_01::RULE,
+    &fw_trials::SIO_01,
+    &fw_trials::SIO_02,
+    &fw_trials::SIO_03,
     &fw_sys_close_01::RULE,
     &fw_sys_close_02::RULE,
     &fw_sys_msg_01::RULE,
     &fw_sys_msg_02::RULE,
+    &fw_sys_ping_01::RULE,
+    &fw_sys_ping_02::RULE,
     &fw_sys_ports_01::RULE,
+    &fw_sys_ports_02::RULE,
     &fw_sys_time_01::RULE,
     &fw_sys_time_02::RULE,
+    &fw_sys_time_03::RULE,
     &fw_sys_ver_01::RULE,
     &fw_sys_ver_02::RULE,
     &fw_sys_ver_03::RULE,
+    &fw_sys_ver_04::RULE,
+    &fw_tcp_01::RULE,
+    &fw_trials::TCP_02,
+    &fw_trials::TCP_03,
+    &fw_trials::TCP_04,
     &fw_uav_inf_01::RULE,
     &fw_uav_inf_02::RULE,
     &fw_uav_inf_03::RULE,
     &fw_uav_inf_04::RULE,
     &fw_uav_inf_05::RULE,
+    &fw_uav_inf_06::RULE,
+    &fw_uav_list_03::REPEATED,
     &fw_uav_inf_08::RULE,
     &fw_uav_inf_09::RULE,
     &fw_uav_list_01::RULE,
     &fw_uav_list_01j::RULE,
+    &fw_uav_list_02::RULE,
+    &fw_uav_list_03::RULE,
+    &fw_udp_01::RULE,
+    &fw_udp::UDP_02,
+    &fw_udp::UDP_03,
     &fw_ust::ATTITUDE,
     &fw_ust::BATTERY,
     &fw_ust::DEBUG,

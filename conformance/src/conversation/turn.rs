@@ -47,6 +47,17 @@ pub enum Reference {
     Unknown,
 }
 
+/// How the server's clock has moved against that of the recording, from one answer that tells its time to the next.
+#[derive(Clone, Copy, Debug)]
+pub struct ClockMove {
+    /// By how much at least, in seconds; 0 where it needn't have moved at all.
+    pub by: f64,
+    /// How long after the answer before, in seconds.
+    pub since: f64,
+    /// Whether the server was asked to adjust its clock by nothing since.
+    pub is_after_nothing: bool,
+}
+
 /// An exchange with what it means in its conversation.
 #[derive(Clone, Debug)]
 pub struct Turn<'t> {
@@ -78,6 +89,8 @@ pub struct Turn<'t> {
     pub operations: Vec<Named>,
     /// By how much the server's clock is ahead of the recording's, as far as known before: bounds, in seconds.
     pub clock: Option<(f64, f64)>,
+    /// How that has changed, where this tells the server's time, and something did before.
+    pub clock_move: Option<ClockMove>,
     /// What of its body has another shape than it should.
     pub deviations: Vec<Deviation>,
 }
@@ -114,14 +127,15 @@ impl<'t> Turn<'t> {
             opened: Vec::new(),
             operations: Vec::new(),
             clock: None,
+            clock_move: None,
             deviations: Vec::new(),
         }
     }
 
     /// That a request has got no answer.
-    pub(crate) fn unanswered(exchange: &'t Exchange<'t>, asked: Asked) -> Self {
+    pub(crate) fn unanswered(exchange: &'t Exchange<'t>, serial: u64, asked: Asked) -> Self {
         let turn = Self::new(exchange, None);
-        Self { role: Role::Unanswered, asked: Some(asked), ..turn }
+        Self { role: Role::Unanswered, serial, asked: Some(asked), ..turn }
     }
 
     /// Whether it is a message of the server, readable or not.
@@ -198,14 +212,16 @@ impl<'t> Turn<'t> {
 
     /// Something in it breaks a rule.
     pub fn breaks(&self, judged: &mut Judged<'_>, detail: impl FnOnce() -> Detail) {
-        let excerpt = || {
-            let mut text: String = self.exchange.text.chars().take(MAX_EXCERPT).collect();
-            if text.len() < self.exchange.text.len() {
-                text.push('…');
-            }
-            text
-        };
-        judged.report(&self.subject(), self.exchange.place, || detail().excerpt(excerpt()));
+        judged.report(&self.subject(), self.exchange.place, || detail().excerpt(self.excerpt()));
+    }
+
+    /// The beginning of it, as it is written.
+    pub(crate) fn excerpt(&self) -> String {
+        let mut text: String = self.exchange.text.chars().take(MAX_EXCERPT).collect();
+        if text.len() < self.exchange.text.len() {
+            text.push('…');
+        }
+        text
     }
 }
 

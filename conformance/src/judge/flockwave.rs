@@ -26,6 +26,9 @@ const MAX_TYPES: usize = 1_000;
 /// The longest name of a connection or type that is kept, in bytes.
 const MAX_NAME: usize = 128;
 
+/// The longest text on how a rule is tried that is kept, in bytes.
+const MAX_HOW: usize = 512;
+
 /// The latest time that is believed, in seconds: in the year 5138.
 const MAX_TIME: f64 = 1e11;
 
@@ -172,13 +175,14 @@ impl<'d> FlockwaveJudge<'d> {
         };
         let string = |key| tree.get(key).and_then(Tree::as_str);
         let trial = string("trial").and_then(rule);
+        let how = string("how").filter(|how| how.len() <= MAX_HOW).unwrap_or_default();
         let happening = Happening {
             name: name.as_deref(),
             direction,
             time,
             content: Content::Raw,
             text,
-            trial: trial.map(|rule| Trial { rule, how: string("how").unwrap_or_default() }),
+            trial: trial.map(|rule| Trial { rule, how }),
             note: string("url").or_else(|| string("why")),
         };
         match (direction, tree.get("msg"), string("raw")) {

@@ -1,11 +1,19 @@
 //! What the rules on Flockwave (`FW-…`) have in common. They are about servers: what clients send is only followed.
+//!
+//! Some show only where someone tries them ([`tried`]). `FW-ERR-05`, on the severity of error codes, isn't among them: what
+//! severity a code has isn't sent, and is asked of codecs (`severity` of the testee protocol).
+
+mod lines;
+mod per_connection;
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use crate::conversation::message_type;
-use serde_json::Value;
+use serde_json::{Value, json};
 
+pub(super) use self::lines::{Lines, are_several, is_called};
+pub(super) use self::per_connection::PerConnection;
 pub(super) use crate::conversation::{OPERATIONS, Reference, Role, Stage, Turn};
 pub(super) use crate::json::Tree;
 pub(super) use crate::sample::Conversation;
@@ -16,6 +24,7 @@ use super::{Detail, Judged};
 
 pub(super) const GENERAL: &str = "Flockwave 2.10, general remarks on messages";
 pub(super) const SCHEMA: &str = "Flockwave 2.10, published JSON Schema";
+pub(super) const TRANSPORT: &str = "Flockwave 2.10, transport";
 pub(super) const TYPES: &str = "Flockwave 2.10, types";
 pub(super) const ERRORS: &str = "Flockwave 2.10, error codes";
 pub(super) const ASYNC: &str = "Flockwave 2.10, asynchronous operations";
@@ -24,6 +33,12 @@ pub(super) const DERIVED: &str = "derived from Flockwave 2.10";
 
 /// How much of something is quoted, in characters.
 const MAX_QUOTED: usize = 64;
+
+/// How many ids of a list are followed.
+const MAX_LISTED: usize = 5_000;
+
+/// The longest id that is followed, in bytes: 64 characters of up to four.
+const MAX_ID: usize = 256;
 
 /// How many objects are told that aren't where they should be.
 const MAX_TOLD: usize = 4;
@@ -221,7 +236,8 @@ pub(super) fn exactly_one(turn: &Turn<'_>, judged: &mut Judged<'_>, names: &[&st
 }
 
 /// Whether this is the response to a request that tries the rule. That there is none breaks it, and so does a connection
-/// that didn't come about.
+/// that didn't come about. Of a recording that doesn't show how the connection ended, nobody knows what was to come; nor
+/// what was lost, where messages may be.
 pub(super) fn tried(turn: &Turn<'_>, judged: &mut Judged<'_>) -> bool {
     let Some(how) = turn.tried(judged.rule) else { return false };
     let (what, actual) = match turn.role {
@@ -229,11 +245,22 @@ pub(super) fn tried(turn: &Turn<'_>, judged: &mut Judged<'_>) -> bool {
             judged.exercise();
             return true;
         }
-        Role::Unanswered => ("no response", "none"),
+        Role::Unanswered if is_over(turn) => ("no response", "none"),
         Role::Event if turn.exchange.text == "refused" => ("no connection", "none"),
         _ => return false,
     };
     judged.exercise();
+    unserved(turn, judged, what, actual, how);
+    false
+}
+
+/// Whether all that answered a request would be known.
+fn is_over(turn: &Turn<'_>) -> bool {
+    turn.exchange.note.is_some() && turn.exchange.connection.is_told
+}
+
+/// A request that tries the rule, or the connection for it, comes to nothing.
+fn unserved(turn: &Turn<'_>, judged: &mut Judged<'_>, what: &str, actual: &str, how: &str) {
     let type_name = turn.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
     let subject = if how.is_empty() { type_name.unwrap_or("message") } else { how };
     judged.report(subject, turn.exchange.place, || {
@@ -246,24 +273,62 @@ pub(super) fn tried(turn: &Turn<'_>, judged: &mut Judged<'_>) -> bool {
         let of = type_name.map_or_else(String::new, |name| format!(" to {}", quoted(name)));
         Detail::new(format!("{what}{of}{why}")).expected("a response").actual(actual)
     });
-    false
 }
 
-/// A request that tries the rule is served: it has a response, which isn't ACK-NAK.
-pub(super) fn served(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if !tried(turn, judged) || turn.type_name != Some("ACK-NAK") {
-        return;
+/// Whether this is the response to a request that tries the rule, and that was served. That it wasn't breaks the rule.
+pub(super) fn served(turn: &Turn<'_>, judged: &mut Judged<'_>) -> bool {
+    if !tried(turn, judged) {
+        return false;
     }
+    let Some((actual, reason)) = refusal(turn) else { return true };
     let how = turn.tried(judged.rule).filter(|how| !how.is_empty());
-    judged.report(how.unwrap_or("ACK-NAK"), turn.exchange.place, || {
-        let reason = turn.field("reason").and_then(Tree::as_str).map(quoted);
+    judged.report(how.unwrap_or(actual), turn.exchange.place, || {
         Detail::new(match reason {
-            Some(reason) => format!("refused: {reason}"),
+            Some(reason) => format!("refused: {}", quoted(reason)),
             None => "refused".to_owned(),
         })
         .expected("what was asked for")
-        .actual("ACK-NAK")
+        .actual(actual)
     });
+    false
+}
+
+/// What a response refuses a request with, and the reason that it gives.
+fn refusal<'t>(turn: &Turn<'t>) -> Option<(&'static str, Option<&'t str>)> {
+    if turn.type_name == Some("ACK-NAK") {
+        return Some(("ACK-NAK", turn.field("reason").and_then(Tree::as_str)));
+    }
+    let error = turn.message()?.get("error").filter(|error| **error != Tree::Null && turn.body.is_none())?;
+    Some(("an error", error.get("message").and_then(Tree::as_str)))
+}
+
+/// A request that tries the rule has an entry in `error` for what nobody knows or can do. Of what is asked for, and stands
+/// nowhere in the reply, other rules tell.
+pub(super) fn in_error(turn: &Turn<'_>, judged: &mut Judged<'_>, types: &[&str]) {
+    if !served(turn, judged) {
+        return;
+    }
+    let Some((asked, parts)) = replied(turn, types) else { return };
+    let stands = |object: &str, part: &str| named(turn, part).any(|named| named == object);
+    let is_told = |object: &String| parts.iter().any(|part| stands(object, part));
+    let wrong = asked.first().filter(|_| asked.iter().all(is_told));
+    if let Some(object) = wrong.filter(|_| !asked.iter().any(|object| stands(object, "error"))) {
+        turn.breaks(judged, || {
+            Detail::new(format!("{} has no entry in `error`", quoted(object)))
+                .at("/body")
+                .expected("an entry in `error`")
+                .actual("none")
+        });
+    }
+}
+
+/// The ids of a list, where it is one of strings, and not too long to be followed.
+pub(super) fn listed(turn: &Turn<'_>) -> Option<BTreeSet<String>> {
+    let Some(Tree::List(values)) = turn.field("ids").filter(|_| turn.role != Role::Unanswered) else {
+        return None;
+    };
+    let id = |value: &Tree<'_>| Some(value.as_str()?.to_owned()).filter(|id| id.len() <= MAX_ID);
+    if values.len() > MAX_LISTED { None } else { values.iter().map(id).collect() }
 }
 
 /// Whether replies of a type may have receipts.
@@ -309,10 +374,29 @@ pub(super) fn errors(codes: &[i64]) -> Option<Vec<u8>> {
     Some(Conversation::new().errors(codes)?.to_bytes())
 }
 
+/// The same, with another connection, over which this is said.
+#[allow(clippy::unnecessary_wraps)] // as all mutants
+pub(super) fn over(connection: &'static str, say: impl FnOnce(&mut Conversation)) -> Option<Vec<u8>> {
+    Some(Conversation::new().then(|talk| talk.over(connection, say)).to_bytes())
+}
+
 /// The same, with more that is said before it ends.
 #[allow(clippy::unnecessary_wraps)] // as all mutants
 pub(super) fn then(say: impl FnOnce(&mut Conversation)) -> Option<Vec<u8>> {
     Some(Conversation::new().then(say).to_bytes())
+}
+
+/// The same, with a trial of a rule that gets no answer.
+pub(super) fn unanswered(connection: &'static str, rule: &str) -> Option<Vec<u8>> {
+    over(connection, |talk| {
+        talk.tries(rule, "without an answer", json!({ "type": "SYS-PING" }));
+    })
+}
+
+/// The same, with a trial of a rule that is refused.
+pub(super) fn refused(connection: &'static str, rule: &str) -> Option<Vec<u8>> {
+    let no = json!({ "type": "ACK-NAK", "reason": "Too windy" });
+    over(connection, |talk| talk.tries_and_hears(rule, "refused", json!({ "type": "SYS-PING" }), no))
 }
 
 /// Takes a member out of an object.

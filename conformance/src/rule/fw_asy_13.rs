@@ -3,7 +3,7 @@
 //! A recording shows it where an operation is resumed that nobody said to be suspended.
 
 use super::fw::{self, Conversation, Stage, Turn};
-use super::{Check, Detail, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, Judged, Level, Mutant, Rule, Status, fw_asy_19};
 
 pub(super) static RULE: Rule = Rule {
     id: "FW-ASY-13",
@@ -27,7 +27,8 @@ pub(super) static RULE: Rule = Rule {
 };
 
 fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.response("ASYNC-RESUME").is_none() {
+    // An operation that isn't suspended, and is to be resumed for a trial, is another rule's matter.
+    if turn.response("ASYNC-RESUME").is_none() || turn.tried(&fw_asy_19::RULE).is_some() {
         return;
     }
     for named in turn.operations.iter().filter(|named| named.is_known) {

@@ -1,9 +1,12 @@
 //! `FW-ENV-01`.
+//!
+//! Where a message goes over TCP in several lines, and where there are several in one line or datagram, other rules tell of
+//! it. So a line that may be the beginning of one is told of only once it is seen to be none.
 
 use serde_json::json;
 
-use super::fw::{self, Conversation, Role, Turn};
-use super::{Check, Detail, Judged, Level, Mutant, Rule, Status};
+use super::fw::{self, Conversation, Lines, Turn};
+use super::{Check, Checker, Detail, Judged, Level, Mutant, Place, Rule, Status};
 
 pub(super) static RULE: Rule = Rule {
     id: "FW-ENV-01",
@@ -12,7 +15,7 @@ pub(super) static RULE: Rule = Rule {
     statement: "A message is one JSON object.",
     source: fw::GENERAL,
     applies_to: "messages of the server",
-    check: Check::Exchange(judge),
+    check: Check::State(|| Box::new(Unreadable::default())),
     mutants: &[
         Mutant {
             name: "what the server sends is no JSON",
@@ -21,6 +24,16 @@ pub(super) static RULE: Rule = Rule {
                 talk.lines
                     .push(json!({ "t": 1.8e9, "conn": "hill", "dir": "in", "raw": "{\"$fw.version\":" }));
                 Some(talk.to_bytes())
+            },
+            also: &[],
+        },
+        Mutant {
+            name: "lines that make up no message",
+            make: |_| {
+                fw::over("tcp#9", |talk| {
+                    talk.says_raw("{");
+                    talk.says_raw("\"wind\":");
+                })
             },
             also: &[],
         },
@@ -36,15 +49,42 @@ pub(super) static RULE: Rule = Rule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if !turn.is_of_server() {
-        return;
+/// What isn't known to be part of a message.
+#[derive(Default)]
+struct Unreadable(Lines);
+
+impl Unreadable {
+    fn tell(&mut self, judged: &mut Judged<'_>) {
+        self.0.whole.clear();
+        for line in self.0.other.drain(..) {
+            judged.report("message", line.place, || {
+                match line.actual {
+                    Some(actual) => Detail::differs("an object", actual),
+                    None => Detail::new("no JSON").expected("an object"),
+                }
+                .excerpt(line.excerpt)
+            });
+        }
     }
-    judged.exercise();
-    if turn.role == Role::Unreadable {
-        turn.breaks(judged, || match turn.exchange.value {
-            Some(value) => Detail::differs("an object", value),
-            None => Detail::new("no JSON").expected("an object"),
-        });
+}
+
+impl Checker for Unreadable {
+    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+        if turn.is_of_server() {
+            judged.exercise();
+        }
+        if !fw::are_several(turn, "tcp") && !fw::are_several(turn, "udp") {
+            self.0.follow(turn);
+        }
+        self.tell(judged);
+    }
+
+    fn damage(&mut self, _: Place) {
+        self.0.part_all();
+    }
+
+    fn end(&mut self, judged: &mut Judged<'_>) {
+        self.0.part_all();
+        self.tell(judged);
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! No time limit is laid down, and a recording may end before the answer. So a request counts as unanswered only
 //! where no answer comes until the connection or the recording ends, and the server still spoke long after
-//! ([`PATIENCE`]). Who probes a server waits until he knows, and says so: such a request tries the rule.
+//! ([`PATIENCE`]). Who probes a server waits until he knows, and says so: such a request tries the rule, and one that tries another is left to that one.
 
 use serde_json::json;
 
@@ -26,7 +26,7 @@ pub(super) static RULE: Rule = Rule {
         Mutant {
             name: "a request without an answer after which a probe waits no longer",
             make: |_| {
-                fw::then(|talk| {
+                fw::over("tcp#9", |talk| {
                     talk.tries("FW-ENV-07", "", json!({ "type": "SYS-VER" }));
                 })
             },

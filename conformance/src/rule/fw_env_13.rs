@@ -1,4 +1,6 @@
 //! `FW-ENV-13`.
+//!
+//! What servers do with other keys that they don't know is seen where someone tries it.
 
 use super::fw::{self, Tree, Turn};
 use super::{Check, Detail, Judged, Level, Mutant, Rule, Status};
@@ -7,18 +9,26 @@ pub(super) static RULE: Rule = Rule {
     id: "FW-ENV-13",
     level: Level::Must,
     status: Status::Normative,
-    statement: "No key of the envelope begins with `$` but `$fw.version`: such keys are reserved.",
+    statement: "No key of the envelope begins with `$` but `$fw.version`: such keys are reserved. A client may send any other.",
     source: fw::GENERAL,
-    applies_to: "messages of the server",
+    applies_to: "messages of the server, and requests that try it",
     check: Check::Exchange(judge),
-    mutants: &[Mutant {
-        name: "another key that begins so",
-        make: |_| fw::reply_message("SYS-VER", |message| message["$wind"] = 7.into()),
-        also: &[],
-    }],
+    mutants: &[
+        Mutant {
+            name: "another key that begins so",
+            make: |_| fw::reply_message("SYS-VER", |message| message["$wind"] = 7.into()),
+            also: &[],
+        },
+        Mutant {
+            name: "a request with an unknown key is refused",
+            make: |_| fw::refused("tcp#9", "FW-ENV-13"),
+            also: &[],
+        },
+    ],
 };
 
 fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fw::served(turn, judged);
     let Some(Tree::Object(members)) = turn.message() else { return };
     judged.exercise();
     let reserved = members.iter().find(|(key, _)| key.starts_with('$') && key != "$fw.version");

@@ -23,7 +23,7 @@ pub(super) static RULE: Rule = Rule {
         Mutant {
             name: "SYS-PING is answered with itself",
             make: |_| fw::reply("ACK-ACK", |body| body["type"] = "SYS-PING".into()),
-            also: &[],
+            also: &["FW-SYS-PING-01", "FW-SYS-PING-02"],
         },
         Mutant {
             name: "a setting RTK-SOURCE is answered with itself",

@@ -1,11 +1,12 @@
 //! `FW-SYS-TIME-02`.
 //!
-//! A request that sets the clock gives another offset, and nothing is known of it then.
+//! A request that sets the clock gives another offset, and nothing is known of it then. Of one that sets it by nothing
+//! another rule tells.
 
 use serde_json::json;
 
 use super::fw::{self, Conversation, Turn};
-use super::{Check, Detail, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, Judged, Level, Mutant, Rule, Status, fw_sys_time_03};
 
 pub(super) static RULE: Rule = Rule {
     id: "FW-SYS-TIME-02",
@@ -40,16 +41,15 @@ pub(super) static RULE: Rule = Rule {
 };
 
 /// How much clocks may drift apart from one answer to the next, in seconds.
-const TOLERANCE: f64 = 1.0;
+pub(super) const TOLERANCE: f64 = 1.0;
 
 fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let (Some(now), Some(before)) = (turn.clock_reading(), turn.clock) else { return };
+    let Some(found) = turn.clock_move else { return };
     judged.exercise();
-    // An offset that both answers allow.
-    let apart = (now.0 - before.1).max(before.0 - now.1);
-    if apart > TOLERANCE {
+    if found.by > TOLERANCE && !fw_sys_time_03::is_adjusted(&found) {
         turn.breaks(judged, || {
-            Detail::new(format!("the server's clock has moved by {apart:.1} s against that of the recording"))
+            let by = found.by;
+            Detail::new(format!("the server's clock has moved by {by:.1} s against that of the recording"))
                 .at("/body/timestamp")
         });
     }

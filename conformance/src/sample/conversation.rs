@@ -1,4 +1,7 @@
-//! A conversation of Flockwave that conforms: a client looks after two gliders, as a recording of the client shows it.
+//! A conversation of Flockwave that conforms: a client looks after two gliders, as a recording of the client shows it. In
+//! the middle it tries how the server takes what is unusual, over connections of their own.
+
+mod trials;
 
 use serde_json::{Value, json};
 
@@ -16,6 +19,7 @@ const REPORTS: (u32, f64) = (12, 5.0);
 pub struct Conversation {
     /// Its lines.
     pub lines: Vec<Value>,
+    connection: &'static str,
     time: f64,
     asked: u64,
     said: u64,
@@ -36,18 +40,19 @@ impl Conversation {
         talk.fleet();
         talk.operations();
         talk.rest();
+        talk.trials();
         for _ in 0..REPORTS.0 {
             talk.time += REPORTS.1;
             talk.report();
         }
         talk.tells(json!({ "type": "SYS-CLOSE", "reason": "The wind drops" }));
-        talk.event("closed");
+        talk.closed("eof");
         talk
     }
 
     /// A connection over which nothing has gone yet.
     pub fn opened() -> Self {
-        let mut talk = Self { lines: Vec::new(), time: BEGIN, asked: 0, said: 0 };
+        let mut talk = Self { lines: Vec::new(), connection: "hill", time: BEGIN, asked: 0, said: 0 };
         talk.event("connect");
         talk
     }
@@ -76,11 +81,56 @@ impl Conversation {
     /// The client asks, to try a rule; the id of its request.
     pub fn tries(&mut self, rule: &str, how: &str, request: Value) -> String {
         let id = self.sends(request);
+        self.marks_trial(rule, how);
+        id
+    }
+
+    /// What went last over the connection, or happened to it, tries a rule.
+    fn marks_trial(&mut self, rule: &str, how: &str) {
         if let Some(line) = self.lines.last_mut() {
             line["trial"] = rule.into();
             line["how"] = how.into();
         }
-        id
+    }
+
+    /// Another connection, over which this is said. Its name begins with its transport.
+    pub fn over(&mut self, connection: &'static str, say: impl FnOnce(&mut Self)) {
+        let before = std::mem::replace(&mut self.connection, connection);
+        let url = match connection {
+            _ if connection.starts_with("udp") => "udp://hill:7002",
+            _ if connection.starts_with("socketio") => "socketio://hill:7003?protocol=5&transport=websocket",
+            _ => "tcp://hill:7001",
+        };
+        self.noted("connect", "url", url);
+        say(self);
+        self.closed("client");
+        self.connection = before;
+    }
+
+    /// A connection that is to try a rule doesn't come about.
+    pub fn refused(&mut self, rule: &str, how: &str, why: &str) {
+        self.noted("refused", "why", why);
+        self.marks_trial(rule, how);
+    }
+
+    /// The server sends what is no JSON.
+    pub fn says_raw(&mut self, text: &str) {
+        let mut line = self.next("in");
+        line["raw"] = text.into();
+        self.lines.push(line);
+    }
+
+    /// The connection ends.
+    fn closed(&mut self, why: &str) {
+        self.noted("closed", "why", why);
+    }
+
+    /// Something happens to the connection, of which more is known.
+    fn noted(&mut self, name: &str, key: &str, note: &str) {
+        self.event(name);
+        if let Some(line) = self.lines.last_mut() {
+            line[key] = note.into();
+        }
     }
 
     /// The server answers a request.
@@ -120,11 +170,11 @@ impl Conversation {
 
     fn next(&mut self, direction: &str) -> Value {
         self.time += STEP;
-        json!({ "t": self.time, "conn": "hill", "dir": direction })
+        json!({ "t": self.time, "conn": self.connection, "dir": direction })
     }
 
     /// The time in milliseconds, as the server tells it.
-    fn now(&self) -> u64 {
+    pub(crate) fn now(&self) -> u64 {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it is between 2026 and 2027
         let now = ((self.time + STEP) * 1000.0) as u64;
         now
@@ -140,8 +190,7 @@ impl Conversation {
             self.asks(json!({ "type": "SYS-TIME" }), json!({ "timestamp": now }));
         }
         self.asks(json!({ "type": "SYS-PORTS" }), json!({ "ports": { "tcp": 7001, "udp": 7002 } }));
-        let login = json!({ "type": "AUTH-REQ", "method": "basic", "data": "d2luZDpoaWxs" });
-        self.asks_other(login, json!({ "type": "AUTH-RESP", "result": true, "user": "wind" }));
+        self.logs_in();
         // The server wants to know whether the client is there.
         self.tells(json!({ "type": "SYS-PING" }));
         let answer = json!({
@@ -152,6 +201,12 @@ impl Conversation {
         self.asks_other(json!({ "type": "UAV-SOAR" }), nobody_knows);
         let id = self.sends(json!({ "type": "LCN-INF" }));
         self.answers(&id, json!({ "error": { "code": 3, "message": "The licence can't be read" } }));
+    }
+
+    /// The client logs in.
+    pub fn logs_in(&mut self) {
+        let login = json!({ "type": "AUTH-REQ", "method": "basic", "data": "d2luZDpoaWxs" });
+        self.asks_other(login, json!({ "type": "AUTH-RESP", "result": true, "user": "wind" }));
     }
 
     /// Which gliders there are, and how they are.
