@@ -223,8 +223,19 @@ impl Hub {
         }
         self.lose_in_time();
         self.part_in_time();
-        if self.elapsed.saturating_sub(self.notified).as_secs_f64() * self.options.rate >= 1.0 {
-            self.notified = self.elapsed;
+        self.notify_in_time();
+    }
+
+    /// Tells of the fleet as often as it is to be told of.
+    fn notify_in_time(&mut self) {
+        if self.options.rate <= 0.0 {
+            return;
+        }
+        let period = Duration::from_secs_f64(1.0 / self.options.rate);
+        let late = self.elapsed.saturating_sub(self.notified);
+        if late >= period {
+            // Being late once makes nothing slower, but what was missed isn't made up for.
+            self.notified = if late < period * 2 { self.notified + period } else { self.elapsed };
             self.notify_of_uavs();
             self.notify_of_devices();
         }

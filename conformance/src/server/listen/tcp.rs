@@ -27,15 +27,19 @@ struct LineSink {
 
 impl Sink for LineSink {
     fn send(&self, text: &str) {
-        let message = serde_json::from_str::<Value>(text).ok().filter(|_| self.is_spread);
-        let spread = message.filter(|message| message.get("refs").is_none());
-        let spread = spread.and_then(|message| serde_json::to_string_pretty(&message).ok());
+        let spread = if self.is_spread { spread(text) } else { None };
         self.outbox.push(spread.unwrap_or_else(|| text.to_owned()) + "\n");
     }
 
     fn close(&self) {
         self.outbox.close();
     }
+}
+
+/// A notification in several lines.
+fn spread(text: &str) -> Option<String> {
+    let message: Value = serde_json::from_str(text).ok()?;
+    if message.get("refs").is_some() { None } else { serde_json::to_string_pretty(&message).ok() }
 }
 
 /// Serves a connection to its end.
