@@ -53,6 +53,9 @@ const LESS: (u32, Duration) = (3, Duration::from_millis(300));
 /// How long late answers may take that nobody waits for any more.
 const GRACE: Duration = Duration::from_millis(400);
 
+/// How far apart messages are sent, so that each comes in a segment of its own.
+const APART: Duration = Duration::from_millis(20);
+
 /// How often a connection is made anew after the server has closed it.
 const MAX_RECONNECTS: u32 = 20;
 
@@ -172,7 +175,14 @@ impl Probe<'_, '_> {
                 Err(_) => thread::sleep(PAUSE),
             }
         }
-        let answer = self.post(json!({ "type": "SYS-PING" }), plain(), until.max(Instant::now() + PATIENCE));
+        let tried = match self.endpoint {
+            Endpoint::Udp(_) => "FW-UDP-02",
+            Endpoint::SocketIo { .. } => "FW-SIO-01",
+            Endpoint::Tcp(_) | Endpoint::Http { .. } => "FW-ENV-07",
+        };
+        let trial = rule(tried).map(|rule| Trial { rule, how: "" });
+        let until = until.max(Instant::now() + PATIENCE);
+        let answer = self.post(json!({ "type": "SYS-VER" }), trial, until);
         if answer.is_none() {
             self.fail("it answers nothing".to_owned());
         }
@@ -235,7 +245,9 @@ impl Probe<'_, '_> {
     fn leave(&mut self) {
         let Some(mut session) = self.session.take() else { return };
         let until = Instant::now() + if session.is_waiting() { self.patience() } else { Duration::ZERO };
-        session.settle_all(&mut self.tape, until);
+        if session.is_waiting() {
+            session.settle(&mut self.tape, until);
+        }
         if session.bare_answers() > 0 && !std::mem::replace(&mut self.is_bare, true) {
             self.note(
                 "answers over HTTP come without an envelope, and are judged as if they had one".to_owned(),
@@ -327,7 +339,12 @@ impl Probe<'_, '_> {
         self.log_in();
         let patience = self.patience();
         let Some(mut session) = self.session.take() else { return false };
-        for step in steps {
+        for (at, step) in steps.iter().enumerate() {
+            if at > 0 {
+                // What goes before has its effect, and its answer, before the next message comes.
+                let time = if session.is_waiting() { GRACE } else { APART };
+                session.settle(&mut self.tape, Instant::now() + time);
+            }
             perform(&mut session, &mut self.tape, step, trial);
         }
         let last = steps.last().and_then(Step::id);
@@ -398,6 +415,9 @@ fn perform(session: &mut Session, tape: &mut Tape<'_>, step: &Step, trial: Trial
     }
     match step {
         Step::Send(said) => session.send(tape, &said.text, said.id.as_deref(), of(said)),
+        Step::Together(all) if !session.is_stream() => {
+            all.iter().for_each(|said| session.send(tape, &said.text, said.id.as_deref(), of(said)));
+        }
         Step::Together(all) => {
             let mut bytes = Vec::new();
             for said in all {

@@ -16,6 +16,9 @@ pub(super) const TIME: Duration = Duration::from_secs(45);
 /// How long an operation may take until something is heard of it, or of its end.
 const WORD: Duration = Duration::from_secs(11);
 
+/// How long an operation may take that takes no time.
+const END: Duration = Duration::from_secs(20);
+
 /// How long is waited for an operation to be suspended, or to go on though it is.
 const SUSPENSION: Duration = Duration::from_millis(1_500);
 
@@ -58,12 +61,13 @@ impl Probe<'_, '_> {
         let resume = json!({ "type": "ASYNC-RESUME", "ids": [receipt], "values": {} });
         self.ask_trying("FW-ASY-19", "", resume.clone());
         let is_word = |message: &Value| message["body"]["suspended"] == true || is_end(message, &receipt);
-        if self.wait(WORD, is_word).is_some_and(|message| message["body"]["suspended"] == true) {
-            // Whoever is suspended has to stay so.
-            if self.wait(SUSPENSION, |message| is_end(message, &receipt)).is_none() {
-                self.ask(resume);
-                self.wait(WORD, |message| is_end(message, &receipt));
-            }
+        let word = self.wait(WORD, is_word);
+        // Whoever is suspended has to stay so; and of whom nothing is heard may be suspended, too.
+        let is_stopped = word.is_none_or(|message| !is_end(&message, &receipt))
+            && self.wait(SUSPENSION, |message| is_end(message, &receipt)).is_none();
+        if is_stopped {
+            self.ask(resume);
+            self.wait(WORD, |message| is_end(message, &receipt));
         }
     }
 
@@ -119,8 +123,9 @@ impl Probe<'_, '_> {
 
     /// A command, and the end of the first operation that it starts.
     fn operate(&mut self, rule: &str, body: Value) {
+        let limit = if rule == "FW-ASY-10" { END } else { WORD };
         if let Some(receipt) = receipt(self.ask_trying(rule, "", body).as_ref()) {
-            self.wait(WORD, |message| is_end(message, &receipt));
+            self.wait(limit, |message| is_end(message, &receipt));
         }
     }
 

@@ -26,6 +26,7 @@ pub(super) struct Session {
     name: String,
     /// Whether each message is a request of HTTP, which goes wrong for itself.
     is_one_shot: bool,
+    is_stream: bool,
     client: Box<dyn Client>,
     waiting: BTreeSet<String>,
     /// The last request.
@@ -47,12 +48,27 @@ impl Session {
         let name = name(endpoint, number);
         tape.connected(&name, &endpoint.to_string());
         let is_one_shot = matches!(endpoint, Endpoint::Http { .. });
-        Ok(Self { name, is_one_shot, client, waiting: BTreeSet::new(), asked: None, bare: 0, is_over: false })
+        let is_stream = matches!(endpoint, Endpoint::Tcp(_));
+        Ok(Self {
+            name,
+            is_one_shot,
+            is_stream,
+            client,
+            waiting: BTreeSet::new(),
+            asked: None,
+            bare: 0,
+            is_over: false,
+        })
     }
 
     /// How many answers came without an envelope.
     pub(super) fn bare_answers(&self) -> u64 {
         self.bare
+    }
+
+    /// Whether bytes make a stream, in which messages may come in pieces.
+    pub(super) fn is_stream(&self) -> bool {
+        self.is_stream
     }
 
     /// Whether nothing more can go over it.
@@ -85,7 +101,7 @@ impl Session {
                 self.waiting.retain(|waiting| Some(waiting.as_str()) != id);
             }
             sent => {
-                self.settle(tape, sent);
+                self.end_with(tape, sent);
                 self.asked = id.map(str::to_owned);
             }
         }
@@ -108,7 +124,7 @@ impl Session {
     /// Sends bytes as they are.
     pub(super) fn send_raw(&mut self, tape: &mut Tape<'_>, bytes: &[u8]) {
         let sent = self.client.send_raw(bytes);
-        self.settle(tape, sent);
+        self.end_with(tape, sent);
     }
 
     /// Waits for the next message that is JSON.
@@ -135,9 +151,14 @@ impl Session {
         None
     }
 
-    /// Listens until there is nothing left to wait for, or the time is over.
-    pub(super) fn settle_all(&mut self, tape: &mut Tape<'_>, until: Instant) {
-        while self.is_waiting() && Instant::now() < until && self.hear(tape, until).is_some() {}
+    /// Listens for a while, or where requests wait, until they have their answers.
+    pub(super) fn settle(&mut self, tape: &mut Tape<'_>, until: Instant) {
+        let was_waiting = self.is_waiting();
+        while (self.is_waiting() || !was_waiting) && Instant::now() < until {
+            if self.hear(tape, until).is_none() {
+                return;
+            }
+        }
     }
 
     /// Waits for the answer to a request.
@@ -188,7 +209,7 @@ impl Session {
         }
     }
 
-    fn settle(&mut self, tape: &mut Tape<'_>, sent: io::Result<()>) {
+    fn end_with(&mut self, tape: &mut Tape<'_>, sent: io::Result<()>) {
         let Err(error) = sent else { return };
         if is_end(&error) {
             // What was said before stays said.

@@ -158,7 +158,7 @@ impl Probe<'_, '_> {
     /// Envelopes that are unusual, and right.
     fn envelopes(&mut self) {
         let tried = |id, how| rule(id).map(|rule| Trial { rule, how });
-        let body = json!({ "type": "SYS-PING" });
+        let body = json!({ "type": "SYS-VER" });
         self.step();
         if !self.is_late() && self.standing() {
             let (id, until) = (self.next_id(), Instant::now() + self.patience());

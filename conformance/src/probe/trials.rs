@@ -63,9 +63,9 @@ pub(super) struct Said {
 }
 
 impl Said {
-    /// A request that every server answers.
-    pub(super) fn ping(id: impl Into<String>) -> Self {
-        Self::request(id, "SYS-PING")
+    /// A request that every server answers, and has no reason to refuse.
+    fn plain(id: impl Into<String>) -> Self {
+        Self::request(id, "SYS-VER")
     }
 
     fn request(id: impl Into<String>, kind: &str) -> Self {
@@ -121,20 +121,20 @@ impl Attempts {
             ("an id with characters that JSON escapes", "\"\\/\u{7}\t<&>"),
         ];
         for (how, id) in ids {
-            self.add("FW-ENV-21", how, vec![Step::Send(Said::ping(id))]);
+            self.add("FW-ENV-21", how, vec![Step::Send(Said::plain(id))]);
         }
     }
 
     fn order(&mut self) {
         let kinds =
-            ["SYS-VER", "SYS-PING", "UAV-LIST", "SYS-TIME", "CONN-LIST", "SYS-PING", "SYS-VER", "SYS-TIME"];
+            ["SYS-VER", "SYS-TIME", "UAV-LIST", "SYS-PORTS", "CONN-LIST", "OBJ-LIST", "SYS-VER", "SYS-TIME"];
         let requests =
             kinds.iter().enumerate().map(|(at, kind)| Said::request(format!("at-once-{at}"), kind));
         self.add("FW-ENV-25", "", vec![Step::Together(requests.collect())]);
     }
 
     fn tcp(&mut self) {
-        let (one, two) = (|| Said::ping("one"), || Said::ping("two"));
+        let (one, two) = (|| Said::plain("one"), || Said::plain("two"));
         self.add("FW-TCP-02", "a message in two segments", vec![Step::Pieces(one(), 2, SOON)]);
         self.add("FW-TCP-02", "a message in many segments", vec![Step::Pieces(one(), 12, SOON / 4)]);
         self.add("FW-TCP-02", "two messages in one segment", vec![Step::Together(vec![one(), two()])]);
@@ -152,16 +152,16 @@ impl Attempts {
     }
 
     fn udp(&mut self) {
-        self.add("FW-UDP-02", "", vec![Step::Send(Said::ping("one"))]);
+        self.add("FW-UDP-02", "", vec![Step::Send(Said::plain("one"))]);
         for noise in [&b"the wind turns"[..], b"", b"\xff\xfe\x00\x01"] {
-            let steps = vec![Step::Send(Said::noise(noise)), Step::Send(Said::ping("one"))];
+            let steps = vec![Step::Send(Said::noise(noise)), Step::Send(Said::plain("one"))];
             self.add("FW-UDP-03", "after a datagram that is no JSON", steps);
         }
     }
 
     fn socket_io(&mut self, endpoint: &Endpoint, carrier: Carrier) {
-        self.add("FW-SIO-01", "", vec![Step::Send(Said::ping("one"))]);
-        self.add("FW-SIO-02", "long polling", vec![Step::Send(Said::ping("one"))]);
+        self.add("FW-SIO-01", "", vec![Step::Send(Said::plain("one"))]);
+        self.add("FW-SIO-02", "long polling", vec![Step::Send(Said::plain("one"))]);
         if let (Carrier::WebSocket, Some(last)) = (carrier, self.0.last_mut()) {
             last.endpoint = Some(endpoint.by(Carrier::Polling));
         }
@@ -175,7 +175,7 @@ impl Attempts {
             ("after an event whose name is a number", r"2[17,{}]"),
         ];
         for (how, packet) in odd {
-            let steps = vec![Step::Packet(packet.to_owned()), Step::Send(Said::ping("one"))];
+            let steps = vec![Step::Packet(packet.to_owned()), Step::Send(Said::plain("one"))];
             self.add("FW-SIO-03", how, steps);
         }
     }
@@ -184,7 +184,7 @@ impl Attempts {
         for malformed::Malformed { how, text, has_id } in malformed::all("malformed") {
             let id = has_id.then(|| "malformed".to_owned());
             let first = Said { text: text.into_bytes(), id };
-            let steps = vec![Step::Send(first), Step::Send(Said::ping("next"))];
+            let steps = vec![Step::Send(first), Step::Send(Said::plain("next"))];
             self.add("FW-ENV-22", how, steps);
         }
     }

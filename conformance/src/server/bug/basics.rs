@@ -59,7 +59,8 @@ pub(super) const BUGS: &[Bug] = &[
     }),
     Bug::message("FW-SYS-TIME-02", "The clock of the server stands still.", |out| {
         set(out, "SYS-TIME", "timestamp", json!(1_700_000_000_000_u64));
-    }),
+    })
+    .with(&["FW-UAV-INF-09"]),
     Bug::behaviour("FW-SYS-TIME-03", "An adjustment of 0 puts the clock forward by an hour."),
     Bug::message("FW-SYS-PORTS-01", "Ports are texts.", |out| {
         for port in ports(out) {
@@ -123,7 +124,7 @@ pub(super) const BUGS: &[Bug] = &[
             _ => false,
         };
         if has_uavs && let Some(ids) = out.message()["body"]["ids"].as_array_mut() {
-            ids.push(json!("ghost-1"));
+            ids.push(json!("wraith-1"));
         }
     }),
     Bug::message("FW-AUTH-01", "A failed login has a user.", |out| {

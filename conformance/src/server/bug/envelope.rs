@@ -54,8 +54,7 @@ pub(super) const BUGS: &[Bug] = &[
             let refs = out.message()["id"].as_str().unwrap_or_default().to_owned();
             out.follow(Some(&refs), json!({ "type": "ACK-ACK" }));
         }
-    })
-    .with(&["FW-ENV-06"]),
+    }),
     Bug::message("FW-ENV-10", "Beside its body SYS-VER has an error.", |out| {
         if out.kind() == "SYS-VER" {
             out.message()["error"] = json!({ "message": "all is well" });

@@ -15,7 +15,8 @@ pub(super) const BUGS: &[Bug] = &[
     }),
     Bug::message("FW-ASY-02", "The last object that was asked for is missing.", |out| {
         out.lose_last(&OPERATIONS);
-    }),
+    })
+    .with(&["FW-ASY-09"]),
     Bug::message("FW-ASY-03", "There is an object that nobody asked for.", |out| {
         if OPERATIONS.contains(&out.kind()) {
             out.message()["body"]["error"]["ghost-1"] = json!("there is no such object");
@@ -54,14 +55,14 @@ pub(super) const BUGS: &[Bug] = &[
         if out.kind() == "ASYNC-RESP" {
             out.message = None;
         }
-    }),
+    })
+    .with(&["FW-ASY-17"]),
     Bug::message("FW-ASY-11", "Progress comes after the end.", |out| {
         if let Some(body) = out.body_of("ASYNC-RESP") {
             let receipt = body["id"].clone();
             out.follow(None, progress(&receipt));
         }
-    })
-    .with(&["FW-ASY-09"]),
+    }),
     Bug::message("FW-ASY-12", "More than all is done.", |out| {
         if let Some(body) = out.body_of("ASYNC-ST") {
             body["progress"]["percentage"] = json!(140);

@@ -36,7 +36,7 @@ pub(super) const BUGS: &[Bug] = &[
             body["error"] = json!({ "ghost-1": "there is no such UAV" });
         }
     }),
-    Bug::behaviour("FW-UAV-INF-06", "An unknown UAV makes the whole request fail.").with(&["FW-UAV-INF-01"]),
+    Bug::behaviour("FW-UAV-INF-06", "An unknown UAV makes the whole request fail."),
     Bug::behaviour("FW-UAV-INF-07", "Requests with no ids, or with an id twice, fail."),
     Bug::message("FW-UAV-INF-08", "Every other time stamp lies ten seconds back.", |out| {
         let is_odd = out.number % 2 == 1;
@@ -45,8 +45,7 @@ pub(super) const BUGS: &[Bug] = &[
     Bug::message("FW-UAV-INF-09", "Time stamps lie an hour ahead.", |out| {
         shift(out, |time| time + 3_600_000);
     }),
-    Bug::message("FW-UST-ID", "The id of a UAV is a number.", |out| change(out, "id", json!(7)))
-        .with(&["FW-UAV-INF-03"]),
+    Bug::message("FW-UST-ID", "The id of a UAV is a number.", |out| change(out, "id", json!(7))),
     Bug::message("FW-UST-TIMESTAMP", "A time stamp is a text.", |out| {
         change(out, "timestamp", json!("noon"));
     }),
@@ -104,8 +103,9 @@ fn change(out: &mut Outgoing<'_>, field: &str, value: Value) {
 }
 
 /// Changes the time stamp of the first UAV.
-fn shift(out: &mut Outgoing<'_>, change: impl FnOnce(u64) -> u64) {
-    if let Some(state) = out.state() {
+fn shift(out: &mut Outgoing<'_>, change: impl Fn(u64) -> u64) {
+    let states = out.body_of("UAV-INF").and_then(|body| body.get_mut("status")?.as_object_mut());
+    for state in states.into_iter().flat_map(|states| states.values_mut()) {
         state["timestamp"] = json!(change(state["timestamp"].as_u64().unwrap_or_default()));
     }
 }
