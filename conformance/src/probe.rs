@@ -342,8 +342,11 @@ impl Probe<'_, '_> {
         for (at, step) in steps.iter().enumerate() {
             if at > 0 {
                 // What goes before has its effect, and its answer, before the next message comes.
-                let time = if session.is_waiting() { GRACE } else { APART };
-                session.settle(&mut self.tape, Instant::now() + time);
+                if session.is_waiting() {
+                    session.settle(&mut self.tape, Instant::now() + GRACE);
+                } else {
+                    thread::sleep(APART);
+                }
             }
             perform(&mut session, &mut self.tape, step, trial);
         }
@@ -408,9 +411,8 @@ fn plain() -> Option<Trial<'static>> {
 
 fn perform(session: &mut Session, tape: &mut Tape<'_>, step: &Step, trial: Trial<'_>) {
     let of = |said: &Said| said.id.is_some().then_some(trial);
+    // Then something that went before has no answer, which is enough to know.
     if session.is_over() {
-        // It is told all the same that what was to be answered has no answer.
-        step.said().iter().for_each(|said| session.note(tape, &said.text, said.id.as_deref(), of(said)));
         return;
     }
     match step {

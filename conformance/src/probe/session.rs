@@ -131,14 +131,16 @@ impl Session {
     pub(super) fn hear(&mut self, tape: &mut Tape<'_>, until: Instant) -> Option<Value> {
         while !self.is_over {
             match self.client.hear(until) {
-                Ok(Heard::Message(bytes)) => {
-                    let bytes = self.enveloped(bytes);
-                    tape.message(&self.name, Direction::In, &bytes, None);
-                    if let Ok(message) = serde_json::from_slice::<Value>(&bytes) {
-                        self.take(tape, &message);
-                        return Some(message);
+                Ok(Heard::Message(bytes)) => match self.enveloped(bytes) {
+                    Ok(bytes) => {
+                        tape.message(&self.name, Direction::In, &bytes, None);
+                        if let Ok(message) = serde_json::from_slice::<Value>(&bytes) {
+                            self.take(tape, &message);
+                            return Some(message);
+                        }
                     }
-                }
+                    Err(bytes) => tape.failed(&self.name, &String::from_utf8_lossy(&bytes)),
+                },
                 Ok(Heard::TooLong) => tape.too_long(&self.name),
                 Ok(Heard::Silence) => return None,
                 Ok(Heard::End) => self.over(tape, CLOSED),
@@ -151,14 +153,9 @@ impl Session {
         None
     }
 
-    /// Listens for a while, or where requests wait, until they have their answers.
+    /// Listens until all requests have their answers, or the time is over.
     pub(super) fn settle(&mut self, tape: &mut Tape<'_>, until: Instant) {
-        let was_waiting = self.is_waiting();
-        while (self.is_waiting() || !was_waiting) && Instant::now() < until {
-            if self.hear(tape, until).is_none() {
-                return;
-            }
-        }
+        while self.is_waiting() && Instant::now() < until && self.hear(tape, until).is_some() {}
     }
 
     /// Waits for the answer to a request.
@@ -181,18 +178,14 @@ impl Session {
     }
 
     /// Over HTTP, servers may answer with the body alone, as it is clear what it answers; the specification says nothing
-    /// of this transport. Such a body gets the envelope that goes without saying.
-    fn enveloped(&mut self, bytes: Vec<u8>) -> Vec<u8> {
-        let Some(asked) = self.asked.as_deref().filter(|_| self.is_one_shot) else { return bytes };
-        let Ok(body) = serde_json::from_slice::<&RawValue>(&bytes) else { return bytes };
-        let is_bare = serde_json::from_str::<Value>(body.get())
-            .is_ok_and(|body| body["type"].is_string() && body.get("$fw.version").is_none());
-        if !is_bare {
-            return bytes;
-        }
+    /// of this transport. Such a body gets the envelope that goes without saying. Where there is none, as what it answers
+    /// has no id, it is an error.
+    fn enveloped(&mut self, bytes: Vec<u8>) -> Result<Vec<u8>, Vec<u8>> {
+        let Some(body) = bare(&bytes).filter(|_| self.is_one_shot) else { return Ok(bytes) };
+        let Some(asked) = &self.asked else { return Err(bytes) };
         self.bare += 1;
-        let (id, refs) = (format!("bare-{}", self.bare), Value::from(asked));
-        format!(r#"{{"$fw.version":"1.0","id":"{id}","refs":{refs},"body":{}}}"#, body.get()).into_bytes()
+        let (id, refs) = (format!("bare-{}", self.bare), Value::from(asked.as_str()));
+        Ok(format!(r#"{{"$fw.version":"1.0","id":"{id}","refs":{refs},"body":{}}}"#, body.get()).into_bytes())
     }
 
     /// What comes in answers requests; and the server may ask whether anybody is there.
@@ -235,6 +228,13 @@ impl Session {
 /// What a connection is called: after its transport, by which rules know whether messages keep their order.
 pub(super) fn name(endpoint: &Endpoint, number: usize) -> String {
     format!("{}#{number}", endpoint.scheme())
+}
+
+/// A body without an envelope.
+fn bare(bytes: &[u8]) -> Option<&RawValue> {
+    let body: &RawValue = serde_json::from_slice(bytes).ok()?;
+    let read: Value = serde_json::from_str(body.get()).ok()?;
+    (read["type"].is_string() && read.get("$fw.version").is_none()).then_some(body)
 }
 
 /// Whether the server closed the connection, with what was on its way to it.

@@ -44,7 +44,7 @@ pub(super) fn answer(hub: &mut Hub, call: &Call<'_>) -> Answer {
     let name = call.kind.split('-').next().unwrap_or_default();
     let family = FAMILIES.iter().find(|(known, _)| *known == name).map(|(_, family)| family);
     match family {
-        Some(_) if name == "DEV" && hub.breaks("FW-ENV-24") => Err("no handler for this family".to_owned()),
+        Some(_) if name == "DEV" && hub.breaks("FW-ENV-24") => Err(unknown(call)),
         Some(family) => family(hub, call),
         None => Err(unknown(call)),
     }

@@ -93,8 +93,7 @@ pub(super) const BUGS: &[Bug] = &[
         if is_unknown {
             out.message()["body"] = json!({ "type": "whatever" });
         }
-    })
-    .with(&["FW-ENV-16"]),
+    }),
     Bug::message("FW-ENV-16", "CONN-LIST is answered by OBJ-LIST.", |out| {
         if let Some(body) = out.body_of("CONN-LIST") {
             body["type"] = json!("OBJ-LIST");

@@ -23,11 +23,7 @@ pub(super) const BUGS: &[Bug] = &[
         }
     }),
     Bug::behaviour("FW-ASY-04", "Receipts are 70 characters long."),
-    Bug::behaviour("FW-ASY-04I", "All operations have the same receipt.").with(&[
-        "FW-ASY-09",
-        "FW-ASY-10",
-        "FW-ASY-11",
-    ]),
+    Bug::behaviour("FW-ASY-04I", "All operations have the same receipt.").with(&["FW-ASY-10", "FW-ASY-22"]),
     Bug::message("FW-ASY-06", "Progress comes before the response with the receipt.", |out| {
         if let Some(receipt) = receipt(out) {
             out.precede(progress(&receipt));

@@ -165,7 +165,7 @@ impl Session {
 
     fn take_message(&self, shared: &Shared, text: &str) {
         let packet = socketio::Packet::parse(text);
-        if shared.breaks("FW-SIO-03") && is_odd(packet.as_ref()) {
+        if shared.breaks("FW-SIO-03") && matches!(packet, None | Some(socketio::Packet::Other)) {
             self.state().is_deaf = true;
         }
         match packet {
@@ -213,14 +213,5 @@ impl Session {
 
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-/// Whether a packet carries no message, and is for nothing else either.
-fn is_odd(packet: Option<&socketio::Packet>) -> bool {
-    match packet {
-        Some(socketio::Packet::Message { text, .. }) => !text.starts_with('{'),
-        Some(socketio::Packet::Other) | None => true,
-        Some(_) => false,
     }
 }
