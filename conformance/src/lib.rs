@@ -34,3 +34,4 @@ pub mod server;
 pub mod shape;
 pub mod source;
 pub mod testee;
+pub mod watch;
