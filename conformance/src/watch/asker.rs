@@ -175,12 +175,12 @@ mod tests {
     }
 
     fn list(count: usize) -> String {
-        let ids: Vec<String> = (0..count).map(|number| format!("glider-{number}")).collect();
+        let ids: Vec<String> = (0..count).map(|number| format!("glider-{number:03}")).collect();
         json!({ "type": "UAV-LIST", "ids": ids }).to_string()
     }
 
     fn states(refs: Option<&str>, ids: std::ops::Range<usize>) -> String {
-        let states = ids.map(|number| (format!("glider-{number}"), json!({})));
+        let states = ids.map(|number| (format!("glider-{number:03}"), json!({})));
         let states: serde_json::Map<_, _> = states.collect();
         let mut message = json!({ "body": { "type": "UAV-INF", "status": states } });
         if let Some(refs) = refs {
@@ -238,7 +238,7 @@ mod tests {
         }
         let now = now + SILENCE * 6;
         assert_eq!(asked(&mut asker, now), named(&[("UAV-LIST", 0), ("UAV-INF", 3)]));
-        hear(&mut asker, r#"{"type": "OBJ-DEL", "ids": ["glider-0"]}"#, now);
+        hear(&mut asker, r#"{"type": "OBJ-DEL", "ids": ["glider-000"]}"#, now);
         let now = now + ANSWER_LIMIT;
         assert_eq!(asked(&mut asker, now), named(&[("UAV-INF", 2)]));
     }

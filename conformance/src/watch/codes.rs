@@ -63,6 +63,16 @@ pub(super) fn severity_name(severity: Severity) -> &'static str {
     }
 }
 
+/// A severity in a letter.
+pub(super) fn severity_letter(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Fatal => "F",
+        Severity::Error => "E",
+        Severity::Warning => "W",
+        Severity::Informational => "i",
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

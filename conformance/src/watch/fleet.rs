@@ -61,7 +61,7 @@ pub enum Link {
     Lost {
         /// Why.
         reason: String,
-        /// When it is tried again.
+        /// When it is tried again. After that it is being tried.
         again: Instant,
     },
 }
@@ -106,7 +106,6 @@ impl Fleet {
     /// Takes what happened.
     pub fn take(&mut self, event: Event, now: Instant) {
         match event {
-            Event::Connecting => self.link = Link::Connecting,
             Event::Lost { reason, pause } => self.link = Link::Lost { reason, again: now + pause },
             Event::Heard(message) => self.hear(message, now),
         }

@@ -32,9 +32,9 @@ impl Rate {
         let second = now.saturating_duration_since(start).as_secs();
         let window = second.saturating_sub(WINDOW)..second;
         let counted = self.seconds.iter().filter(|(second, _)| window.contains(second));
-        let sum: f64 = counted.map(|(_, count)| f64::from(*count)).sum();
+        let sum: u32 = counted.map(|(_, count)| *count).fold(0, u32::saturating_add);
         let over = u32::try_from(window.end - window.start).unwrap_or(u32::MAX);
-        sum / f64::from(over.max(1))
+        f64::from(sum) / f64::from(over.max(1))
     }
 }
 

@@ -45,7 +45,7 @@ pub struct Screen {
     pub selected: Option<String>,
     /// The first row that is shown.
     pub first_row: usize,
-    /// The first line of the details that is shown.
+    /// The first line of any other page that is shown.
     pub first_line: usize,
     /// How many rows there was room for when it was drawn last.
     pub height: usize,
@@ -90,12 +90,11 @@ impl Screen {
             Page::Fleet => return self.press_on_fleet(key.code, fleet),
             Page::Filter => self.press_on_filter(key.code, fleet),
             Page::Details => return self.press_on_details(key.code),
-            Page::Help => {
-                if key.code == KeyCode::Char('q') {
-                    return Step::Quit;
-                }
-                self.page = Page::Fleet;
-            }
+            Page::Help => match key.code {
+                KeyCode::Char('q') => return Step::Quit,
+                other if self.scroll(other) => {}
+                _ => self.page = Page::Fleet,
+            },
         }
         Step::Stay
     }
@@ -106,7 +105,7 @@ impl Screen {
             // What narrows the view is given up first.
             KeyCode::Esc if self.filter.is_empty() => return Step::Quit,
             KeyCode::Esc => self.filter.clear(),
-            KeyCode::Char('?') => self.page = Page::Help,
+            KeyCode::Char('?') => self.open(Page::Help),
             KeyCode::Char('/') => self.page = Page::Filter,
             KeyCode::Char('s') => {
                 self.order = self.order.next();
@@ -115,10 +114,7 @@ impl Screen {
                 self.row = 0;
                 self.selected = None;
             }
-            KeyCode::Enter if self.selected.is_some() => {
-                self.page = Page::Details;
-                self.first_line = 0;
-            }
+            KeyCode::Enter if self.selected.is_some() => self.open(Page::Details),
             other => self.walk(other, fleet),
         }
         Step::Stay
@@ -143,19 +139,37 @@ impl Screen {
     }
 
     fn press_on_details(&mut self, key: KeyCode) -> Step {
-        let page = self.height.max(1);
         match key {
             KeyCode::Char('q') => return Step::Quit,
+            KeyCode::Char('?') => self.open(Page::Help),
             KeyCode::Esc | KeyCode::Enter | KeyCode::Backspace => self.page = Page::Fleet,
-            KeyCode::Char('?') => self.page = Page::Help,
-            KeyCode::Up | KeyCode::Char('k') => self.first_line = self.first_line.saturating_sub(1),
-            KeyCode::Down | KeyCode::Char('j') => self.first_line += 1,
-            KeyCode::PageUp => self.first_line = self.first_line.saturating_sub(page),
-            KeyCode::PageDown => self.first_line += page,
-            KeyCode::Home => self.first_line = 0,
-            _ => {}
+            other => {
+                self.scroll(other);
+            }
         }
         Step::Stay
+    }
+
+    /// Shows a page from its beginning.
+    fn open(&mut self, page: Page) {
+        self.page = page;
+        self.first_line = 0;
+    }
+
+    /// Moves a page up or down; whether the key is one for that.
+    fn scroll(&mut self, key: KeyCode) -> bool {
+        let page = self.height.max(1);
+        self.first_line = match key {
+            KeyCode::Up | KeyCode::Char('k') => self.first_line.saturating_sub(1),
+            KeyCode::Down | KeyCode::Char('j') => self.first_line + 1,
+            KeyCode::PageUp => self.first_line.saturating_sub(page),
+            KeyCode::PageDown => self.first_line + page,
+            KeyCode::Home | KeyCode::Char('g') => 0,
+            // It is drawn as far as there are lines.
+            KeyCode::End | KeyCode::Char('G') => usize::MAX / 2,
+            _ => return false,
+        };
+        true
     }
 
     fn walk(&mut self, key: KeyCode, fleet: &Fleet) {

@@ -26,8 +26,6 @@ const LAST_PAUSE: Duration = Duration::from_secs(30);
 /// What happens.
 #[derive(Debug)]
 pub enum Event {
-    /// The server is tried.
-    Connecting,
     /// The server said something.
     Heard(Message),
     /// The server is gone, or was never there.
@@ -73,7 +71,6 @@ impl Watch {
     fn run(&mut self) -> Result<(), Over> {
         let mut pause = FIRST_PAUSE;
         loop {
-            self.say(Event::Connecting)?;
             let mut has_heard = false;
             let reason = match connect(&self.endpoint, Instant::now() + CONNECT_LIMIT) {
                 Ok(mut client) => self.talk(&mut *client, &mut has_heard)?,

@@ -12,7 +12,6 @@ use std::time::Instant;
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::text::{Line, Span};
-use ratatui::widgets::Paragraph;
 
 use self::theme::Theme;
 use super::codes::Codes;
@@ -58,10 +57,22 @@ pub fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, screen: &mut Screen) {
     }
     match screen.page {
         Page::Fleet | Page::Filter => draw_fleet(frame, scene, screen, middle, area.height),
-        Page::Details => details::draw(frame, scene, screen, middle),
-        Page::Help => frame.render_widget(Paragraph::new(foot::help(middle.width)), middle),
+        Page::Details => {
+            let id = screen.selected.as_deref().unwrap_or_default();
+            draw_lines(frame, details::lines(scene, id, usize::from(middle.width)), screen, middle);
+        }
+        Page::Help => draw_lines(frame, foot::help(middle.width), screen, middle),
     }
     foot::line(screen, scene.theme(), bottom.width).draw(frame, bottom);
+}
+
+/// Draws as many lines as there is room for, from the one on that the screen is scrolled to.
+fn draw_lines(frame: &mut Frame<'_>, lines: Vec<Line<'_>>, screen: &mut Screen, area: Rect) {
+    screen.height = usize::from(area.height);
+    screen.first_line = screen.first_line.min(lines.len().saturating_sub(screen.height));
+    for (line, row) in lines.into_iter().skip(screen.first_line).zip(area.rows()) {
+        frame.render_widget(line, row);
+    }
 }
 
 fn draw_fleet(frame: &mut Frame<'_>, scene: &Scene<'_>, screen: &mut Screen, area: Rect, height: u16) {

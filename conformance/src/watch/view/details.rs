@@ -1,15 +1,10 @@
 //! All of one UAV.
 
-use ratatui::Frame;
-use ratatui::layout::Rect;
-use ratatui::text::{Line, Span, Text};
-use ratatui::widgets::Paragraph;
+use ratatui::text::{Line, Span};
 use uavspec_runtime::Severity;
 
 use super::super::codes::severity_name;
-use super::super::fleet::Uav;
 use super::super::format::{ABSENT, ODD, age, coordinates, field, fixed, metres, volts};
-use super::super::screen::Screen;
 use super::super::state::{Battery, Errors, Field, Gps, Position, State};
 use super::super::words::shown_id;
 use super::Scene;
@@ -18,19 +13,8 @@ use super::wrap::wrapped;
 /// How many columns the names of fields take.
 const INDENT: usize = 13;
 
-pub(super) fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, screen: &mut Screen, area: Rect) {
-    let id = screen.selected.as_deref().unwrap_or_default();
-    let lines = scene.fleet.get(id).map_or_else(
-        || vec![Line::raw(format!("{} is gone", shown_id(id)))],
-        |uav| lines(scene, id, uav, usize::from(area.width)),
-    );
-    screen.height = usize::from(area.height);
-    screen.first_line = screen.first_line.min(lines.len().saturating_sub(screen.height));
-    let shown: Vec<Line<'_>> = lines.into_iter().skip(screen.first_line).take(screen.height).collect();
-    frame.render_widget(Paragraph::new(Text::from(shown)), area);
-}
-
-fn lines(scene: &Scene<'_>, id: &str, uav: &Uav, width: usize) -> Vec<Line<'static>> {
+pub(super) fn lines(scene: &Scene<'_>, id: &str, width: usize) -> Vec<Line<'static>> {
+    let Some(uav) = scene.fleet.get(id) else { return vec![Line::raw(format!("{} is gone", shown_id(id)))] };
     let mut lines = vec![Line::styled(shown_id(id), scene.theme().title())];
     let heard = age(scene.fleet.age(uav, scene.now));
     let mut fields =

@@ -1,6 +1,6 @@
 //! The last line, and the page that tells all keys.
 
-use ratatui::text::{Line, Span, Text};
+use ratatui::text::{Line, Span};
 
 use super::super::screen::{Page, Screen};
 use super::theme::Theme;
@@ -20,7 +20,9 @@ const KEYS: [(&str, &str); 8] = [
         "",
         "A dash stands for what a UAV doesn't tell, ? for a value of a wrong type. A plus behind the charge says \
           that the battery is charging. AMSL, AHL and AGL are altitudes in metres: above mean sea level, the home \
-          position and the ground. AGE is how long ago the UAV was heard of; from 10 seconds on it is shown faintly.",
+          position and the ground. AGE is how long ago the UAV was heard of; from 10 seconds on it is shown faintly. \
+          The letters F, E, W and i say that the gravest error code is fatal, an error, a warning or mere \
+          information; behind the codes stands what the gravest means.",
     ),
 ];
 
@@ -40,7 +42,7 @@ pub(super) fn line<'l>(screen: &Screen, theme: Theme, width: u16) -> Ends<'l> {
             ("↑↓", "move"),
         ],
         Page::Details => vec![("q", "quit"), ("Esc", "back"), ("↑↓", "scroll"), ("?", "help")],
-        Page::Help => vec![("q", "quit"), ("any key", "back")],
+        Page::Help => vec![("q", "quit"), ("Esc", "back"), ("↑↓", "scroll")],
     };
     let mut left = usize::from(width);
     let shown = keys.into_iter().map(|(key, what)| format!("{key} {what}")).take_while(|text| {
@@ -55,7 +57,7 @@ pub(super) fn line<'l>(screen: &Screen, theme: Theme, width: u16) -> Ends<'l> {
 }
 
 /// The page that tells all keys.
-pub(super) fn help(width: u16) -> Text<'static> {
+pub(super) fn help(width: u16) -> Vec<Line<'static>> {
     let indent = 9;
     let width = usize::from(width).saturating_sub(indent);
     let lines = KEYS.iter().flat_map(|(key, what)| {

@@ -3,7 +3,7 @@
 use ratatui::text::{Line, Span};
 use uavspec_runtime::Severity;
 
-use super::super::codes::severity_name;
+use super::super::codes::{severity_letter, severity_name};
 use super::super::fleet::Link;
 use super::{Ends, MIDDLE_WIDTH, Scene, spaced};
 use crate::record::Grouped;
@@ -19,10 +19,13 @@ pub(super) fn lines<'s>(scene: &'s Scene<'_>, width: u16) -> Vec<Ends<'s>> {
         vec![
             Ends::new(url, link),
             Ends::new(server, format!("{rate} msg/s")),
-            Ends::new(counts(scene), Line::default()),
+            Ends::new(counts(scene, severity_letter), Line::default()),
         ]
     } else {
-        vec![Ends::new(spaced([url, server]), link), Ends::new(counts(scene), format!("{rate} messages/s"))]
+        vec![
+            Ends::new(spaced([url, server]), link),
+            Ends::new(counts(scene, severity_name), format!("{rate} messages/s")),
+        ]
     };
     lines.extend(
         troubles(scene)
@@ -39,20 +42,20 @@ fn link(scene: &Scene<'_>) -> String {
         Link::Lost { again, .. } => {
             // The second that has begun counts.
             let left = again.saturating_duration_since(scene.now).as_millis().div_ceil(1000);
-            format!("lost, again in {left} s")
+            if left == 0 { "lost, trying again".to_owned() } else { format!("lost, again in {left} s") }
         }
     }
 }
 
 /// How many UAVs there are, and how many with which severity.
-fn counts<'s>(scene: &Scene<'_>) -> Line<'s> {
+fn counts<'s>(scene: &Scene<'_>, name: fn(Severity) -> &'static str) -> Line<'s> {
     let count = scene.fleet.len();
     let uavs = format!("{} {}", Grouped(count as u64), if count == 1 { "UAV" } else { "UAVs" });
     let theme = scene.theme();
     let by_severity = Severity::ALL.into_iter().rev().map(|severity| {
         let count = scene.fleet.count(severity);
         let style = if count == 0 { theme.faint() } else { theme.severity(severity) };
-        Span::styled(format!("{count} {}", severity_name(severity)), style)
+        Span::styled(format!("{count} {}", name(severity)), style)
     });
     spaced([Span::raw(uavs)].into_iter().chain(by_severity))
 }
@@ -66,7 +69,8 @@ fn troubles(scene: &Scene<'_>) -> Vec<String> {
     }
     troubles.extend(fleet.remark.clone());
     if fleet.unreadable > 0 {
-        troubles.push(format!("{} messages that can't be read", Grouped(fleet.unreadable)));
+        let messages = if fleet.unreadable == 1 { "message" } else { "messages" };
+        troubles.push(format!("{} {messages} that can't be read", Grouped(fleet.unreadable)));
     }
     if fleet.is_overfull {
         troubles.push("the server has more UAVs than are shown".to_owned());

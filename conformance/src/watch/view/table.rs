@@ -8,7 +8,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Row, Table};
 use uavspec_runtime::Severity;
 
-use super::super::codes::severity_name;
+use super::super::codes::{severity_letter, severity_name};
 use super::super::fleet::{Link, Uav};
 use super::super::format::{
     ABSENT, ODD, age, charge, coordinates, field, first_sentence, metres, part, volts,
@@ -66,7 +66,7 @@ const NARROW: [Column; 6] = [
     text(Kind::Id, "ID", 12),
     text(Kind::Mark, "", 1),
     text(Kind::Mode, "MODE", 7),
-    number(Kind::Charge, "BAT", 4),
+    number(Kind::Charge, "BAT", 5),
     number(Kind::Age, "AGE", 5),
     text(Kind::Errors, "ERRORS", 0),
 ];
@@ -176,13 +176,7 @@ fn cell<'c>(scene: &Scene<'_>, id: &str, uav: &Uav, kind: Kind) -> Line<'c> {
 /// The gravest severity, as a letter or as a word.
 fn severity<'c>(scene: &Scene<'_>, uav: &Uav, is_letter: bool) -> Line<'c> {
     let Some(severity) = uav.worst() else { return Line::default() };
-    let name = match severity {
-        _ if !is_letter => severity_name(severity),
-        Severity::Fatal => "F",
-        Severity::Error => "E",
-        Severity::Warning => "W",
-        Severity::Informational => "i",
-    };
+    let name = if is_letter { severity_letter(severity) } else { severity_name(severity) };
     Line::styled(name, scene.theme().severity(severity))
 }
 
@@ -204,7 +198,8 @@ fn errors<'c>(scene: &Scene<'_>, uav: &Uav) -> Line<'c> {
         spans.push(Span::raw(format!(" {ODD}")));
     }
     if let Some(code) = uav.codes().first() {
-        spans.push(Span::raw(format!(": {}", first_sentence(scene.codes.meaning(*code)))));
+        let meaning = format!(" – {}", first_sentence(scene.codes.meaning(*code)));
+        spans.push(Span::styled(meaning, scene.theme().faint()));
     }
     Line::from(spans)
 }
