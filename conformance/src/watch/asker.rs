@@ -39,7 +39,7 @@ struct Open {
 /// Asks a server for its fleet.
 pub(super) struct Asker {
     is_one_shot: bool,
-    /// The UAVs, and when each was asked for.
+    /// The UAVs, and when each was asked for or told of last.
     roster: Roster<Option<Instant>>,
     waiting: VecDeque<Value>,
     open: Option<Open>,
@@ -111,7 +111,10 @@ impl Asker {
                 for (id, state) in states {
                     let known = if state.is_ok() { self.roster.admit(id) } else { None };
                     if let Some(member) = known {
-                        member.heard = Some(now);
+                        member.value = Some(now);
+                        if message.refs.is_none() {
+                            member.told = Some(now);
+                        }
                     }
                 }
             }
@@ -126,7 +129,7 @@ impl Asker {
         let mut due: Vec<(Option<Instant>, &str)> = self
             .roster
             .iter()
-            .map(|(id, member)| (member.heard.max(member.value), id))
+            .map(|(id, member)| (member.value, id))
             .filter(|(last, _)| is_due(*last))
             .collect();
         due.sort_unstable();
@@ -163,11 +166,11 @@ mod tests {
     fn asked(asker: &mut Asker, now: Instant) -> Vec<(String, usize)> {
         let requests = std::iter::from_fn(|| asker.next(now));
         let body = |text: String| serde_json::from_str::<Value>(&text).expect("JSON")["body"].take();
-        let asked = requests.map(body).map(|body| {
+        let in_short = |body: Value| {
             let count = body["ids"].as_array().map_or(0, Vec::len);
             (body["type"].as_str().expect("a type").to_owned(), count)
-        });
-        asked.collect()
+        };
+        requests.map(body).map(in_short).collect()
     }
 
     fn hear(asker: &mut Asker, text: &str, now: Instant) {
@@ -234,7 +237,7 @@ mod tests {
         for half in 1..8 {
             let now = now + SILENCE / 2 * half;
             hear(&mut asker, &states(None, 0..3), now);
-            asked(&mut asker, now).iter().for_each(|(kind, _)| assert_ne!(kind, "UAV-INF"));
+            assert!(asked(&mut asker, now).iter().all(|(kind, _)| kind != "UAV-INF"));
         }
         let now = now + SILENCE * 6;
         assert_eq!(asked(&mut asker, now), named(&[("UAV-LIST", 0), ("UAV-INF", 3)]));

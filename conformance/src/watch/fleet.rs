@@ -122,16 +122,19 @@ impl Fleet {
             News::Time(time) => self.clock = Some((now, time)),
             News::List(list) => {
                 self.has_list = true;
+                // Whatever it refused, it isn't all.
+                self.remark = None;
                 self.is_overfull = !self.uavs.update(&list, now);
             }
             News::States(states) => {
+                let is_answer = message.refs.is_some();
                 for (id, state) in states {
-                    self.hear_of(&id, state, now);
+                    self.hear_of(&id, state, is_answer, now);
                 }
             }
             News::Gone(ids) => ids.iter().for_each(|id| self.uavs.remove(id)),
             News::Closing(reason) => {
-                self.remark = Some(format!("the server closes the connection: {reason}"))
+                self.remark = Some(format!("the server closes the connection: {reason}"));
             }
             News::Refused(reason) => self.remark = Some(format!("the server refuses: {reason}")),
             News::Unreadable => self.unreadable = self.unreadable.saturating_add(1),
@@ -139,11 +142,13 @@ impl Fleet {
         }
     }
 
-    fn hear_of(&mut self, id: &str, state: Result<State, String>, now: Instant) {
+    fn hear_of(&mut self, id: &str, state: Result<State, String>, is_answer: bool, now: Instant) {
         let known = if state.is_ok() { self.uavs.admit(id) } else { self.uavs.get_mut(id) };
         match known {
             Some(member) => {
-                member.heard = Some(now);
+                if state.is_ok() && !is_answer {
+                    member.told = Some(now);
+                }
                 member.value.take(state, now);
             }
             None => self.is_overfull |= state.is_ok(),
@@ -234,7 +239,7 @@ mod tests {
         assert_eq!((fleet.count(Severity::Fatal), fleet.count(Severity::Informational)), (1, 0));
         told(&mut fleet, r#"{"type": "OBJ-DEL", "ids": ["kite", "nobody"]}"#, now);
         assert_eq!(ids(&fleet), ["glider-1", "glider-2"]);
-        told(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-2"]}"#, now + Duration::from_secs(5));
+        told(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-2"]}"#, now + Duration::from_secs(20));
         assert_eq!(ids(&fleet), ["glider-2"]);
         fleet.take(Event::Lost { reason: "it ended".to_owned(), pause: Duration::from_secs(1) }, now);
         assert_eq!((fleet.len(), fleet.is_empty()), (1, false), "what was known stays known");
@@ -275,7 +280,7 @@ mod tests {
             told(&mut fleet, &format!(r#"{{"type": "UAV-INF", "status": {{"{number}": {{}}}}}}"#), now);
         }
         assert_eq!((fleet.len(), fleet.is_overfull), (UAV_LIMIT, true));
-        told(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-1"]}"#, now + Duration::from_secs(9));
+        told(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-1"]}"#, now + Duration::from_secs(20));
         assert_eq!((ids(&fleet), fleet.is_overfull), (vec!["glider-1"], false));
     }
 

@@ -19,15 +19,20 @@ pub(super) fn field<T>(field: &Field<T>, words: impl FnOnce(&T) -> String) -> St
     }
 }
 
-/// A part of a field that may be missing as a whole.
-pub(super) fn part<T, P>(
+/// A number, in words.
+pub(super) fn number(number: &Field<i64>, words: impl FnOnce(i64) -> String) -> String {
+    field(number, |number| words(*number))
+}
+
+/// A number in a field that may be missing as a whole.
+pub(super) fn part<T>(
     whole: Option<&Field<T>>,
-    part: impl FnOnce(&T) -> &Field<P>,
-    words: impl FnOnce(&P) -> String,
+    part: impl FnOnce(&T) -> &Field<i64>,
+    words: impl FnOnce(i64) -> String,
 ) -> String {
     match whole {
         None => ABSENT.to_owned(),
-        Some(whole) => field(whole, |whole| field(part(whole), words)),
+        Some(whole) => field(whole, |whole| number(part(whole), words)),
     }
 }
 
@@ -45,7 +50,7 @@ pub(super) fn fixed(number: i64, digits: u32, decimals: u32) -> String {
 
 /// Latitude and longitude in degrees.
 pub(super) fn coordinates(position: Option<&Field<Position>>, decimals: u32) -> [String; 2] {
-    let degrees = |number: &i64| fixed(*number, 7, decimals);
+    let degrees = |number| fixed(number, 7, decimals);
     [
         part(position, |position| &position.latitude, degrees),
         part(position, |position| &position.longitude, degrees),
@@ -53,13 +58,13 @@ pub(super) fn coordinates(position: Option<&Field<Position>>, decimals: u32) -> 
 }
 
 /// Metres of millimetres.
-pub(super) fn metres(millimetres: &i64) -> String {
-    fixed(*millimetres, 3, 1)
+pub(super) fn metres(millimetres: i64) -> String {
+    fixed(millimetres, 3, 1)
 }
 
 /// Volts of tenths.
-pub(super) fn volts(tenths: &i64) -> String {
-    fixed(*tenths, 1, 1)
+pub(super) fn volts(tenths: i64) -> String {
+    fixed(tenths, 1, 1)
 }
 
 /// The charge of a battery, with a plus while it is charging.

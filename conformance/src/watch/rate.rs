@@ -5,12 +5,15 @@ use std::time::Instant;
 /// Over how many seconds it is reckoned.
 const WINDOW: u64 = 5;
 
+/// How many seconds are counted: also the one that isn't over.
+const COUNTED: usize = 6;
+
 /// Counts what happens, second by second.
 #[derive(Debug, Default)]
 pub(super) struct Rate {
     start: Option<Instant>,
-    /// For each of the last seconds which it is, and what happened in it: also the one that isn't over.
-    seconds: [(u64, u32); WINDOW as usize + 1],
+    /// For each of the last seconds which it is, and what happened in it, the latest first.
+    seconds: [(u64, u32); COUNTED],
 }
 
 impl Rate {
@@ -18,11 +21,11 @@ impl Rate {
     pub(super) fn count(&mut self, now: Instant) {
         let start = *self.start.get_or_insert(now);
         let second = now.saturating_duration_since(start).as_secs();
-        #[expect(clippy::cast_possible_truncation, reason = "it is smaller than the window")]
-        let counted = &mut self.seconds[(second % (WINDOW + 1)) as usize];
-        if counted.0 != second {
-            *counted = (second, 0);
+        if self.seconds[0].0 != second {
+            self.seconds.rotate_right(1);
+            self.seconds[0] = (second, 0);
         }
+        let counted = &mut self.seconds[0];
         counted.1 = counted.1.saturating_add(1);
     }
 

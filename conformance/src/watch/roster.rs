@@ -11,14 +11,15 @@ pub const UAV_LIMIT: usize = 10_000;
 /// The longest id that is kept, in bytes. The schema of the protocol allows 64 characters.
 pub const ID_LIMIT: usize = 256;
 
-/// For how long a UAV that was heard of stays, although a list doesn't have it: the list may be older.
-const GRACE: Duration = Duration::from_secs(2);
+/// For how long a UAV stays of which the server told by itself, although a list doesn't have it: the list may be older,
+/// and some servers tell of UAVs that they don't list.
+const GRACE: Duration = Duration::from_secs(10);
 
 /// A UAV, and what is kept of it.
 #[derive(Debug)]
 pub(super) struct Member<T> {
-    /// When something was heard of it last.
-    pub(super) heard: Option<Instant>,
+    /// When the server told of it last without having been asked.
+    pub(super) told: Option<Instant>,
     /// What is kept.
     pub(super) value: T,
 }
@@ -58,7 +59,7 @@ impl<T: Default> Roster<T> {
             if id.len() > ID_LIMIT || self.members.len() >= UAV_LIMIT {
                 return None;
             }
-            self.members.insert(id.to_owned(), Member { heard: None, value: T::default() });
+            self.members.insert(id.to_owned(), Member { told: None, value: T::default() });
         }
         self.members.get_mut(id)
     }
@@ -68,7 +69,7 @@ impl<T: Default> Roster<T> {
         if list.is_whole {
             let listed: BTreeSet<&str> = list.ids.iter().map(String::as_str).collect();
             self.members.retain(|id, member| {
-                let is_fresh = member.heard.is_some_and(|heard| now.saturating_duration_since(heard) < GRACE);
+                let is_fresh = member.told.is_some_and(|told| now.saturating_duration_since(told) < GRACE);
                 is_fresh || listed.contains(id.as_str())
             });
         }
@@ -95,12 +96,12 @@ mod tests {
     }
 
     #[test]
-    fn those_that_a_list_lacks_leave_unless_they_were_just_heard_of() {
+    fn those_that_a_list_lacks_leave_unless_they_were_just_told_of() {
         let now = Instant::now();
         let mut roster = Roster::default();
         assert!(roster.update(&list(&["glider-1", "glider-2"]), now));
-        roster.admit("glider-2").expect("room").heard = Some(now);
-        roster.admit("glider-3").expect("room").heard = Some(now);
+        roster.admit("glider-2").expect("room").told = Some(now);
+        roster.admit("glider-3").expect("room").told = Some(now);
         assert!(roster.update(&list(&["glider-4"]), now + GRACE / 2));
         assert_eq!(ids(&roster), ["glider-2", "glider-3", "glider-4"]);
         assert!(!roster.update(&List { is_whole: false, ..list(&["glider-5"]) }, now + GRACE));

@@ -71,8 +71,8 @@ impl Screen {
         let found = rows.iter().position(|(id, _)| Some(*id) == selected);
         self.row = found.unwrap_or(self.row.min(last));
         self.selected = Some(rows[self.row].0.to_owned());
-        let least = (self.row + 1).saturating_sub(height);
-        self.first_row = self.first_row.clamp(least.min(self.row), self.row);
+        let lowest = (self.row + 1).saturating_sub(height).min(self.row);
+        self.first_row = self.first_row.clamp(lowest, self.row);
         // Room at the end is filled.
         self.first_row = self.first_row.min(rows.len().saturating_sub(height));
         Some(self.row)

@@ -4,7 +4,7 @@ use ratatui::text::{Line, Span};
 use uavspec_runtime::Severity;
 
 use super::super::codes::severity_name;
-use super::super::format::{ABSENT, ODD, age, coordinates, field, fixed, metres, volts};
+use super::super::format::{ABSENT, ODD, age, coordinates, field, fixed, metres, number, volts};
 use super::super::state::{Battery, Errors, Field, Gps, Position, State};
 use super::super::words::shown_id;
 use super::Scene;
@@ -52,18 +52,18 @@ fn values(state: &State, id: &str) -> Vec<(&'static str, String)> {
         field(&state.id, |own| if *own == shown_id(id) { "the same".to_owned() } else { own.clone() });
     vec![
         ("own id", own_id),
-        ("time stamp", field(&state.timestamp, |time| format!("{time} ms"))),
+        ("time stamp", number(&state.timestamp, |time| format!("{time} ms"))),
         ("mode", field(&state.mode, Clone::clone)),
         ("position", position(&state.position)),
         ("altitudes", altitudes(&state.position)),
         ("position XYZ", vector(&state.position_xyz, ["x", "y", "z"], |value| metres(value) + " m")),
         ("GPS", field(&state.gps, gps)),
-        ("heading", field(&state.heading, tenths)),
+        ("heading", number(&state.heading, tenths)),
         ("attitude", vector(&state.attitude, ["roll", "pitch", "yaw"], tenths)),
         ("velocity", vector(&state.velocity, ["north", "east", "down"], speed)),
         ("velocity XYZ", vector(&state.velocity_xyz, ["x", "y", "z"], speed)),
         ("battery", field(&state.battery, battery)),
-        ("light", field(&state.light, light)),
+        ("light", number(&state.light, light)),
         ("signal", field(&state.rssi, |values| signals(values))),
         ("debug", field(&state.debug, Clone::clone)),
     ]
@@ -84,60 +84,65 @@ fn altitudes(position: &Field<Position>) -> String {
             (&position.above_home, "home"),
             (&position.above_ground, "ground"),
         ];
-        let heights = heights.map(|(height, what)| format!("{} m above {what}", field(height, metres)));
+        let heights = heights.map(|(height, what)| format!("{} m above {what}", number(height, metres)));
         heights.join(", ")
     })
 }
 
-fn vector(vector: &Field<[Field<i64>; 3]>, names: [&str; 3], words: fn(&i64) -> String) -> String {
+fn vector(vector: &Field<[Field<i64>; 3]>, names: [&str; 3], words: fn(i64) -> String) -> String {
     field(vector, |values| {
-        let parts: Vec<String> =
-            names.iter().zip(values).map(|(name, value)| format!("{name} {}", field(value, words))).collect();
+        let parts: Vec<String> = names
+            .iter()
+            .zip(values)
+            .map(|(name, value)| format!("{name} {}", number(value, words)))
+            .collect();
         parts.join(", ")
     })
 }
 
-fn tenths(value: &i64) -> String {
-    format!("{}°", fixed(*value, 1, 1))
+fn whole(value: i64) -> String {
+    value.to_string()
 }
 
-fn speed(value: &i64) -> String {
+fn tenths(value: i64) -> String {
+    format!("{}°", fixed(value, 1, 1))
+}
+
+fn speed(value: i64) -> String {
     format!("{} m/s", metres(value))
 }
 
 fn gps(gps: &Gps) -> String {
     format!(
         "fix {}, {} satellites, within {} m along the ground and {} m in altitude",
-        field(&gps.fix, i64::to_string),
-        field(&gps.satellites, i64::to_string),
-        field(&gps.horizontal, metres),
-        field(&gps.vertical, metres),
+        number(&gps.fix, whole),
+        number(&gps.satellites, whole),
+        number(&gps.horizontal, metres),
+        number(&gps.vertical, metres),
     )
 }
 
 fn battery(battery: &Battery) -> String {
-    let is_charging = field(&battery.is_charging, |is_charging| {
-        if *is_charging { "charging".to_owned() } else { "not charging".to_owned() }
-    });
-    let mut text =
-        format!("{} V, {} %", field(&battery.voltage, volts), field(&battery.percent, i64::to_string),);
-    if battery.is_charging != Field::Absent {
-        text = format!("{text}, {is_charging}");
+    let left = format!("{} V, {} %", number(&battery.voltage, volts), number(&battery.percent, whole));
+    match battery.is_charging {
+        Field::Absent => left,
+        Field::Odd => format!("{left}, charging: {ODD}"),
+        Field::Known(true) => format!("{left}, charging"),
+        Field::Known(false) => format!("{left}, not charging"),
     }
-    text
 }
 
 /// A colour, as programs for pictures write it.
-fn light(colour: &i64) -> String {
-    let Ok(colour) = u16::try_from(*colour) else { return format!("{colour}, which is no colour") };
+fn light(colour: i64) -> String {
+    let Ok(colour) = u16::try_from(colour) else { return format!("{colour}, which is no colour") };
     let widen = |value: u16, bits: u32| u32::from(value) * 255 / ((1 << bits) - 1);
     let [red, green, blue] = [widen(colour >> 11, 5), widen(colour >> 5 & 0x3F, 6), widen(colour & 0x1F, 5)];
     format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
 fn signals(values: &[Field<i64>]) -> String {
-    let signal = |value: &i64| if *value < 0 { "none".to_owned() } else { format!("{value} %") };
-    let parts: Vec<String> = values.iter().map(|value| field(value, signal)).collect();
+    let signal = |value: i64| if value < 0 { "none".to_owned() } else { format!("{value} %") };
+    let parts: Vec<String> = values.iter().map(|value| number(value, signal)).collect();
     if parts.is_empty() { ABSENT.to_owned() } else { parts.join(", ") }
 }
 
