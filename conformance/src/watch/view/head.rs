@@ -55,7 +55,7 @@ fn counts<'s>(scene: &Scene<'_>, name: fn(Severity) -> &'static str) -> Line<'s>
     let by_severity = Severity::ALL.into_iter().rev().map(|severity| {
         let count = scene.fleet.count(severity);
         let style = if count == 0 { theme.faint() } else { theme.severity(severity) };
-        Span::styled(format!("{count} {}", name(severity)), style)
+        Span::styled(format!("{} {}", Grouped(count as u64), name(severity)), style)
     });
     spaced([Span::raw(uavs)].into_iter().chain(by_severity))
 }

@@ -108,7 +108,7 @@ fn narrow_screens_show_what_matters_most() {
             "tcp://hill:5001                connected",
             "sky 2.10                       1.5 msg/s",
             "3 UAVs  1 F  1 E  0 W  0 i",
-            "ID          MODE     BAT   AGE ERRORS",
+            "ID          MODE      BAT   AGE ERRORS",
             "glider-1    loiter   98%+    2s",
             "glider-2  F ?           -    3s MAG, LO…",
             "glider-10 E \\u{1b}…    7%   52s SENSOR,…",

@@ -18,7 +18,7 @@ pub(super) fn clipped(line: Line<'_>, width: usize) -> Line<'_> {
             spans.push(span);
             continue;
         }
-        spans.push(Span::styled(cut(&span.content, left), span.style));
+        spans.push(Span::styled(with_sign(&span.content, left), span.style));
         break;
     }
     let mut line = Line::from(spans).style(style);
@@ -26,11 +26,8 @@ pub(super) fn clipped(line: Line<'_>, width: usize) -> Line<'_> {
     line
 }
 
-/// A text, cut where it is too long, with a sign that it was.
-pub(super) fn cut(text: &str, width: usize) -> String {
-    if Span::raw(text).width() <= width {
-        return text.to_owned();
-    }
+/// As much of the start of a text as there is room for, with a sign that something follows.
+fn with_sign(text: &str, width: usize) -> String {
     let Some(room) = width.checked_sub(1) else { return String::new() };
     let mut taken = 0;
     let end = text.char_indices().find_map(|(at, character)| {
@@ -88,13 +85,18 @@ mod tests {
 
     #[test]
     fn what_is_too_long_is_cut_and_says_so() {
-        assert_eq!(cut("glider", 6), "glider");
-        assert_eq!(cut("glider", 5), "glid…");
-        assert_eq!(cut("風力計", 5), "風力…");
-        assert_eq!(cut("風力計", 4), "風…");
-        assert_eq!(cut("glider", 0), "");
+        for (text, width, shown) in [
+            ("glider", 6, "glider"),
+            ("glider", 5, "glid…"),
+            ("風力計", 5, "風力…"),
+            ("風力計", 4, "風…"),
+            ("glider", 0, ""),
+        ] {
+            assert_eq!(clipped(Line::raw(text), width).to_string(), shown);
+        }
         let line = || Line::from(vec!["wind ".into(), "7 m/s".red(), " gusts".into()]);
         assert_eq!(clipped(line(), 8), Line::from(vec!["wind ".into(), "7 …".red()]));
+        assert_eq!(clipped(line(), 5), Line::from(vec!["wind…".into()]));
         assert_eq!(clipped(line(), 16), line());
     }
 
@@ -108,7 +110,7 @@ mod tests {
     proptest! {
         #[test]
         fn nothing_is_wider_than_there_is_room(text in ".{0,40}", width in 2..20_usize) {
-            prop_assert!(Span::raw(cut(&text, width)).width() <= width);
+            prop_assert!(clipped(Line::raw(text.clone()), width).width() <= width);
             for line in wrapped(&text, width) {
                 prop_assert!(Span::raw(line).width() <= width);
             }
