@@ -175,7 +175,7 @@ impl Fleet {
         self.uavs.get(id).map(|member| &member.value)
     }
 
-    /// Whether the server has said which UAVs there are and what it is, and told of each UAV, or why it doesn't.
+    /// Whether the server has said which UAVs there are, and told of each how it is, or why it doesn't.
     pub fn is_complete(&self) -> bool {
         let is_known = |uav: &Uav| uav.state.is_some() || uav.refusal.is_some();
         self.has_list && self.uavs().all(|(_, uav)| is_known(uav))

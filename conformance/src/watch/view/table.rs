@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Rect};
+use ratatui::style::Style;
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Row, Table};
 use uavspec_runtime::Severity;
@@ -112,9 +113,9 @@ pub(super) fn draw(
     let titles = columns.iter().map(|column| aligned(Line::raw(column.title), *column));
     let lines = shown.into_iter().map(|(id, uav)| {
         let cells = columns.iter().map(|column| aligned(cell(scene, id, uav, column.kind), *column));
-        let row = Row::new(cells);
-        let row = if is_stale(scene, uav) { row.style(theme.faint()) } else { row };
-        if screen.selected.as_deref() == Some(*id) { row.style(theme.selected()) } else { row }
+        let style = if is_stale(scene, uav) { theme.faint() } else { Style::new() };
+        let is_selected = screen.selected.as_deref() == Some(*id);
+        Row::new(cells).style(if is_selected { style.patch(theme.selected()) } else { style })
     });
     let widths = columns.iter().map(|column| Constraint::Length(column.width));
     let table = Table::new(lines, widths).header(Row::new(titles).style(theme.title()));

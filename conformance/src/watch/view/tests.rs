@@ -248,6 +248,7 @@ fn what_is_wrong_with_the_server_is_told_and_what_was_known_stays() {
     ] {
         assert!(picture.has(text), "{text}\n{}", picture.lines().join("\n"));
     }
+    assert!(picture.look("glider-1").1.contains(Modifier::DIM | Modifier::REVERSED));
     assert!(picture.look("glider-2").1.contains(Modifier::DIM));
     assert!(watched.draw(80, 12, true, 4).has("lost, trying again"));
     watched.press(&[KeyCode::Char('/'), KeyCode::Char('x')]);
