@@ -15,6 +15,7 @@ mod self_test;
 mod serve;
 mod test;
 mod testee;
+mod watch;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -47,6 +48,8 @@ enum Command {
     /// Be a Flockwave server with a simulated fleet, for those who write clients, and with a bug for those who judge
     /// servers.
     Serve(serve::ServeArgs),
+    /// Watch the fleet of a Flockwave server: where its UAVs are, what they do, and what is wrong with them.
+    Watch(watch::WatchArgs),
     /// List the rules, or tell all of one.
     Rules(rules::RulesArgs),
     /// Judge recordings that are made of the definitions, and others that break each rule: whether this program
@@ -107,6 +110,7 @@ pub fn main() -> ExitCode {
         Command::Testee(command) => testee::testee(&command),
         Command::Probe(args) => probe::run(&args),
         Command::Serve(args) => serve::serve(&args),
+        Command::Watch(args) => watch::watch(&args),
         Command::Rules(args) => rules::rules(&args),
         Command::SelfTest(args) => self_test::self_test(&args),
     };

@@ -27,7 +27,7 @@ use serde::Serialize;
 
 pub use self::conclusion::{Conclusion, Outcome};
 pub use self::kind::Kind;
-pub(crate) use self::shown::command_line;
+pub(crate) use self::shown::{command_line, shown};
 pub use self::source::{Judged, Settings};
 pub use self::text::subject as subject_text;
 use crate::definitions::Definitions;

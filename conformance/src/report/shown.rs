@@ -5,7 +5,7 @@ pub(super) const MAX_SHOWN: usize = 1_000;
 
 /// A text on one line. What can't be seen, would end the line, turn the direction of writing, or speak to a
 /// terminal is written as an escape, such as `\u{202e}`; long texts are cut.
-pub(super) fn shown(text: &str) -> String {
+pub(crate) fn shown(text: &str) -> String {
     let mut shown = String::with_capacity(text.len().min(MAX_SHOWN));
     let end = text.char_indices().nth(MAX_SHOWN).map_or(text.len(), |(end, _)| end);
     // Quotation marks and backslashes are escaped by the library too, for literals: here they stay.

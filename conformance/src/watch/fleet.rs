@@ -1,0 +1,339 @@
+//! What is known of a fleet and of the server that tells of it. Nothing is asked here, and nothing waited for: the
+//! same events at the same times make the same fleet.
+
+use std::time::{Duration, Instant};
+
+use uavspec_runtime::Severity;
+
+use super::message::{Message, News};
+use super::rate::Rate;
+use super::roster::Roster;
+use super::session::Event;
+use super::state::State;
+
+/// A UAV.
+#[derive(Debug, Default)]
+pub struct Uav {
+    /// What it told last.
+    pub state: Option<State>,
+    /// Why the server doesn't tell its state.
+    pub refusal: Option<String>,
+    /// When a state came first that has the time stamp of the one that is known.
+    fresh: Option<Instant>,
+}
+
+impl Uav {
+    /// The severity of its gravest error code.
+    pub fn worst(&self) -> Option<Severity> {
+        self.codes().first().map(|code| Severity::of(*code))
+    }
+
+    /// Its error codes, the gravest first.
+    pub fn codes(&self) -> &[u32] {
+        let errors = self.state.as_ref().and_then(|state| state.errors.known());
+        errors.map_or(&[], |errors| &errors.codes)
+    }
+
+    fn take(&mut self, state: Result<State, String>, now: Instant) {
+        match state {
+            Ok(state) => {
+                let timestamp = |state: &State| state.timestamp.known().copied();
+                let known = self.state.as_ref().and_then(timestamp);
+                if self.fresh.is_none() || known.is_none() || known != timestamp(&state) {
+                    self.fresh = Some(now);
+                }
+                self.refusal = None;
+                self.state = Some(state);
+            }
+            Err(reason) => self.refusal = Some(reason),
+        }
+    }
+}
+
+/// How it stands with the connection.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Link {
+    /// Nothing has been heard of the server yet.
+    Connecting,
+    /// The server answers.
+    Connected,
+    /// The server is gone.
+    Lost {
+        /// Why.
+        reason: String,
+        /// When it is tried again. After that it is being tried.
+        again: Instant,
+    },
+}
+
+/// A fleet.
+#[derive(Debug)]
+pub struct Fleet {
+    /// How it stands with the connection.
+    pub link: Link,
+    /// What the server is, with its version.
+    pub server: Option<String>,
+    /// What the server refused last, or what else is to be known of it.
+    pub remark: Option<String>,
+    /// How many messages couldn't be read.
+    pub unreadable: u64,
+    /// Whether there are UAVs for which there was no room.
+    pub is_overfull: bool,
+    /// Whether the server has said which UAVs there are.
+    has_list: bool,
+    clock: Option<(Instant, i64)>,
+    rate: Rate,
+    uavs: Roster<Uav>,
+}
+
+impl Default for Fleet {
+    fn default() -> Self {
+        Self {
+            link: Link::Connecting,
+            server: None,
+            remark: None,
+            unreadable: 0,
+            is_overfull: false,
+            has_list: false,
+            clock: None,
+            rate: Rate::default(),
+            uavs: Roster::default(),
+        }
+    }
+}
+
+impl Fleet {
+    /// Takes what happened.
+    pub fn take(&mut self, event: Event, now: Instant) {
+        match event {
+            Event::Lost { reason, pause } => self.link = Link::Lost { reason, again: now + pause },
+            Event::Heard(message) => self.hear(message, now),
+        }
+    }
+
+    fn hear(&mut self, message: Message, now: Instant) {
+        if self.link != Link::Connected {
+            self.link = Link::Connected;
+            self.remark = None;
+        }
+        self.rate.count(now);
+        match message.news {
+            News::Server(server) => self.server = Some(server),
+            News::Time(time) => self.clock = Some((now, time)),
+            News::List(list) => {
+                self.has_list = true;
+                // Whatever it refused, it isn't all.
+                self.remark = None;
+                self.is_overfull = !self.uavs.update(&list, now);
+            }
+            News::States(states) => {
+                let is_answer = message.refs.is_some();
+                for (id, state) in states {
+                    self.hear_of(&id, state, is_answer, now);
+                }
+            }
+            News::Gone(ids) => ids.iter().for_each(|id| self.uavs.remove(id)),
+            News::Closing(reason) => {
+                self.remark = Some(format!("the server closes the connection: {reason}"));
+            }
+            News::Refused(reason) => self.remark = Some(format!("the server refuses: {reason}")),
+            News::Unreadable => self.unreadable = self.unreadable.saturating_add(1),
+            News::Other => {}
+        }
+    }
+
+    fn hear_of(&mut self, id: &str, state: Result<State, String>, is_answer: bool, now: Instant) {
+        let known = if state.is_ok() { self.uavs.admit(id) } else { self.uavs.get_mut(id) };
+        match known {
+            Some(member) => {
+                if state.is_ok() && !is_answer {
+                    member.told = Some(now);
+                }
+                member.value.take(state, now);
+            }
+            None => self.is_overfull |= state.is_ok(),
+        }
+    }
+
+    /// How many UAVs there are.
+    pub fn len(&self) -> usize {
+        self.uavs.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.uavs.len() == 0
+    }
+
+    /// The UAVs, each with its id.
+    pub fn uavs(&self) -> impl Iterator<Item = (&str, &Uav)> {
+        self.uavs.iter().map(|(id, member)| (id, &member.value))
+    }
+
+    /// The UAV with an id.
+    pub fn get(&self, id: &str) -> Option<&Uav> {
+        self.uavs.get(id).map(|member| &member.value)
+    }
+
+    /// Whether the server has said which UAVs there are, and told of each how it is, or why it doesn't.
+    pub fn is_complete(&self) -> bool {
+        let is_known = |uav: &Uav| uav.state.is_some() || uav.refusal.is_some();
+        self.has_list && self.uavs().all(|(_, uav)| is_known(uav))
+    }
+
+    /// How long ago a UAV was heard of: by its time stamp, where the server tells its own time, or by how long the
+    /// server has had nothing new to tell.
+    pub fn age(&self, uav: &Uav, now: Instant) -> Option<Duration> {
+        let since = now.saturating_duration_since(uav.fresh?);
+        let timestamp = uav.state.as_ref().and_then(|state| state.timestamp.known());
+        let by_clock = self.clock.zip(timestamp).and_then(|((at, time), timestamp)| {
+            let passed = i64::try_from(now.saturating_duration_since(at).as_millis()).unwrap_or(i64::MAX);
+            // A time stamp that lies after the time of the server says nothing but that it is new.
+            u64::try_from(time.saturating_add(passed).saturating_sub(*timestamp)).ok()
+        });
+        Some(by_clock.map_or(since, Duration::from_millis))
+    }
+
+    /// How many messages come a second.
+    pub fn rate(&self, now: Instant) -> f64 {
+        self.rate.per_second(now)
+    }
+
+    /// How many UAVs there are whose gravest error code has this severity.
+    pub fn count(&self, severity: Severity) -> usize {
+        self.uavs().filter(|(_, uav)| uav.worst() == Some(severity)).count()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::roster::UAV_LIMIT;
+    use super::*;
+
+    fn heard(text: &str) -> Event {
+        Event::Heard(Message::read(text.as_bytes()))
+    }
+
+    fn told(fleet: &mut Fleet, text: &str, now: Instant) {
+        fleet.take(heard(text), now);
+    }
+
+    fn ids(fleet: &Fleet) -> Vec<&str> {
+        fleet.uavs().map(|(id, _)| id).collect()
+    }
+
+    #[test]
+    fn a_fleet_comes_together_and_goes_apart() {
+        let now = Instant::now();
+        let mut fleet = Fleet::default();
+        assert!(!fleet.is_complete());
+        told(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-1", "glider-2"]}"#, now);
+        assert_eq!((ids(&fleet), fleet.is_complete()), (vec!["glider-1", "glider-2"], false));
+        let states = r#"{"type": "UAV-INF", "status": {"glider-1": {"errors": [1, 199]}, "kite": {}},
+                         "error": {"glider-2": "no signal", "nobody": "unknown"}}"#;
+        told(&mut fleet, states, now);
+        assert_eq!((ids(&fleet), fleet.is_complete()), (vec!["glider-1", "glider-2", "kite"], true));
+        assert_eq!(fleet.get("glider-2").and_then(|uav| uav.refusal.as_deref()), Some("no signal"));
+        assert_eq!((fleet.count(Severity::Fatal), fleet.count(Severity::Informational)), (1, 0));
+        told(&mut fleet, r#"{"type": "OBJ-DEL", "ids": ["kite", "nobody"]}"#, now);
+        assert_eq!(ids(&fleet), ["glider-1", "glider-2"]);
+        told(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-2"]}"#, now + Duration::from_secs(20));
+        assert_eq!(ids(&fleet), ["glider-2"]);
+        fleet.take(Event::Lost { reason: "it ended".to_owned(), pause: Duration::from_secs(1) }, now);
+        assert_eq!((fleet.len(), fleet.is_empty()), (1, false), "what was known stays known");
+        assert!(matches!(fleet.link, Link::Lost { .. }));
+    }
+
+    #[test]
+    fn a_uav_grows_old_while_its_time_stamp_stands_still() {
+        let start = Instant::now();
+        let at = |seconds: u64| start + Duration::from_secs(seconds);
+        let age = |fleet: &Fleet, seconds: u64| {
+            fleet.get("glider-1").and_then(|uav| fleet.age(uav, at(seconds))).map(|age| age.as_secs())
+        };
+        let state = |timestamp: &str| {
+            format!(r#"{{"type": "UAV-INF", "status": {{"glider-1": {{"timestamp": {timestamp}}}}}}}"#)
+        };
+        let mut fleet = Fleet::default();
+        told(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-1"]}"#, at(0));
+        assert_eq!(age(&fleet, 1), None);
+        for seconds in [0, 5] {
+            told(&mut fleet, &state("60000"), at(seconds));
+            assert_eq!(age(&fleet, seconds + 2), Some(seconds + 2));
+        }
+        told(&mut fleet, r#"{"type": "SYS-TIME", "timestamp": 70000}"#, at(6));
+        assert_eq!(age(&fleet, 7), Some(11), "it was old already when it came");
+        told(&mut fleet, &state("71500"), at(8));
+        assert_eq!(age(&fleet, 9), Some(1), "its time stamp is newer than the time that is known");
+        told(&mut fleet, &state("\"soon\""), at(10));
+        told(&mut fleet, &state("\"soon\""), at(20));
+        assert_eq!(age(&fleet, 21), Some(1), "without time stamps, whatever comes is new");
+    }
+
+    #[test]
+    fn a_server_without_measure_is_borne() {
+        let now = Instant::now();
+        let mut fleet = Fleet::default();
+        for number in 0..UAV_LIMIT + 500 {
+            told(&mut fleet, &format!(r#"{{"type": "UAV-INF", "status": {{"{number}": {{}}}}}}"#), now);
+        }
+        assert_eq!((fleet.len(), fleet.is_overfull), (UAV_LIMIT, true));
+        told(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-1"]}"#, now + Duration::from_secs(20));
+        assert_eq!((ids(&fleet), fleet.is_overfull), (vec!["glider-1"], false));
+    }
+
+    /// Any JSON, with the keys of messages among its keys.
+    fn json() -> impl Strategy<Value = serde_json::Value> {
+        let key = prop_oneof![
+            Just("body".to_owned()),
+            Just("type".to_owned()),
+            Just("ids".to_owned()),
+            Just("status".to_owned()),
+            Just("error".to_owned()),
+            Just("errors".to_owned()),
+            Just("battery".to_owned()),
+            Just("position".to_owned()),
+            Just("timestamp".to_owned()),
+            any::<String>(),
+        ];
+        let leaf = prop_oneof![
+            any::<i64>().prop_map(Into::into),
+            any::<f64>().prop_map(Into::into),
+            any::<bool>().prop_map(Into::into),
+            Just(serde_json::Value::Null),
+            "UAV-INF|UAV-LIST|OBJ-DEL|SYS-TIME|SYS-VER|ACK-NAK".prop_map(Into::into),
+            any::<String>().prop_map(Into::into),
+        ];
+        leaf.prop_recursive(5, 60, 8, move |inner| {
+            prop_oneof![
+                proptest::collection::vec(inner.clone(), 0..6).prop_map(Into::into),
+                proptest::collection::vec((key.clone(), inner), 0..6)
+                    .prop_map(|members| { serde_json::Value::Object(members.into_iter().collect()) }),
+            ]
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn whatever_comes_is_taken(
+            messages in proptest::collection::vec((json(), "UAV-INF|UAV-LIST|OBJ-DEL|SYS-TIME"), 1..8),
+        ) {
+            let start = Instant::now();
+            let mut fleet = Fleet::default();
+            for (number, (mut message, kind)) in messages.into_iter().enumerate() {
+                if let Some(message) = message.as_object_mut() {
+                    message.insert("type".to_owned(), kind.into());
+                }
+                let now = start + Duration::from_secs(number as u64);
+                told(&mut fleet, &message.to_string(), now);
+                let uavs: Vec<_> = fleet.uavs().collect();
+                for (_, uav) in uavs {
+                    let _ = fleet.age(uav, now);
+                }
+            }
+            prop_assert!(fleet.len() <= UAV_LIMIT);
+        }
+    }
+}

@@ -1,0 +1,166 @@
+//! What a server said, as far as it is about the fleet: never more than a fleet may need, whatever came.
+
+use super::roster::{ID_LIMIT, UAV_LIMIT};
+use super::state::State;
+use super::words::kept;
+use crate::json::Tree;
+
+/// A message.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Message {
+    /// The request that it answers.
+    pub refs: Option<String>,
+    /// What it says.
+    pub news: News,
+}
+
+/// What a message says.
+#[derive(Clone, Debug, PartialEq)]
+pub enum News {
+    /// What the server is (SYS-VER), with its version.
+    Server(String),
+    /// The time by the clock of the server, in milliseconds since 1970 (SYS-TIME).
+    Time(i64),
+    /// All UAVs (UAV-LIST).
+    List(List),
+    /// States of UAVs, or why the server doesn't tell them (UAV-INF).
+    States(Vec<(String, Result<State, String>)>),
+    /// UAVs that are gone (OBJ-DEL).
+    Gone(Vec<String>),
+    /// The server is about to end the connection: why (SYS-CLOSE).
+    Closing(String),
+    /// The server refuses what it was asked: why (ACK-NAK).
+    Refused(String),
+    /// Something else.
+    Other,
+    /// Nothing that is a message.
+    Unreadable,
+}
+
+/// A list of ids.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct List {
+    /// The ids.
+    pub ids: Vec<String>,
+    /// Whether these are all of it, and none had to be left out.
+    pub is_whole: bool,
+}
+
+impl Message {
+    /// Reads a message.
+    pub fn read(bytes: &[u8]) -> Self {
+        let tree = std::str::from_utf8(bytes).ok().and_then(|text| Tree::read(text).ok());
+        let Some(tree @ Tree::Object(_)) = tree else { return Self { refs: None, news: News::Unreadable } };
+        let refs = tree.get("refs").and_then(Tree::as_str).filter(|refs| refs.len() <= ID_LIMIT);
+        Self { refs: refs.map(str::to_owned), news: news(&tree) }
+    }
+}
+
+fn news(message: &Tree<'_>) -> News {
+    if let Some(error) = message.get("error").filter(|_| message.get("refs").is_some()) {
+        return News::Refused(error.get("message").map_or_else(String::new, words));
+    }
+    // Answers over HTTP may come without their envelope.
+    let body = message.get("body").unwrap_or(message);
+    match body.get("type").and_then(Tree::as_str) {
+        Some("SYS-VER") => News::Server(server(body)),
+        Some("SYS-TIME") => time(body),
+        Some("UAV-LIST") => body.get("ids").and_then(list).map_or(News::Other, News::List),
+        Some("UAV-INF") => News::States(states(body)),
+        Some("OBJ-DEL") => body.get("ids").and_then(list).map_or(News::Other, |list| News::Gone(list.ids)),
+        Some("SYS-CLOSE") => News::Closing(body.get("reason").map_or_else(String::new, words)),
+        Some("ACK-NAK") => News::Refused(body.get("reason").map_or_else(String::new, words)),
+        Some(_) => News::Other,
+        None => News::Unreadable,
+    }
+}
+
+/// A text, or what stands in its place.
+fn words(value: &Tree<'_>) -> String {
+    value.as_str().map_or_else(|| kept(&value.to_string()), kept)
+}
+
+fn server(body: &Tree<'_>) -> String {
+    let parts = [body.get("software"), body.get("version")];
+    parts.into_iter().map(|part| part.map_or_else(|| "?".to_owned(), words)).collect::<Vec<_>>().join(" ")
+}
+
+fn time(body: &Tree<'_>) -> News {
+    match body.get("timestamp") {
+        Some(Tree::Int(time)) => i64::try_from(*time).map_or(News::Other, News::Time),
+        _ => News::Other,
+    }
+}
+
+fn list(value: &Tree<'_>) -> Option<List> {
+    let Tree::List(values) = value else { return None };
+    let ids = values.iter().filter_map(Tree::as_str).filter(|id| id.len() <= ID_LIMIT).take(UAV_LIMIT);
+    let ids: Vec<String> = ids.map(str::to_owned).collect();
+    let is_whole = ids.len() == values.len();
+    Some(List { ids, is_whole })
+}
+
+fn states(body: &Tree<'_>) -> Vec<(String, Result<State, String>)> {
+    let members = |key| match body.get(key) {
+        Some(Tree::Object(members)) => members.as_slice(),
+        _ => &[],
+    };
+    let told = members("status").iter().map(|(id, state)| (id, State::read(state).unwrap_or_default()));
+    let told = told.map(|(id, state)| (id, Ok(state)));
+    let refused = members("error").iter().map(|(id, reason)| (id, Err(words(reason))));
+    let all = told.chain(refused).filter(|(id, _)| id.len() <= ID_LIMIT).take(UAV_LIMIT);
+    all.map(|(id, state)| (id.clone().into_owned(), state)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn read(text: &str) -> News {
+        Message::read(text.as_bytes()).news
+    }
+
+    #[test]
+    fn messages_are_read_with_and_without_their_envelope() {
+        let body = r#"{"type": "SYS-VER", "software": "sky", "version": "2.1"}"#;
+        for text in [body.to_owned(), format!(r#"{{"id": "a", "refs": "b", "body": {body}}}"#)] {
+            assert_eq!(read(&text), News::Server("sky 2.1".to_owned()));
+        }
+        let list = read(r#"{"type": "UAV-LIST", "ids": ["glider-1", 7]}"#);
+        assert_eq!(list, News::List(List { ids: vec!["glider-1".to_owned()], is_whole: false }));
+        let states =
+            read(r#"{"type": "UAV-INF", "status": {"a": {}, "b": 7}, "error": {"c": "no\u001bne"}}"#);
+        let (told, refused) = (Ok(State::default()), Err("no\\u{1b}ne".to_owned()));
+        let expected = [("a", told.clone()), ("b", told), ("c", refused)];
+        assert_eq!(states, News::States(expected.map(|(id, state)| (id.to_owned(), state)).into()));
+        assert_eq!(read(r#"{"refs": "a", "error": {"message": "no"}}"#), News::Refused("no".to_owned()));
+        assert_eq!(read(r#"{"body": {"type": "SYS-CLOSE"}}"#), News::Closing(String::new()));
+        assert_eq!(read(r#"{"body": {"type": "SYS-TIME", "timestamp": "now"}}"#), News::Other);
+        for unreadable in ["", "[]", "{}", "{\"body\": 7}", "glider", "{\"type\": 7}"] {
+            assert_eq!(read(unreadable), News::Unreadable, "{unreadable}");
+        }
+        assert_eq!(Message::read(b"\xff").news, News::Unreadable);
+    }
+
+    #[test]
+    fn of_lists_without_end_a_part_is_kept() {
+        let ids: Vec<String> = (0..=UAV_LIMIT).map(|number| format!("\"{number}\"")).collect();
+        let News::List(list) = read(&format!(r#"{{"type": "UAV-LIST", "ids": [{}]}}"#, ids.join(","))) else {
+            panic!("a list");
+        };
+        assert_eq!((list.ids.len(), list.is_whole), (UAV_LIMIT, false));
+        let states: Vec<String> = ids.iter().map(|id| format!("{id}: {{}}")).collect();
+        let states = read(&format!(r#"{{"type": "UAV-INF", "status": {{{}}}}}"#, states.join(",")));
+        assert!(matches!(states, News::States(states) if states.len() == UAV_LIMIT));
+    }
+
+    proptest! {
+        #[test]
+        fn whatever_comes_is_read(bytes in any::<Vec<u8>>(), text in r#"[\[\]{}:,"a0\\ -]{0,40}"#) {
+            Message::read(&bytes);
+            Message::read(text.as_bytes());
+        }
+    }
+}

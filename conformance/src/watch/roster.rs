@@ -1,0 +1,125 @@
+//! What is kept of each UAV, by its id: of no more UAVs than anyone can watch.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::time::{Duration, Instant};
+
+use super::message::List;
+
+/// How many UAVs are kept. The largest fleets that have flown are about half of that.
+pub const UAV_LIMIT: usize = 10_000;
+
+/// The longest id that is kept, in bytes. The schema of the protocol allows 64 characters.
+pub const ID_LIMIT: usize = 256;
+
+/// For how long a UAV stays of which the server told by itself, although a list doesn't have it: the list may be older,
+/// and some servers tell of UAVs that they don't list.
+const GRACE: Duration = Duration::from_secs(10);
+
+/// A UAV, and what is kept of it.
+#[derive(Debug)]
+pub(super) struct Member<T> {
+    /// When the server told of it last without having been asked.
+    pub(super) told: Option<Instant>,
+    /// What is kept.
+    pub(super) value: T,
+}
+
+/// UAVs by their ids.
+#[derive(Debug)]
+pub(super) struct Roster<T> {
+    members: BTreeMap<String, Member<T>>,
+}
+
+impl<T> Default for Roster<T> {
+    fn default() -> Self {
+        Self { members: BTreeMap::new() }
+    }
+}
+
+impl<T: Default> Roster<T> {
+    pub(super) fn len(&self) -> usize {
+        self.members.len()
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&str, &Member<T>)> {
+        self.members.iter().map(|(id, member)| (id.as_str(), member))
+    }
+
+    pub(super) fn get(&self, id: &str) -> Option<&Member<T>> {
+        self.members.get(id)
+    }
+
+    pub(super) fn get_mut(&mut self, id: &str) -> Option<&mut Member<T>> {
+        self.members.get_mut(id)
+    }
+
+    /// The UAV with an id, which is a new one where it isn't known; none where there is no room for it.
+    pub(super) fn admit(&mut self, id: &str) -> Option<&mut Member<T>> {
+        if !self.members.contains_key(id) {
+            if id.len() > ID_LIMIT || self.members.len() >= UAV_LIMIT {
+                return None;
+            }
+            self.members.insert(id.to_owned(), Member { told: None, value: T::default() });
+        }
+        self.members.get_mut(id)
+    }
+
+    /// Takes the server's list of all its UAVs: those that it lacks leave; whether there was room for all of it.
+    pub(super) fn update(&mut self, list: &List, now: Instant) -> bool {
+        if list.is_whole {
+            let listed: BTreeSet<&str> = list.ids.iter().map(String::as_str).collect();
+            self.members.retain(|id, member| {
+                let is_fresh = member.told.is_some_and(|told| now.saturating_duration_since(told) < GRACE);
+                is_fresh || listed.contains(id.as_str())
+            });
+        }
+        let admitted = list.ids.iter().filter(|id| self.admit(id).is_some()).count();
+        list.is_whole && admitted == list.ids.len()
+    }
+
+    /// Removes a UAV.
+    pub(super) fn remove(&mut self, id: &str) {
+        self.members.remove(id);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn list(ids: &[&str]) -> List {
+        List { ids: ids.iter().map(|id| (*id).to_owned()).collect(), is_whole: true }
+    }
+
+    fn ids(roster: &Roster<u8>) -> Vec<&str> {
+        roster.iter().map(|(id, _)| id).collect()
+    }
+
+    #[test]
+    fn those_that_a_list_lacks_leave_unless_they_were_just_told_of() {
+        let now = Instant::now();
+        let mut roster = Roster::default();
+        assert!(roster.update(&list(&["glider-1", "glider-2"]), now));
+        roster.admit("glider-2").expect("room").told = Some(now);
+        roster.admit("glider-3").expect("room").told = Some(now);
+        assert!(roster.update(&list(&["glider-4"]), now + GRACE / 2));
+        assert_eq!(ids(&roster), ["glider-2", "glider-3", "glider-4"]);
+        assert!(!roster.update(&List { is_whole: false, ..list(&["glider-5"]) }, now + GRACE));
+        assert_eq!(ids(&roster).len(), 4, "a list that was cut says nothing of the others");
+        assert!(roster.update(&list(&["glider-4"]), now + GRACE));
+        assert_eq!(ids(&roster), ["glider-4"]);
+    }
+
+    #[test]
+    fn there_is_an_end_to_ids() {
+        let mut roster = Roster::<u8>::default();
+        assert!(roster.admit(&"g".repeat(ID_LIMIT + 1)).is_none());
+        for number in 0..UAV_LIMIT {
+            assert!(roster.admit(&format!("glider-{number}")).is_some());
+        }
+        assert!(roster.admit("one too many").is_none());
+        assert!(roster.admit("glider-0").is_some());
+        assert_eq!(roster.len(), UAV_LIMIT);
+        assert!(!roster.update(&List { is_whole: false, ..list(&["one too many"]) }, Instant::now()));
+    }
+}

@@ -1,0 +1,325 @@
+//! What a person has made of the screen: which UAV is looked at, what is shown, in which order. Keys change it.
+
+use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+
+use super::fleet::{Fleet, Uav};
+use super::order::Order;
+use super::words::shown_id;
+
+/// The longest filter.
+const FILTER_LIMIT: usize = 64;
+
+/// What fills the screen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Page {
+    /// All UAVs.
+    #[default]
+    Fleet,
+    /// All UAVs, while it is typed which.
+    Filter,
+    /// All of one UAV.
+    Details,
+    /// The keys.
+    Help,
+}
+
+/// Whether to go on after a key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// Go on.
+    Stay,
+    /// It is over.
+    Quit,
+}
+
+/// What a person has made of the screen.
+#[derive(Debug, Default)]
+pub struct Screen {
+    /// What fills it.
+    pub page: Page,
+    /// What comes first.
+    pub order: Order,
+    /// What the ids that are shown have in them.
+    pub filter: String,
+    /// The UAV that is looked at.
+    pub selected: Option<String>,
+    /// The first row that is shown.
+    pub first_row: usize,
+    /// The first line of any other page that is shown.
+    pub first_line: usize,
+    /// How many rows there was room for when it was drawn last.
+    pub height: usize,
+    /// Where the UAV that is looked at stood when it was drawn last, for when it leaves.
+    row: usize,
+}
+
+impl Screen {
+    /// The UAVs that are shown, in their order.
+    pub fn rows<'f>(&self, fleet: &'f Fleet) -> Vec<(&'f str, &'f Uav)> {
+        let filter = self.filter.to_lowercase();
+        let fits = |id: &str| filter.is_empty() || shown_id(id).to_lowercase().contains(&filter);
+        let mut rows: Vec<(&str, &Uav)> = fleet.uavs().filter(|(id, _)| fits(id)).collect();
+        rows.sort_by(|one, other| self.order.compare(*one, *other));
+        rows
+    }
+
+    /// Sees to it that one of the rows is looked at, and that it is among as many as there is room for; which.
+    pub fn settle(&mut self, rows: &[(&str, &Uav)], height: usize) -> Option<usize> {
+        self.height = height;
+        let last = rows.len().checked_sub(1)?;
+        let selected = self.selected.as_deref();
+        let found = rows.iter().position(|(id, _)| Some(*id) == selected);
+        self.row = found.unwrap_or(self.row.min(last));
+        self.selected = Some(rows[self.row].0.to_owned());
+        let lowest = (self.row + 1).saturating_sub(height).min(self.row);
+        self.first_row = self.first_row.clamp(lowest, self.row);
+        // Room at the end is filled.
+        self.first_row = self.first_row.min(rows.len().saturating_sub(height));
+        Some(self.row)
+    }
+
+    /// Takes a key.
+    pub fn press(&mut self, key: KeyEvent, fleet: &Fleet) -> Step {
+        if key.kind == KeyEventKind::Release {
+            return Step::Stay;
+        }
+        if key.code == KeyCode::Char('c') && key.modifiers.contains(KeyModifiers::CONTROL) {
+            return Step::Quit;
+        }
+        match self.page {
+            Page::Fleet => return self.press_on_fleet(key.code, fleet),
+            Page::Filter => self.press_on_filter(key.code, fleet),
+            Page::Details => return self.press_on_details(key.code),
+            Page::Help => match key.code {
+                KeyCode::Char('q') => return Step::Quit,
+                other if self.scroll(other) => {}
+                _ => self.page = Page::Fleet,
+            },
+        }
+        Step::Stay
+    }
+
+    fn press_on_fleet(&mut self, key: KeyCode, fleet: &Fleet) -> Step {
+        match key {
+            KeyCode::Char('q') => return Step::Quit,
+            // What narrows the view is given up first.
+            KeyCode::Esc if self.filter.is_empty() => return Step::Quit,
+            KeyCode::Esc => self.filter.clear(),
+            KeyCode::Char('?') => self.open(Page::Help),
+            KeyCode::Char('/') => self.page = Page::Filter,
+            KeyCode::Char('s') => {
+                self.order = self.order.next();
+                // The first in the new order is what is wanted to be seen.
+                self.first_row = 0;
+                self.row = 0;
+                self.selected = None;
+            }
+            KeyCode::Enter if self.selected.is_some() => self.open(Page::Details),
+            other => self.walk(other, fleet),
+        }
+        Step::Stay
+    }
+
+    fn press_on_filter(&mut self, key: KeyCode, fleet: &Fleet) {
+        match key {
+            KeyCode::Enter => self.page = Page::Fleet,
+            KeyCode::Esc => {
+                self.filter.clear();
+                self.page = Page::Fleet;
+            }
+            KeyCode::Backspace => {
+                self.filter.pop();
+            }
+            KeyCode::Char(character) if !character.is_control() && self.filter.len() < FILTER_LIMIT => {
+                self.filter.push(character);
+            }
+            KeyCode::Char(_) => {}
+            other => self.walk(other, fleet),
+        }
+    }
+
+    fn press_on_details(&mut self, key: KeyCode) -> Step {
+        match key {
+            KeyCode::Char('q') => return Step::Quit,
+            KeyCode::Char('?') => self.open(Page::Help),
+            KeyCode::Esc | KeyCode::Enter | KeyCode::Backspace => self.page = Page::Fleet,
+            other => {
+                self.scroll(other);
+            }
+        }
+        Step::Stay
+    }
+
+    /// Shows a page from its beginning.
+    fn open(&mut self, page: Page) {
+        self.page = page;
+        self.first_line = 0;
+    }
+
+    /// Moves a page up or down; whether the key is one for that.
+    fn scroll(&mut self, key: KeyCode) -> bool {
+        let page = self.height.max(1);
+        self.first_line = match key {
+            KeyCode::Up | KeyCode::Char('k') => self.first_line.saturating_sub(1),
+            KeyCode::Down | KeyCode::Char('j') => self.first_line + 1,
+            KeyCode::PageUp => self.first_line.saturating_sub(page),
+            KeyCode::PageDown => self.first_line + page,
+            KeyCode::Home | KeyCode::Char('g') => 0,
+            // It is drawn as far as there are lines.
+            KeyCode::End | KeyCode::Char('G') => usize::MAX / 2,
+            _ => return false,
+        };
+        true
+    }
+
+    fn walk(&mut self, key: KeyCode, fleet: &Fleet) {
+        let rows = self.rows(fleet);
+        let Some(row) = self.settle(&rows, self.height) else { return };
+        let page = self.height.max(1);
+        let row = match key {
+            KeyCode::Up | KeyCode::Char('k') => row.saturating_sub(1),
+            KeyCode::Down | KeyCode::Char('j') => row + 1,
+            KeyCode::PageUp => row.saturating_sub(page),
+            KeyCode::PageDown => row + page,
+            KeyCode::Home | KeyCode::Char('g') => 0,
+            KeyCode::End | KeyCode::Char('G') => rows.len(),
+            _ => row,
+        };
+        let row = row.min(rows.len().saturating_sub(1));
+        self.selected = rows.get(row).map(|(id, _)| (*id).to_owned());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Instant;
+
+    use proptest::prelude::*;
+
+    use super::super::message::Message;
+    use super::super::session::Event;
+    use super::*;
+
+    /// A fleet in which each UAV has one error code.
+    fn fleet(count: u32) -> Fleet {
+        let states: Vec<String> = (1..=count)
+            .map(|number| {
+                format!(
+                    r#""glider-{number}": {{"errors": [{}], "battery": [0, {number}]}}"#,
+                    number * 60 % 256
+                )
+            })
+            .collect();
+        let text = format!(r#"{{"type": "UAV-INF", "status": {{{}}}}}"#, states.join(","));
+        let mut fleet = Fleet::default();
+        fleet.take(Event::Heard(Message::read(text.as_bytes())), Instant::now());
+        fleet
+    }
+
+    fn press(screen: &mut Screen, fleet: &Fleet, keys: &[KeyCode]) -> Step {
+        let mut step = Step::Stay;
+        for key in keys {
+            let rows = screen.rows(fleet);
+            screen.settle(&rows, 4);
+            step = screen.press((*key).into(), fleet);
+        }
+        let rows = screen.rows(fleet);
+        screen.settle(&rows, 4);
+        step
+    }
+
+    const fn typed(character: char) -> KeyCode {
+        KeyCode::Char(character)
+    }
+
+    #[test]
+    fn keys_move_and_what_is_looked_at_is_seen() {
+        let fleet = fleet(12);
+        let mut screen = Screen::default();
+        let looked_at = |screen: &Screen| (screen.selected.clone().expect("a UAV"), screen.first_row);
+        for (keys, id, first) in [
+            (&[][..], "glider-1", 0),
+            (&[KeyCode::Down, typed('j'), KeyCode::Down], "glider-4", 0),
+            (&[KeyCode::Down], "glider-5", 1),
+            (&[KeyCode::PageDown], "glider-9", 5),
+            (&[KeyCode::Up, typed('k')], "glider-7", 5),
+            (&[KeyCode::PageUp], "glider-3", 2),
+            (&[KeyCode::End, KeyCode::Down], "glider-12", 8),
+            (&[KeyCode::Home, KeyCode::Up], "glider-1", 0),
+        ] {
+            assert_eq!(press(&mut screen, &fleet, keys), Step::Stay);
+            assert_eq!(looked_at(&screen), (id.to_owned(), first), "{keys:?}");
+        }
+    }
+
+    #[test]
+    fn the_order_changes_and_ids_are_filtered() {
+        let fleet = fleet(12);
+        let mut screen = Screen::default();
+        let first = |screen: &Screen| screen.rows(&fleet).first().map(|(id, _)| (*id).to_owned());
+        press(&mut screen, &fleet, &[typed('s')]);
+        // 60 × 4 = 240 is the first that is fatal.
+        assert_eq!((first(&screen).as_deref(), screen.order), (Some("glider-4"), Order::Severity));
+        press(&mut screen, &fleet, &[typed('s')]);
+        assert_eq!((first(&screen).as_deref(), screen.order), (Some("glider-1"), Order::Battery));
+        press(&mut screen, &fleet, &[typed('s'), typed('/'), typed('R'), typed('-'), typed('1'), typed('q')]);
+        assert_eq!((screen.rows(&fleet).len(), screen.selected.as_deref()), (0, Some("glider-1")));
+        press(&mut screen, &fleet, &[KeyCode::Backspace, KeyCode::Enter]);
+        assert_eq!((screen.rows(&fleet).len(), screen.page), (4, Page::Fleet));
+        assert_eq!(press(&mut screen, &fleet, &[KeyCode::Esc]), Step::Stay);
+        assert_eq!(screen.rows(&fleet).len(), 12);
+        assert_eq!(press(&mut screen, &fleet, &[KeyCode::Esc]), Step::Quit);
+    }
+
+    #[test]
+    fn pages_are_opened_and_left() {
+        let fleet = fleet(2);
+        let mut screen = Screen::default();
+        for (key, page) in [
+            (KeyCode::Enter, Page::Details),
+            (KeyCode::Down, Page::Details),
+            (KeyCode::Esc, Page::Fleet),
+            (typed('?'), Page::Help),
+            (typed('x'), Page::Fleet),
+            (typed('/'), Page::Filter),
+            (KeyCode::Esc, Page::Fleet),
+        ] {
+            assert_eq!(press(&mut screen, &fleet, &[key]), Step::Stay);
+            assert_eq!(screen.page, page, "{key:?}");
+        }
+        assert_eq!(press(&mut screen, &fleet, &[KeyCode::Enter, typed('q')]), Step::Quit);
+        let interrupt = KeyEvent::new(typed('c'), KeyModifiers::CONTROL);
+        assert_eq!(Screen { page: Page::Filter, ..Screen::default() }.press(interrupt, &fleet), Step::Quit);
+    }
+
+    #[test]
+    fn when_the_uav_leaves_that_is_looked_at_its_neighbour_takes_its_place() {
+        let mut fleet = fleet(3);
+        let mut screen = Screen::default();
+        press(&mut screen, &fleet, &[KeyCode::Down]);
+        let gone = Message::read(br#"{"type": "OBJ-DEL", "ids": ["glider-2"]}"#);
+        fleet.take(Event::Heard(gone), Instant::now());
+        press(&mut screen, &fleet, &[]);
+        assert_eq!(screen.selected.as_deref(), Some("glider-3"));
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_looked_at_is_among_the_rows_that_are_seen(
+            keys in proptest::collection::vec("[jkgGs/?]|[0-9]", 0..30),
+            count in 0..20_u32,
+            height in 0..10_usize,
+        ) {
+            let fleet = fleet(count);
+            let mut screen = Screen::default();
+            for key in keys.iter().filter_map(|key| key.chars().next()) {
+                screen.press(KeyCode::Char(key).into(), &fleet);
+                let rows = screen.rows(&fleet);
+                if let Some(row) = screen.settle(&rows, height) {
+                    prop_assert!(row < rows.len() && screen.first_row <= row);
+                    prop_assert!(row < screen.first_row + height.max(1));
+                }
+            }
+        }
+    }
+}

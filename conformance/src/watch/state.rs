@@ -1,0 +1,275 @@
+//! The state of a UAV as it told it (`UAVStatusInfo`), read without trust: a value of the wrong type is odd, and no
+//! error.
+
+use super::words::kept;
+use crate::json::Tree;
+
+/// How many error codes of a UAV are kept, how many values of other lists, and how many fields that nobody knows.
+const CODE_LIMIT: usize = 64;
+const VALUE_LIMIT: usize = 16;
+const OTHER_LIMIT: usize = 8;
+
+/// A value that may be missing, or of a type that it can't be.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Field<T> {
+    /// It isn't there, or says that it isn't known.
+    #[default]
+    Absent,
+    /// It is of a wrong type.
+    Odd,
+    /// It is there.
+    Known(T),
+}
+
+impl<T> Field<T> {
+    /// The value, where there is a proper one.
+    pub fn known(&self) -> Option<&T> {
+        if let Self::Known(value) = self { Some(value) } else { None }
+    }
+
+    fn of(value: Option<T>) -> Self {
+        value.map_or(Self::Odd, Self::Known)
+    }
+
+    /// Takes a value for unknown.
+    fn unless(self, is_unknown: impl Fn(&T) -> bool) -> Self {
+        match self {
+            Self::Known(value) if is_unknown(&value) => Self::Absent,
+            other => other,
+        }
+    }
+}
+
+/// Where a UAV is.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Position {
+    /// In 1e-7 degrees.
+    pub latitude: Field<i64>,
+    /// In 1e-7 degrees.
+    pub longitude: Field<i64>,
+    /// Above mean sea level, in millimetres.
+    pub above_sea: Field<i64>,
+    /// Above the home position, in millimetres.
+    pub above_home: Field<i64>,
+    /// Above the ground, in millimetres.
+    pub above_ground: Field<i64>,
+}
+
+/// What satellites tell a UAV.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Gps {
+    /// The kind of fix, from 0 to 7.
+    pub fix: Field<i64>,
+    /// How many satellites there are.
+    pub satellites: Field<i64>,
+    /// How exact the position is along the ground, in millimetres.
+    pub horizontal: Field<i64>,
+    /// How exact the altitude is, in millimetres.
+    pub vertical: Field<i64>,
+}
+
+/// What is left in a battery.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Battery {
+    /// In tenths of volts.
+    pub voltage: Field<i64>,
+    /// In percent.
+    pub percent: Field<i64>,
+    /// Whether it is charging.
+    pub is_charging: Field<bool>,
+}
+
+/// The error codes of a UAV.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Errors {
+    /// The codes, the gravest first.
+    pub codes: Vec<u32>,
+    /// How many entries are no codes.
+    pub odd: usize,
+    /// How many more there are than are kept.
+    pub more: usize,
+}
+
+/// What a UAV told of itself.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct State {
+    /// What it calls itself.
+    pub id: Field<String>,
+    /// When it was heard of, in milliseconds since 1970 by the clock of the server.
+    pub timestamp: Field<i64>,
+    /// Its mode.
+    pub mode: Field<String>,
+    /// Where it is on the earth.
+    pub position: Field<Position>,
+    /// Where it is in a room, in millimetres.
+    pub position_xyz: Field<[Field<i64>; 3]>,
+    /// What satellites tell it.
+    pub gps: Field<Gps>,
+    /// Where its nose points to, in tenths of degrees.
+    pub heading: Field<i64>,
+    /// Roll, pitch and yaw, in tenths of degrees.
+    pub attitude: Field<[Field<i64>; 3]>,
+    /// North, east and down, in millimetres a second.
+    pub velocity: Field<[Field<i64>; 3]>,
+    /// The same in a room.
+    pub velocity_xyz: Field<[Field<i64>; 3]>,
+    /// What is left in its battery.
+    pub battery: Field<Battery>,
+    /// The colour of its light, as RGB565.
+    pub light: Field<i64>,
+    /// How well it is heard, for each radio, in percent.
+    pub rssi: Field<Vec<Field<i64>>>,
+    /// What is wrong with it.
+    pub errors: Field<Errors>,
+    /// What its authors wanted to know, in base64.
+    pub debug: Field<String>,
+    /// Other fields, by name.
+    pub others: Vec<(String, String)>,
+}
+
+impl State {
+    /// Reads a state; none where it is no object.
+    pub fn read(tree: &Tree<'_>) -> Option<Self> {
+        let Tree::Object(members) = tree else { return None };
+        let mut state = Self::default();
+        // Of a repeated key the first counts, as everywhere in this program.
+        for (key, value) in members.iter().rev() {
+            state.set(key, value);
+        }
+        Some(state)
+    }
+
+    fn set(&mut self, key: &str, value: &Tree<'_>) {
+        match key {
+            "id" => self.id = text(value),
+            "timestamp" => self.timestamp = integer(value),
+            "mode" => self.mode = text(value),
+            "position" => self.position = position(value),
+            "positionXYZ" => self.position_xyz = three(value),
+            "gps" => self.gps = gps(value),
+            "heading" => self.heading = integer(value),
+            "attitude" => self.attitude = three(value),
+            "velocity" => self.velocity = three(value),
+            "velocityXYZ" => self.velocity_xyz = three(value),
+            "battery" => self.battery = battery(value),
+            "light" => self.light = integer(value),
+            "rssi" => self.rssi = Field::of(list(value).map(|values| integers(values))),
+            "errors" => self.errors = Field::of(list(value).map(errors)),
+            "debug" => self.debug = text(value),
+            other if self.others.len() < OTHER_LIMIT => {
+                self.others.push((kept(other), kept(&value.to_string())));
+            }
+            _ => {}
+        }
+    }
+}
+
+fn text(value: &Tree<'_>) -> Field<String> {
+    Field::of(value.as_str().map(kept))
+}
+
+fn integer(value: &Tree<'_>) -> Field<i64> {
+    let Tree::Int(value) = value else { return Field::Odd };
+    Field::of(i64::try_from(*value).ok())
+}
+
+fn list<'v, 't>(value: &'v Tree<'t>) -> Option<&'v [Tree<'t>]> {
+    if let Tree::List(values) = value { Some(values) } else { None }
+}
+
+/// An entry of a list; `null` stands for what isn't known.
+fn entry(values: &[Tree<'_>], index: usize) -> Field<i64> {
+    values.get(index).filter(|value| **value != Tree::Null).map_or(Field::Absent, integer)
+}
+
+fn integers(values: &[Tree<'_>]) -> Vec<Field<i64>> {
+    values.iter().take(VALUE_LIMIT).map(integer).collect()
+}
+
+fn three(value: &Tree<'_>) -> Field<[Field<i64>; 3]> {
+    Field::of(list(value).map(|values| [0, 1, 2].map(|index| entry(values, index))))
+}
+
+fn position(value: &Tree<'_>) -> Field<Position> {
+    Field::of(list(value).map(|values| Position {
+        latitude: entry(values, 0),
+        longitude: entry(values, 1),
+        above_sea: entry(values, 2),
+        above_home: entry(values, 3),
+        above_ground: entry(values, 4),
+    }))
+}
+
+fn gps(value: &Tree<'_>) -> Field<Gps> {
+    Field::of(list(value).map(|values| Gps {
+        fix: entry(values, 0),
+        satellites: entry(values, 1),
+        horizontal: entry(values, 2),
+        vertical: entry(values, 3),
+    }))
+}
+
+fn battery(value: &Tree<'_>) -> Field<Battery> {
+    Field::of(list(value).map(|values| Battery {
+        voltage: entry(values, 0).unless(|voltage| *voltage == 0),
+        percent: entry(values, 1).unless(|percent| *percent < 0),
+        is_charging: match values.get(2) {
+            None | Some(Tree::Null) => Field::Absent,
+            Some(Tree::Bool(is_charging)) => Field::Known(*is_charging),
+            Some(_) => Field::Odd,
+        },
+    }))
+}
+
+fn errors(values: &[Tree<'_>]) -> Errors {
+    let code = |value: &Tree<'_>| integer(value).known().and_then(|code| u32::try_from(*code).ok());
+    let kept = &values[..values.len().min(CODE_LIMIT)];
+    let mut codes: Vec<u32> = kept.iter().filter_map(code).collect();
+    let odd = kept.len() - codes.len();
+    codes.sort_by_key(|code| (std::cmp::Reverse(uavspec_runtime::Severity::of(*code)), *code));
+    codes.dedup();
+    // 0 says that there is no error.
+    codes.retain(|code| *code != 0);
+    Errors { codes, odd, more: values.len() - kept.len() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> State {
+        State::read(&Tree::read(text).expect("JSON")).expect("an object")
+    }
+
+    #[test]
+    fn what_is_missing_and_what_is_odd_are_told_apart() {
+        let state = read(
+            r#"{"mode": 7, "position": [504980000, "east", null, -1500], "battery": [0, -1, true],
+                "gps": {}, "heading": 3.5, "heading": 450, "wind": [1, 2], "rssi": [80, null]}"#,
+        );
+        assert_eq!(state.mode, Field::Odd);
+        let position = state.position.known().expect("a list");
+        assert_eq!((&position.latitude, &position.longitude), (&Field::Known(504_980_000), &Field::Odd));
+        let altitudes = [&position.above_sea, &position.above_home, &position.above_ground];
+        assert_eq!(altitudes, [&Field::Absent, &Field::Known(-1500), &Field::Absent]);
+        let battery =
+            Battery { voltage: Field::Absent, percent: Field::Absent, is_charging: Field::Known(true) };
+        assert_eq!(state.battery, Field::Known(battery));
+        assert_eq!((state.gps, state.heading), (Field::Odd, Field::Odd));
+        assert_eq!(state.others, [("wind".to_owned(), "an array of 2".to_owned())]);
+        assert_eq!(state.rssi, Field::Known(vec![Field::Known(80), Field::Odd]));
+        assert_eq!(state.timestamp, Field::Absent);
+        assert_eq!(State::read(&Tree::Null), None);
+    }
+
+    #[test]
+    fn the_gravest_codes_come_first() {
+        let state = read(r#"{"errors": [1, 0, 66, 199, 1, -1, 193, 65733, "x", 99999999999]}"#);
+        let errors = state.errors.known().expect("a list");
+        assert_eq!(errors.codes, [193, 199, 65733, 66, 1]);
+        assert_eq!((errors.odd, errors.more), (3, 0));
+        let many: Vec<String> = (0..100).map(|code| code.to_string()).collect();
+        let state = read(&format!(r#"{{"errors": [{}]}}"#, many.join(",")));
+        assert_eq!(state.errors.known().map(|errors| errors.more), Some(100 - CODE_LIMIT));
+    }
+}

@@ -1,0 +1,168 @@
+//! All of one UAV.
+
+use ratatui::text::{Line, Span};
+use uavspec_runtime::Severity;
+
+use super::super::codes::severity_name;
+use super::super::format::{ABSENT, ODD, age, coordinates, field, fixed, metres, number, volts};
+use super::super::state::{Battery, Errors, Field, Gps, Position, State};
+use super::super::words::shown_id;
+use super::Scene;
+use super::wrap::wrapped;
+
+/// How many columns the names of fields take.
+const INDENT: usize = 13;
+
+pub(super) fn lines(scene: &Scene<'_>, id: &str, width: usize) -> Vec<Line<'static>> {
+    let Some(uav) = scene.fleet.get(id) else { return vec![Line::raw(format!("{} is gone", shown_id(id)))] };
+    let mut lines = vec![Line::styled(shown_id(id), scene.theme().title())];
+    let heard = age(scene.fleet.age(uav, scene.now));
+    let mut fields =
+        vec![("heard of", if heard == ABSENT { "never".to_owned() } else { format!("{heard} ago") })];
+    fields.extend(uav.refusal.iter().map(|reason| ("refused", reason.clone())));
+    if let Some(state) = &uav.state {
+        fields.extend(values(state, id));
+        let others = state.others.iter().map(|(name, value)| ("", format!("{name}: {value}")));
+        fields.extend(others);
+    }
+    for (name, value) in fields {
+        lines.extend(labelled(name, &value, width));
+    }
+    if let Some(state) = &uav.state {
+        match &state.errors {
+            Field::Known(errors) => lines.extend(errors_told(scene, errors, width)),
+            other => lines.extend(labelled("errors", &field(other, |_| String::new()), width)),
+        }
+    }
+    lines
+}
+
+/// A field in as many lines as it needs.
+fn labelled(name: &str, value: &str, width: usize) -> Vec<Line<'static>> {
+    let parts = wrapped(value, width.saturating_sub(INDENT));
+    let lines = parts.into_iter().enumerate().map(|(number, part)| {
+        let name = if number == 0 { name } else { "" };
+        Line::raw(format!("{name:INDENT$}{part}"))
+    });
+    lines.collect()
+}
+
+fn values(state: &State, id: &str) -> Vec<(&'static str, String)> {
+    let own_id =
+        field(&state.id, |own| if *own == shown_id(id) { "the same".to_owned() } else { own.clone() });
+    vec![
+        ("own id", own_id),
+        ("time stamp", number(&state.timestamp, |time| format!("{time} ms"))),
+        ("mode", field(&state.mode, Clone::clone)),
+        ("position", position(&state.position)),
+        ("altitudes", altitudes(&state.position)),
+        ("position XYZ", vector(&state.position_xyz, ["x", "y", "z"], |value| metres(value) + " m")),
+        ("GPS", field(&state.gps, gps)),
+        ("heading", number(&state.heading, tenths)),
+        ("attitude", vector(&state.attitude, ["roll", "pitch", "yaw"], tenths)),
+        ("velocity", vector(&state.velocity, ["north", "east", "down"], speed)),
+        ("velocity XYZ", vector(&state.velocity_xyz, ["x", "y", "z"], speed)),
+        ("battery", field(&state.battery, battery)),
+        ("light", number(&state.light, light)),
+        ("signal", field(&state.rssi, |values| signals(values))),
+        ("debug", field(&state.debug, Clone::clone)),
+    ]
+}
+
+fn position(position: &Field<Position>) -> String {
+    if position.known().is_none() {
+        return field(position, |_| String::new());
+    }
+    let [latitude, longitude] = coordinates(Some(position), 7);
+    format!("latitude {latitude}°, longitude {longitude}°")
+}
+
+fn altitudes(position: &Field<Position>) -> String {
+    field(position, |position| {
+        let heights = [
+            (&position.above_sea, "mean sea level"),
+            (&position.above_home, "home"),
+            (&position.above_ground, "ground"),
+        ];
+        let heights = heights.map(|(height, what)| format!("{} m above {what}", number(height, metres)));
+        heights.join(", ")
+    })
+}
+
+fn vector(vector: &Field<[Field<i64>; 3]>, names: [&str; 3], words: fn(i64) -> String) -> String {
+    field(vector, |values| {
+        let parts: Vec<String> = names
+            .iter()
+            .zip(values)
+            .map(|(name, value)| format!("{name} {}", number(value, words)))
+            .collect();
+        parts.join(", ")
+    })
+}
+
+fn whole(value: i64) -> String {
+    value.to_string()
+}
+
+fn tenths(value: i64) -> String {
+    format!("{}°", fixed(value, 1, 1))
+}
+
+fn speed(value: i64) -> String {
+    format!("{} m/s", metres(value))
+}
+
+fn gps(gps: &Gps) -> String {
+    format!(
+        "fix {}, {} satellites, within {} m along the ground and {} m in altitude",
+        number(&gps.fix, whole),
+        number(&gps.satellites, whole),
+        number(&gps.horizontal, metres),
+        number(&gps.vertical, metres),
+    )
+}
+
+fn battery(battery: &Battery) -> String {
+    let left = format!("{} V, {} %", number(&battery.voltage, volts), number(&battery.percent, whole));
+    match battery.is_charging {
+        Field::Absent => left,
+        Field::Odd => format!("{left}, charging: {ODD}"),
+        Field::Known(true) => format!("{left}, charging"),
+        Field::Known(false) => format!("{left}, not charging"),
+    }
+}
+
+/// A colour, as programs for pictures write it.
+fn light(colour: i64) -> String {
+    let Ok(colour) = u16::try_from(colour) else { return format!("{colour}, which is no colour") };
+    let widen = |value: u16, bits: u32| u32::from(value) * 255 / ((1 << bits) - 1);
+    let [red, green, blue] = [widen(colour >> 11, 5), widen(colour >> 5 & 0x3F, 6), widen(colour & 0x1F, 5)];
+    format!("#{red:02x}{green:02x}{blue:02x}")
+}
+
+fn signals(values: &[Field<i64>]) -> String {
+    let signal = |value: i64| if value < 0 { "none".to_owned() } else { format!("{value} %") };
+    let parts: Vec<String> = values.iter().map(|value| number(value, signal)).collect();
+    if parts.is_empty() { ABSENT.to_owned() } else { parts.join(", ") }
+}
+
+/// Each error code with all that is known of it.
+fn errors_told(scene: &Scene<'_>, errors: &Errors, width: usize) -> Vec<Line<'static>> {
+    let mut lines = Vec::new();
+    if errors.codes.is_empty() && errors.odd == 0 {
+        lines.extend(labelled("errors", "none", width));
+    }
+    for code in &errors.codes {
+        let severity = Severity::of(*code);
+        let name = format!("{:<8}{}", severity_name(severity), scene.codes.named(*code));
+        lines.push(Line::default());
+        lines.push(Line::from(Span::styled(name, scene.theme().severity(severity))));
+        let meaning = wrapped(scene.codes.meaning(*code), width.saturating_sub(8));
+        lines.extend(meaning.into_iter().map(|part| Line::raw(format!("{:8}{part}", ""))));
+    }
+    if errors.odd > 0 || errors.more > 0 {
+        let text = format!("{ODD}: {} of a wrong type, {} more than are shown", errors.odd, errors.more);
+        lines.extend(labelled("errors", &text, width));
+    }
+    lines
+}

@@ -1,0 +1,79 @@
+//! The lines above the fleet: the server, how many UAVs there are, and what is wrong with them.
+
+use ratatui::text::{Line, Span};
+use uavspec_runtime::Severity;
+
+use super::super::codes::{severity_letter, severity_name};
+use super::super::fleet::Link;
+use super::{Ends, MIDDLE_WIDTH, Scene, spaced};
+use crate::record::Grouped;
+
+pub(super) fn lines<'s>(scene: &'s Scene<'_>, width: u16) -> Vec<Ends<'s>> {
+    let theme = scene.theme();
+    let url = Span::styled(scene.url, theme.title());
+    let server = Span::raw(scene.fleet.server.as_deref().unwrap_or_default());
+    let link = Line::styled(link(scene), theme.link(&scene.fleet.link));
+    let rate = scene.fleet.rate(scene.now);
+    let rate = if rate < 100.0 { format!("{rate:.1}") } else { format!("{rate:.0}") };
+    let mut lines = if width < MIDDLE_WIDTH {
+        vec![
+            Ends::new(url, link),
+            Ends::new(server, format!("{rate} msg/s")),
+            Ends::new(counts(scene, severity_letter), Line::default()),
+        ]
+    } else {
+        vec![
+            Ends::new(spaced([url, server]), link),
+            Ends::new(counts(scene, severity_name), format!("{rate} messages/s")),
+        ]
+    };
+    lines.extend(
+        troubles(scene)
+            .into_iter()
+            .map(|trouble| Ends::new(Line::styled(trouble, theme.trouble()), Line::default())),
+    );
+    lines
+}
+
+fn link(scene: &Scene<'_>) -> String {
+    match &scene.fleet.link {
+        Link::Connecting => "connecting".to_owned(),
+        Link::Connected => "connected".to_owned(),
+        Link::Lost { again, .. } => {
+            // The second that has begun counts.
+            let left = again.saturating_duration_since(scene.now).as_millis().div_ceil(1000);
+            if left == 0 { "lost, trying again".to_owned() } else { format!("lost, again in {left} s") }
+        }
+    }
+}
+
+/// How many UAVs there are, and how many with which severity.
+fn counts<'s>(scene: &Scene<'_>, name: fn(Severity) -> &'static str) -> Line<'s> {
+    let count = scene.fleet.len();
+    let uavs = format!("{} {}", Grouped(count as u64), if count == 1 { "UAV" } else { "UAVs" });
+    let theme = scene.theme();
+    let by_severity = Severity::ALL.into_iter().rev().map(|severity| {
+        let count = scene.fleet.count(severity);
+        let style = if count == 0 { theme.faint() } else { theme.severity(severity) };
+        Span::styled(format!("{} {}", Grouped(count as u64), name(severity)), style)
+    });
+    spaced([Span::raw(uavs)].into_iter().chain(by_severity))
+}
+
+/// What is wrong with the server.
+fn troubles(scene: &Scene<'_>) -> Vec<String> {
+    let fleet = scene.fleet;
+    let mut troubles = Vec::new();
+    if let Link::Lost { reason, .. } = &fleet.link {
+        troubles.push(crate::report::shown(reason));
+    }
+    troubles.extend(fleet.remark.clone());
+    if fleet.unreadable > 0 {
+        let messages = if fleet.unreadable == 1 { "message" } else { "messages" };
+        troubles.push(format!("{} {messages} that can't be read", Grouped(fleet.unreadable)));
+    }
+    if fleet.is_overfull {
+        troubles.push("the server has more UAVs than are shown".to_owned());
+    }
+    troubles
+}

@@ -1,0 +1,216 @@
+//! The fleet as a table, of as many columns as there is room for.
+
+use std::time::Duration;
+
+use ratatui::Frame;
+use ratatui::layout::{Constraint, Rect};
+use ratatui::style::Style;
+use ratatui::text::{Line, Span};
+use ratatui::widgets::{Row, Table};
+use uavspec_runtime::Severity;
+
+use super::super::codes::{severity_letter, severity_name};
+use super::super::fleet::{Link, Uav};
+use super::super::format::{
+    ABSENT, ODD, age, charge, coordinates, field, first_sentence, metres, part, volts,
+};
+use super::super::screen::Screen;
+use super::super::words::shown_id;
+use super::wrap::clipped;
+use super::{MIDDLE_WIDTH, Scene};
+
+/// From how many columns on there is room for everything.
+const WIDE_WIDTH: u16 = 130;
+
+/// From when on it is no longer certain that a UAV is as it was.
+const STALE: Duration = Duration::from_secs(10);
+
+/// What a column shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Id,
+    Mark,
+    Severity,
+    Mode,
+    Voltage,
+    Charge,
+    Latitude,
+    Longitude,
+    AboveSea,
+    AboveHome,
+    AboveGround,
+    Age,
+    Errors,
+}
+
+/// A column.
+#[derive(Clone, Copy, Debug)]
+struct Column {
+    kind: Kind,
+    title: &'static str,
+    width: u16,
+    /// Whether numbers stand in it, which are read from their end.
+    has_numbers: bool,
+}
+
+const fn text(kind: Kind, title: &'static str, width: u16) -> Column {
+    Column { kind, title, width, has_numbers: false }
+}
+
+const fn number(kind: Kind, title: &'static str, width: u16) -> Column {
+    Column { kind, title, width, has_numbers: true }
+}
+
+/// The columns of narrow screens, of usual ones, and of wide ones. The first is as wide as the ids need, at most as
+/// wide as it stands here; the last takes what is left.
+const NARROW: [Column; 6] = [
+    text(Kind::Id, "ID", 12),
+    text(Kind::Mark, "", 1),
+    text(Kind::Mode, "MODE", 7),
+    number(Kind::Charge, "BAT", 5),
+    number(Kind::Age, "AGE", 5),
+    text(Kind::Errors, "ERRORS", 0),
+];
+
+const MIDDLE: [Column; 10] = [
+    text(Kind::Id, "ID", 16),
+    text(Kind::Mark, "", 1),
+    text(Kind::Mode, "MODE", 8),
+    number(Kind::Voltage, "VOLT", 4),
+    number(Kind::Charge, "BAT", 5),
+    number(Kind::Latitude, "LAT", 9),
+    number(Kind::Longitude, "LON", 10),
+    number(Kind::AboveHome, "AHL", 6),
+    number(Kind::Age, "AGE", 5),
+    text(Kind::Errors, "ERRORS", 0),
+];
+
+const WIDE: [Column; 12] = [
+    text(Kind::Id, "ID", 24),
+    text(Kind::Severity, "SEVERITY", 8),
+    text(Kind::Mode, "MODE", 10),
+    number(Kind::Voltage, "VOLT", 4),
+    number(Kind::Charge, "BAT", 5),
+    number(Kind::Latitude, "LATITUDE", 11),
+    number(Kind::Longitude, "LONGITUDE", 12),
+    number(Kind::AboveSea, "AMSL", 7),
+    number(Kind::AboveHome, "AHL", 6),
+    number(Kind::AboveGround, "AGL", 6),
+    number(Kind::Age, "AGE", 5),
+    text(Kind::Errors, "ERRORS", 0),
+];
+
+pub(super) fn draw(
+    frame: &mut Frame<'_>,
+    scene: &Scene<'_>,
+    screen: &Screen,
+    rows: &[(&str, &Uav)],
+    area: Rect,
+) {
+    let shown: Vec<_> = rows.iter().skip(screen.first_row).take(usize::from(area.height)).collect();
+    let columns = columns(area.width, shown.iter().map(|(id, _)| *id));
+    let theme = scene.theme();
+    let titles = columns.iter().map(|column| aligned(Line::raw(column.title), *column));
+    let lines = shown.into_iter().map(|(id, uav)| {
+        let cells = columns.iter().map(|column| aligned(cell(scene, id, uav, column.kind), *column));
+        let style = if is_stale(scene, uav) { theme.faint() } else { Style::new() };
+        let is_selected = screen.selected.as_deref() == Some(*id);
+        Row::new(cells).style(if is_selected { style.patch(theme.selected()) } else { style })
+    });
+    let widths = columns.iter().map(|column| Constraint::Length(column.width));
+    let table = Table::new(lines, widths).header(Row::new(titles).style(theme.title()));
+    frame.render_widget(table, area);
+}
+
+/// The columns for a screen, with their widths.
+fn columns<'i>(width: u16, ids: impl Iterator<Item = &'i str>) -> Vec<Column> {
+    let mut columns = match width {
+        ..MIDDLE_WIDTH => NARROW.to_vec(),
+        MIDDLE_WIDTH..WIDE_WIDTH => MIDDLE.to_vec(),
+        WIDE_WIDTH.. => WIDE.to_vec(),
+    };
+    let longest = ids.map(|id| Span::raw(shown_id(id)).width()).max().unwrap_or_default();
+    let longest = u16::try_from(longest).unwrap_or(u16::MAX);
+    if let Some(first) = columns.first_mut() {
+        first.width = longest.clamp(2, first.width);
+    }
+    let gaps = u16::try_from(columns.len()).unwrap_or(u16::MAX).saturating_sub(1);
+    let taken: u16 = columns.iter().map(|column| column.width).sum::<u16>() + gaps;
+    if let Some(last) = columns.last_mut() {
+        last.width = width.saturating_sub(taken);
+    }
+    columns
+}
+
+fn aligned(line: Line<'_>, column: Column) -> Line<'_> {
+    let line = clipped(line, usize::from(column.width));
+    if column.has_numbers { line.right_aligned() } else { line }
+}
+
+fn is_stale(scene: &Scene<'_>, uav: &Uav) -> bool {
+    let age = scene.fleet.age(uav, scene.now);
+    scene.fleet.link != Link::Connected || age.is_none_or(|age| age >= STALE)
+}
+
+fn cell<'c>(scene: &Scene<'_>, id: &str, uav: &Uav, kind: Kind) -> Line<'c> {
+    let state = uav.state.as_ref();
+    let (position, battery) = (state.map(|state| &state.position), state.map(|state| &state.battery));
+    // Of degrees, the fifth decimal is about a metre.
+    let [latitude, longitude] = coordinates(position, 5);
+    let text = match kind {
+        Kind::Id => shown_id(id),
+        Kind::Mark | Kind::Severity => return severity(scene, uav, kind == Kind::Mark),
+        Kind::Mode => state.map_or_else(|| ABSENT.to_owned(), |state| field(&state.mode, Clone::clone)),
+        Kind::Voltage => part(battery, |battery| &battery.voltage, volts),
+        Kind::Charge => charge(battery),
+        Kind::Latitude => latitude,
+        Kind::Longitude => longitude,
+        Kind::AboveSea => part(position, |position| &position.above_sea, metres),
+        Kind::AboveHome => part(position, |position| &position.above_home, metres),
+        Kind::AboveGround => part(position, |position| &position.above_ground, metres),
+        Kind::Age => age(scene.fleet.age(uav, scene.now)),
+        Kind::Errors => return errors(scene, uav),
+    };
+    Line::raw(text)
+}
+
+/// The gravest severity, as a letter or as a word.
+fn severity<'c>(scene: &Scene<'_>, uav: &Uav, is_letter: bool) -> Line<'c> {
+    let Some(severity) = uav.worst() else { return Line::default() };
+    let name = if is_letter { severity_letter(severity) } else { severity_name(severity) };
+    Line::styled(name, scene.theme().severity(severity))
+}
+
+/// The error codes of a UAV in short, and what the gravest means, as far as there is room.
+fn errors<'c>(scene: &Scene<'_>, uav: &Uav) -> Line<'c> {
+    if let Some(reason) = &uav.refusal {
+        return Line::raw(format!("refused: {reason}"));
+    }
+    let errors = uav.state.as_ref().map(|state| &state.errors);
+    let text = field(errors.unwrap_or(&super::super::state::Field::Absent), |_| String::new());
+    let mut spans = vec![Span::raw(text)];
+    for (number, code) in uav.codes().iter().enumerate() {
+        if number > 0 {
+            spans.push(Span::raw(", "));
+        }
+        spans.push(Span::styled(scene.codes.short(*code), scene.theme().severity(Severity::of(*code))));
+    }
+    if errors.and_then(|errors| errors.known()).is_some_and(|errors| errors.odd > 0) {
+        spans.push(Span::raw(format!(" {ODD}")));
+    }
+    if let Some(code) = uav.codes().first() {
+        let meaning = format!(" – {}", first_sentence(scene.codes.meaning(*code)));
+        spans.push(Span::styled(meaning, scene.theme().faint()));
+    }
+    Line::from(spans)
+}
+
+/// An error code with all that is to be known of it on one line.
+pub(super) fn told<'l>(scene: &Scene<'_>, code: u32) -> Line<'l> {
+    let severity = Severity::of(code);
+    let name = Span::styled(
+        format!("{:<7} {}", severity_name(severity), scene.codes.named(code)),
+        scene.theme().severity(severity),
+    );
+    Line::from(vec![name, Span::raw(format!(": {}", first_sentence(scene.codes.meaning(code))))])
+}

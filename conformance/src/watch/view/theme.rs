@@ -1,0 +1,55 @@
+//! What things look like. Whatever a colour says, something else says too: a word, or bold letters.
+
+use ratatui::style::{Color, Modifier, Style};
+use uavspec_runtime::Severity;
+
+use super::super::fleet::Link;
+
+/// What things look like.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Theme {
+    pub(super) is_coloured: bool,
+}
+
+impl Theme {
+    pub(super) fn severity(self, severity: Severity) -> Style {
+        let (colour, modifier) = match severity {
+            Severity::Fatal => (Color::LightRed, Modifier::BOLD | Modifier::UNDERLINED),
+            Severity::Error => (Color::LightRed, Modifier::BOLD),
+            Severity::Warning => (Color::Yellow, Modifier::empty()),
+            Severity::Informational => (Color::Cyan, Modifier::empty()),
+        };
+        self.colour(colour).add_modifier(modifier)
+    }
+
+    pub(super) fn link(self, link: &Link) -> Style {
+        match link {
+            Link::Connecting => self.colour(Color::Yellow),
+            Link::Connected => self.colour(Color::Green),
+            Link::Lost { .. } => self.trouble(),
+        }
+    }
+
+    /// Of what is wrong with the server.
+    pub(super) fn trouble(self) -> Style {
+        self.colour(Color::LightRed).add_modifier(Modifier::BOLD)
+    }
+
+    pub(super) fn title(self) -> Style {
+        self.colour(Color::Reset).add_modifier(Modifier::BOLD)
+    }
+
+    /// Of what is less important, or no longer certain.
+    pub(super) fn faint(self) -> Style {
+        self.colour(Color::Reset).add_modifier(Modifier::DIM)
+    }
+
+    /// Of the row that is looked at.
+    pub(super) fn selected(self) -> Style {
+        self.colour(Color::Reset).add_modifier(Modifier::REVERSED)
+    }
+
+    fn colour(self, colour: Color) -> Style {
+        if self.is_coloured { Style::new().fg(colour) } else { Style::new() }
+    }
+}

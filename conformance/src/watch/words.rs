@@ -1,0 +1,42 @@
+//! Texts of a server: cut before they are kept, made harmless before they are shown.
+
+use crate::report::shown;
+
+/// The longest text that is kept of a message, in characters.
+const TEXT_LIMIT: usize = 80;
+
+/// The start of a text: all that is kept of it. It is harmless in a terminal, and on one line.
+pub(super) fn kept(text: &str) -> String {
+    match text.char_indices().nth(TEXT_LIMIT) {
+        None => shown(text),
+        Some((end, _)) => format!("{}…", shown(&text[..end])),
+    }
+}
+
+/// An id as it is shown.
+pub(super) fn shown_id(id: &str) -> String {
+    kept(id)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn whatever_is_kept_is_short_and_harmless(text in any::<String>(), times in 1..50_usize) {
+            let kept = kept(&text.repeat(times));
+            // An escape has at most ten characters.
+            prop_assert!(kept.chars().count() <= TEXT_LIMIT * 10 + 1);
+            prop_assert!(!kept.chars().any(char::is_control), "{kept:?}");
+        }
+    }
+
+    #[test]
+    fn escapes_of_terminals_are_seen() {
+        assert_eq!(kept("\u{1b}]0;glider\u{7}"), "\\u{1b}]0;glider\\u{7}");
+        assert_eq!(kept(&"é".repeat(TEXT_LIMIT + 1)), "é".repeat(TEXT_LIMIT) + "…");
+    }
+}
