@@ -1,7 +1,7 @@
 //! `FW-ENV-22`.
 //!
-//! It is tried with two requests: one that is malformed, to which any answer will do; and a sound SYS-PING after it,
-//! which has to be served.
+//! It is tried with two requests: one that is malformed, to which any answer will do; and a sound one after it,
+//! of a type that has nothing to get wrong, which has to be served.
 
 use serde_json::json;
 
@@ -41,7 +41,8 @@ pub(super) static RULE: Rule = Rule {
 
 fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
     let Some(asked) = &turn.asked else { return };
-    if asked.is_sound && asked.type_name.as_deref() == Some("SYS-PING") {
+    let is_sound = asked.is_sound && matches!(asked.type_name.as_deref(), Some("SYS-PING" | "SYS-VER"));
+    if is_sound {
         fw::served(turn, judged);
     } else {
         fw::tried(turn, judged);
