@@ -49,8 +49,8 @@ pub struct Asked {
     pub type_name: Option<String>,
     /// What it asks for, where that is a list of strings, all of them kept.
     pub objects: Option<BTreeSet<String>>,
-    /// Whether it names one of them twice.
-    pub is_repeated: bool,
+    /// One of them that it names twice.
+    pub repeated: Option<String>,
     /// The types of objects that it has as a filter, where it has one; none of them where that is no list of strings.
     pub filter: Option<BTreeSet<String>>,
     /// Whether it sets what it could ask for: a source of RTK, or the time.
@@ -66,8 +66,6 @@ pub struct Asked {
     pub is_sound: bool,
     /// What is tried with it: a rule, and how.
     pub trial: Option<(&'static Rule, String)>,
-    /// Whether it asks to adjust the time by nothing.
-    is_adjusting_by_nothing: bool,
     /// Whether its id was in use when it was sent, so that nobody can tell which of them an answer is about.
     is_ambiguous: bool,
     /// How many requests with this id wait.
@@ -98,8 +96,8 @@ struct State {
     clock: Option<(f64, f64)>,
     /// When that was learnt.
     clock_time: f64,
-    /// Whether the server was asked to adjust its clock by nothing, and no later request has told what came of it.
-    is_adjusted_by_nothing: bool,
+    /// Where the server was asked to adjust its clock by nothing, as long as no later request has told what came of it.
+    adjusted_by_nothing: Option<Place>,
 }
 
 /// A key of what belongs to a connection.
@@ -253,7 +251,9 @@ impl Conversations {
         }
         let state = &mut self.states[turn.exchange.connection.index];
         if side == Side::Client {
-            state.is_adjusted_by_nothing |= asked.is_adjusting_by_nothing;
+            if turn.type_name == Some("SYS-TIME") && turn.field("adjustment") == Some(&Tree::Int(0)) {
+                state.adjusted_by_nothing = Some(asked.place);
+            }
             release(&mut self.operations, state.serial, &asked);
         }
         let Some(id) = turn.id.filter(|id| id.len() <= MAX_ID) else {
@@ -402,11 +402,11 @@ impl Conversations {
             // An offset that both answers allow is no move.
             by: (now.0 - before.1).max(before.0 - now.1).max(0.0),
             since: time - state.clock_time,
-            is_after_nothing: state.is_adjusted_by_nothing,
+            is_after_nothing: state.adjusted_by_nothing.is_some(),
         });
         (state.clock, state.clock_time) = (Some(now), time);
-        state.is_adjusted_by_nothing &=
-            turn.asked.as_ref().is_some_and(|asked| asked.is_adjusting_by_nothing);
+        let asked = turn.asked.as_ref().map(|asked| asked.place);
+        state.adjusted_by_nothing = state.adjusted_by_nothing.filter(|place| asked <= Some(*place));
     }
 }
 
@@ -432,7 +432,7 @@ impl Asked {
     fn of(turn: &Turn<'_>) -> Self {
         let parts = turn.type_name.and_then(message_type).and_then(|known| known.parts);
         let objects = parts.and_then(|parts| strings(turn.field(parts.asked)));
-        let named = objects.as_ref().map_or(0, Vec::len);
+        let repeated = objects.as_deref().and_then(repeated);
         let objects: Option<BTreeSet<String>> = objects.map(BTreeSet::from_iter);
         let filter = turn.field("filter").map(|filter| strings(Some(filter)).unwrap_or_default());
         let is_setting = match turn.type_name {
@@ -442,12 +442,10 @@ impl Asked {
         };
         Self {
             type_name: turn.type_name.filter(|name| name.len() <= MAX_ID).map(str::to_owned),
-            is_repeated: objects.as_ref().is_some_and(|objects| objects.len() < named),
+            repeated,
             objects,
             filter: filter.map(BTreeSet::from_iter),
             is_setting,
-            is_adjusting_by_nothing: turn.type_name == Some("SYS-TIME")
-                && turn.field("adjustment") == Some(&Tree::Int(0)),
             time: turn.time,
             place: turn.exchange.place,
             waited: None,
@@ -463,6 +461,12 @@ impl Asked {
         let of_trial = self.trial.as_ref().map_or(0, |(_, how)| how.len());
         MAX_ID + of_trial + self.objects.iter().chain(&self.filter).flatten().map(of_object).sum::<usize>()
     }
+}
+
+/// One of these that stands there twice.
+fn repeated(texts: &[String]) -> Option<String> {
+    let mut seen = BTreeSet::new();
+    texts.iter().find(|text| !seen.insert(*text)).cloned()
 }
 
 /// The strings of a list; none where it is none, holds something else, or holds too much.

@@ -78,6 +78,7 @@ fn over_udp_one_answer_will_do() {
     for rule in rules {
         for answered in [None, Some(0), Some(1), Some(2)] {
             let talk = over("udp#1", |talk| {
+                talk.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": [] }));
                 for attempt in 0..3 {
                     let id = talk.tries(rule, "three times", ping());
                     if answered == Some(attempt) {
@@ -89,6 +90,9 @@ fn over_udp_one_answer_will_do() {
             assert_eq!(broken_by(&talk), expected, "{rule}, {answered:?}");
         }
     }
+    // Where no answer finds its way, nobody knows what ends the service.
+    let silence = over("udp#1", |talk| rules.iter().for_each(|rule| _ = talk.tries(rule, "", ping())));
+    assert_eq!(broken_by(&silence), [("FW-UDP-02", 1)]);
     // What else is tried over UDP may be lost as well.
     for rule in ["FW-ENV-07", "FW-ENV-21", "FW-SYS-PING-01"] {
         assert_eq!(broken_by(&over("udp#1", |talk| _ = talk.tries(rule, "", ping()))), []);

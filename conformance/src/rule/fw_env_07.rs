@@ -7,7 +7,7 @@
 use serde_json::json;
 
 use super::fw::{self, Conversation, Role, Turn};
-use super::{Check, Detail, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, Judged, Level, Mutant, Rule, Status, fw_env_25};
 
 pub(super) static RULE: Rule = Rule {
     id: "FW-ENV-07",
@@ -45,11 +45,14 @@ fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
         return;
     }
     if let Some((of, _)) = &asked.trial {
-        // What tries another rule is a matter of that one.
+        // What tries another rule is a matter of that one, but for the one on the order of answers, which says nothing of
+        // what has none.
         if of.id == RULE.id {
             fw::tried(turn, judged);
         }
-        return;
+        if of.id != fw_env_25::RULE.id {
+            return;
+        }
     }
     if turn.role == Role::Response {
         return judged.exercise();

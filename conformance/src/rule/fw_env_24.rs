@@ -83,7 +83,7 @@ struct Families {
 struct Refusals {
     is_logged_in: bool,
     /// How a type is that there isn't.
-    unknown: BTreeSet<Option<String>>,
+    unknown: BTreeSet<String>,
     /// How each family is.
     families: BTreeMap<&'static str, Family>,
 }
@@ -91,7 +91,7 @@ struct Refusals {
 /// What came of asking a family.
 struct Family {
     is_served: bool,
-    reasons: BTreeSet<Option<String>>,
+    reasons: BTreeSet<String>,
     place: Place,
 }
 
@@ -163,9 +163,9 @@ impl Families {
     }
 }
 
-/// With what reason a request is refused, but for its type; the outer one is none where it isn't refused.
-fn reason(turn: &Turn<'_>, type_name: &str) -> Option<Option<String>> {
+/// The reason with which a request is refused, but for its type; empty where there is none.
+fn reason(turn: &Turn<'_>, type_name: &str) -> Option<String> {
     let body = turn.response("ACK-NAK")?;
-    let reason = body.get("reason").and_then(Tree::as_str);
-    Some(reason.map(|reason| reason.replace(type_name, "…").chars().take(MAX_REASON).collect()))
+    let reason = body.get("reason").and_then(Tree::as_str).unwrap_or_default();
+    Some(reason.replace(type_name, "…").chars().take(MAX_REASON).collect())
 }

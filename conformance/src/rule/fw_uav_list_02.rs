@@ -66,7 +66,9 @@ impl Checker for Uavs {
         } else if turn.response("UAV-LIST").is_some() {
             let objects = std::mem::take(&mut listed.objects);
             if listed.uavs.as_ref() == Some(&list) {
-                objects.iter().for_each(|(objects, place)| compare(&list, objects, *place, judged));
+                for (objects, place) in objects {
+                    compare(&list, &objects, place, judged);
+                }
             }
             listed.uavs = Some(list);
         }

@@ -127,7 +127,7 @@ impl Unknown {
     /// UAV-INF tells of UAVs.
     fn inform(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
         let Some(asked) = turn.asked_same() else { return };
-        let is_repeated = asked.is_repeated && turn.tried(&REPEATED).is_some();
+        let is_repeated = asked.repeated.is_some() && turn.tried(&REPEATED).is_some();
         if is_repeated != self.is_of_repeated {
             return;
         }
