@@ -30,9 +30,9 @@ macro_rules! rule {
                 Mutant {
                     name: "trials without an answer",
                     make: |_| {
-                fw::over("udp#9", |talk| {
+                        fw::over("udp#9", |talk| {
                             for _ in 0..3 {
-                                talk.tries($id, "without an answer", json!({ "type": "SYS-PING" }));
+                        talk.tries($id, "without an answer", json!({ "type": "SYS-PING" }));
                             }
                         })
                     },
