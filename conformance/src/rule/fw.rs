@@ -34,8 +34,11 @@ pub(super) const DERIVED: &str = "derived from Flockwave 2.10";
 /// How much of something is quoted, in characters.
 const MAX_QUOTED: usize = 64;
 
-/// How many ids of a list are followed.
-const MAX_LISTED: usize = 5_000;
+/// How much room the ids of a list may take that are followed, in bytes: those of a fleet of ten thousand fit.
+const MAX_LISTED: usize = 1 << 19;
+
+/// What an id takes beside its text, in bytes; a rough guess.
+const OVERHEAD: usize = 40;
 
 /// The longest id that is followed, in bytes: 64 characters of up to four.
 const MAX_ID: usize = 256;
@@ -327,8 +330,13 @@ pub(super) fn listed(turn: &Turn<'_>) -> Option<BTreeSet<String>> {
     let Some(Tree::List(values)) = turn.field("ids").filter(|_| turn.role != Role::Unanswered) else {
         return None;
     };
-    let id = |value: &Tree<'_>| Some(value.as_str()?.to_owned()).filter(|id| id.len() <= MAX_ID);
-    if values.len() > MAX_LISTED { None } else { values.iter().map(id).collect() }
+    let mut room = MAX_LISTED;
+    let id = |value: &Tree<'_>| {
+        let id = value.as_str().filter(|id| id.len() <= MAX_ID)?;
+        room = room.checked_sub(id.len() + OVERHEAD)?;
+        Some(id.to_owned())
+    };
+    values.iter().map(id).collect()
 }
 
 /// Whether replies of a type may have receipts.

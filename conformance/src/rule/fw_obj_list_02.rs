@@ -41,9 +41,12 @@ impl Checker for Listed {
         if !turn.is_of_server() || !turn.exchange.connection.is_told {
             return;
         }
-        if let (Some(_), Some(gone)) = (turn.notification("OBJ-DEL"), fw::listed(turn)) {
+        if turn.notification("OBJ-DEL").is_some() {
             // What comes anew with the id of one that is gone may be of another type.
-            return self.0.of(turn).values_mut().for_each(|list| list.retain(|id| !gone.contains(id)));
+            let gone = fw::listed(turn);
+            let is_left = |id: &String| gone.as_ref().is_some_and(|gone| !gone.contains(id));
+            self.0.of(turn).values_mut().for_each(|list| list.retain(is_left));
+            return;
         }
         let asked = turn.response("OBJ-LIST").and(turn.asked_same());
         // What a type may be that there isn't is another rule's matter.

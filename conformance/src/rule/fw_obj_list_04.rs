@@ -55,8 +55,10 @@ impl Checker for Objects {
             return;
         }
         let is_end = turn.notification("OBJ-DEL").or_else(|| turn.notification("CONN-DEL")).is_some();
-        if is_end && let Some(gone) = fw::listed(turn) {
-            return self.0.of(turn).others.retain(|id| !gone.contains(id));
+        if is_end {
+            let gone = fw::listed(turn);
+            let is_left = |id: &String| gone.as_ref().is_some_and(|gone| !gone.contains(id));
+            return self.0.of(turn).others.retain(is_left);
         }
         let asked = turn.response("OBJ-LIST").and(turn.asked_same());
         let (Some(asked), Some(list)) = (asked, fw::listed(turn)) else { return };

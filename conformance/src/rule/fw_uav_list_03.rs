@@ -100,12 +100,13 @@ impl Checker for Unknown {
         if turn.response("UAV-INF").is_some() {
             return self.inform(turn, judged);
         }
-        let Some(list) = fw::listed(turn) else { return };
+        let list = fw::listed(turn);
         let listed = self.connections.of(turn);
         if turn.notification("OBJ-DEL").is_some() {
-            listed.uavs.retain(|id| !list.contains(id));
-            listed.doubted.retain(|(id, _)| !list.contains(id));
-        } else if turn.response("UAV-LIST").is_some() {
+            let is_left = |id: &String| list.as_ref().is_some_and(|gone| !gone.contains(id));
+            listed.uavs.retain(is_left);
+            listed.doubted.retain(|(id, _)| is_left(id));
+        } else if let (Some(_), Some(list)) = (turn.response("UAV-LIST"), list) {
             for (id, place) in listed.doubted.drain(..).filter(|(id, _)| list.contains(id)) {
                 judged.report("UAV-INF", place, || {
                     let id = fw::quoted(&id);

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::{Role, Turn};
 
 /// Of how many connections something is kept; more at the same time are rare, and of the oldest it is forgotten.
-const MAX_CONNECTIONS: usize = 64;
+const MAX_CONNECTIONS: usize = 16;
 
 /// A state for each connection. It begins anew with the connection, and where nothing is known any more of what went
 /// over it.
