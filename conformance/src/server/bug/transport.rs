@@ -4,8 +4,7 @@ use super::Bug;
 
 pub(super) const BUGS: &[Bug] = &[
     Bug::behaviour("FW-TCP-01", "Over TCP, notifications are written in several lines."),
-    Bug::behaviour("FW-TCP-02", "Over TCP, only the first of several requests in a segment is taken.")
-        .with(&["FW-ENV-25"]),
+    Bug::behaviour("FW-TCP-02", "Over TCP, only the first of several requests in a segment is taken."),
     Bug::behaviour("FW-TCP-03", "Over TCP, a line that is no JSON ends the connection."),
     Bug::behaviour(
         "FW-TCP-04",
