@@ -57,6 +57,12 @@ pub fn matrix(definitions: &Definitions) -> Vec<Row> {
     RULES.iter().flat_map(|rule| rule.mutants.iter().map(move |mutant| row(rule, mutant))).collect()
 }
 
+/// Ids of rules, in words.
+pub(crate) fn list<'i>(ids: impl IntoIterator<Item = &'i &'static str>) -> String {
+    let ids: Vec<&str> = ids.into_iter().copied().collect();
+    if ids.is_empty() { "nothing".to_owned() } else { ids.join(", ") }
+}
+
 /// Bytes can always be read.
 fn judge_bytes(bytes: &[u8], definitions: &Definitions) -> Option<Judgement> {
     judge(bytes, None, definitions).ok()

@@ -219,3 +219,43 @@ fn a_server_that_closes_now_and_then_is_asked_to_the_end() {
     let again = probed.notes.iter().filter(|note| note.contains("connected again")).count();
     assert_eq!(again, 3, "{:?}", probed.notes);
 }
+
+/// The first word of each finding of a rule on trials: how it was tried, and how often that failed.
+fn trials(probed: &Probed) -> Vec<(&'static str, String, u64)> {
+    let groups = probed.judgement.findings.groups();
+    groups.map(|group| (group.rule.id, group.subject.clone(), group.count)).collect()
+}
+
+#[test]
+fn each_weakness_of_a_server_over_tcp_is_named_once() {
+    // It answers what came in a segment all at once, the last first; and of a segment with a line that is no JSON
+    // nothing, but ends the connection.
+    let probed = probed(
+        &served(|stream, _| {
+            let (mut rest, mut number) = (Vec::new(), 0);
+            segments(&stream, |segment| {
+                rest.extend_from_slice(segment);
+                let Some(end) = rest.iter().rposition(|byte| *byte == b'\n') else { return true };
+                let whole: Vec<u8> = rest.drain(..=end).collect();
+                let lines: Vec<&[u8]> = whole[..end].split(|byte| *byte == b'\n').collect();
+                if lines.iter().any(|line| serde_json::from_slice::<Value>(line).is_err()) {
+                    return false;
+                }
+                let answers: Vec<String> =
+                    lines.iter().filter_map(|line| answer(line, &mut number)).collect();
+                let answers: String = answers.into_iter().rev().collect();
+                (&stream).write_all(answers.as_bytes()).is_ok()
+            });
+        }),
+        &Options { limit: Duration::from_secs(45), ..brief() },
+    );
+    assert_eq!(probed.failure, None);
+    let found = trials(&probed);
+    let of = |rule: &str| -> Vec<(&str, u64)> {
+        found.iter().filter(|found| found.0 == rule).map(|found| (found.1.as_str(), found.2)).collect()
+    };
+    assert_eq!(of("FW-TCP-03"), [("after a line that is no JSON", 4)]);
+    assert_eq!(of("FW-TCP-02"), [("a message in one segment with a line that is no JSON", 1)]);
+    assert_eq!(of("FW-ENV-25").len(), 1);
+    assert_eq!(of("FW-TCP-04"), []);
+}

@@ -9,7 +9,8 @@ use clap::Args;
 use super::Status;
 use super::progress::Progress;
 use crate::definitions::Definitions;
-use crate::matrix::{Row, conforming, matrix};
+use crate::matrix::live::{cases as cases_of_servers, live};
+use crate::matrix::{Row, conforming, list, matrix};
 use crate::record::Grouped;
 use crate::rule::RULES;
 use crate::testee::case::cases;
@@ -25,7 +26,11 @@ const PLAIN: Style = Style::new();
 #[command(after_help = "Examples:
   uavspec self-test
   uavspec self-test --definitions ../px4_msgs/msg
+  uavspec self-test --recordings-only
   uavspec self-test -- ./reference-codec
+
+The reference server is probed with each of its bugs, at free ports of 127.0.0.1; that takes half a minute, most of which
+is waiting.
 
 Exit status: 0 the program judges as it should, 1 it does not, 2 definitions that can't be read, 3 the testee broke.")]
 pub(super) struct SelfTestArgs {
@@ -33,6 +38,9 @@ pub(super) struct SelfTestArgs {
     /// of this program, where nothing is said.
     #[arg(long, value_name = "PATH")]
     definitions: Option<PathBuf>,
+    /// Probe no servers.
+    #[arg(long)]
+    recordings_only: bool,
     /// A testee that is known to be right, with its arguments: it has to pass all cases.
     #[arg(last = true, value_name = "COMMAND")]
     testee: Vec<OsString>,
@@ -44,6 +52,9 @@ pub(super) fn self_test(args: &SelfTestArgs) -> Status {
         Err(status) => return status,
     };
     let mut is_right = recordings(&definitions) & rules(&matrix(&definitions));
+    if !args.recordings_only {
+        is_right &= servers(&definitions);
+    }
     if !args.testee.is_empty() {
         match cases_of(&definitions, &args.testee) {
             Ok(is_passing) => is_right &= is_passing,
@@ -93,6 +104,36 @@ fn rules(rows: &[Row]) -> bool {
     rows.iter().all(Row::is_right)
 }
 
+/// In the reference server each bug has to be found, and nothing else.
+fn servers(definitions: &Definitions) -> bool {
+    let cases = cases_of_servers();
+    let progress = Progress::steps("servers");
+    let mut rows = Vec::new();
+    live(&cases, definitions, |row| {
+        rows.push(row);
+        progress.set(rows.len(), cases.len());
+    });
+    drop(progress);
+    anstream::println!(
+        "\nThe reference server, probed as it is and with each of its bugs, live and recorded:"
+    );
+    let mut are_right = true;
+    for (case, row) in cases.iter().zip(rows) {
+        let name = case.bug.map_or_else(|| case.name(), |bug| bug.rule.to_owned());
+        let (is_right, text) = match row {
+            Ok(row) if row.is_right() && case.bug.is_some() => (true, "found".to_owned()),
+            Ok(row) if row.is_right() => {
+                (true, format!("{} rules exercised, nothing found", row.exercised.len()))
+            }
+            Ok(row) => (false, row.told()),
+            Err(error) => (false, error.to_string()),
+        };
+        are_right &= is_right;
+        line(is_right, &name, &text);
+    }
+    are_right
+}
+
 /// The testee has to pass all cases.
 fn cases_of(definitions: &Definitions, testee: &[OsString]) -> Result<bool, String> {
     let cases = cases(definitions, definitions.types());
@@ -112,10 +153,8 @@ fn cases_of(definitions: &Definitions, testee: &[OsString]) -> Result<bool, Stri
 }
 
 fn told(row: &Row) -> String {
-    let list = |ids: &mut dyn Iterator<Item = &str>| ids.collect::<Vec<_>>().join(", ");
-    let found = list(&mut row.broken.iter().flatten().copied());
-    let found = if found.is_empty() { "nothing".to_owned() } else { found };
-    format!("{}: expected {}, found {found}", row.mutant.name, list(&mut row.expected().into_iter()))
+    let found = list(row.broken.iter().flatten());
+    format!("{}: expected {}, found {found}", row.mutant.name, list(&row.expected()))
 }
 
 fn line(is_right: bool, name: &str, text: &str) {

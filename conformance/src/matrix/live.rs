@@ -7,6 +7,7 @@ use std::num::NonZeroUsize;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use super::list;
 use crate::definitions::Definitions;
 use crate::judge::{Judgement, judge};
 use crate::live::endpoint::Endpoint;
@@ -15,7 +16,7 @@ use crate::probe::{self, probe};
 use crate::server::{self, Bug, Server, Transport, bugs};
 
 /// How many servers are probed at the same time: most of it is waiting.
-const JOBS: usize = 24;
+const JOBS: usize = 64;
 
 /// How long it is listened to each.
 const OBSERVE: Duration = Duration::from_millis(1_500);
@@ -93,6 +94,18 @@ impl Row {
     pub fn expected(&self) -> BTreeSet<&'static str> {
         let bug = self.case.bug;
         bug.into_iter().flat_map(|bug| bug.also.iter().copied().chain([bug.rule])).collect()
+    }
+
+    /// What should have been found, and what was.
+    pub fn told(&self) -> String {
+        let mut told = format!("expected {}, found {}", list(&self.expected()), list(&self.broken));
+        if self.replayed != self.broken {
+            told += &format!(", and {} in the recording", list(&self.replayed));
+        }
+        if let Some(failure) = &self.failure {
+            told += &format!("; {failure}");
+        }
+        told
     }
 
     /// Whether it broke what it should, and nothing else, live and recorded.
