@@ -20,10 +20,10 @@ use self::remembered::Remembered;
 pub(crate) use self::turn::seconds;
 pub use self::turn::{Reference, Role, Turn};
 pub(crate) use self::vocabulary::OPERATIONS;
-pub use self::vocabulary::{MessageType, Parts, TYPES, message_type};
+pub use self::vocabulary::{Parts, parts};
+use crate::definitions::Definitions;
 use crate::json::Tree;
 use crate::record::{Direction, Exchange, Place};
-use crate::shape;
 
 /// How much each memory takes, in bytes.
 const LIMIT: usize = 16 << 20;
@@ -122,16 +122,14 @@ impl Default for Conversations {
 }
 
 impl Conversations {
-    /// What an exchange means after all that went before it.
-    pub fn follow<'t>(&mut self, exchange: &'t Exchange<'t>) -> Turn<'t> {
+    /// What an exchange means after all that went before it, where bodies have the shapes of these definitions.
+    pub fn follow<'t>(&mut self, exchange: &'t Exchange<'t>, definitions: &Definitions) -> Turn<'t> {
         let time = self.at(exchange);
         let mut turn = Turn::new(exchange, time);
         let state = &self.states[exchange.connection.index];
         turn.clock = state.clock;
         turn.serial = state.serial;
-        if let (true, Some(body), Some(name)) = (turn.is_of_server(), turn.body, turn.type_name) {
-            turn.deviations = shape::check(name, body);
-        }
+        turn.deviations = turn.deviations_from(definitions);
         match turn.role {
             Role::Event | Role::Unanswered => {}
             Role::Unreadable => {
@@ -405,7 +403,7 @@ fn side(turn: &Turn<'_>) -> Side {
 
 impl Asked {
     fn of(turn: &Turn<'_>) -> Self {
-        let parts = turn.type_name.and_then(message_type).and_then(|known| known.parts);
+        let parts = turn.type_name.and_then(parts);
         let objects = parts.and_then(|parts| strings(turn.field(parts.asked)));
         let is_setting = match turn.type_name {
             Some("RTK-SOURCE") => turn.field("id").is_some(),

@@ -49,6 +49,7 @@ mod fw_env_14;
 mod fw_env_15;
 mod fw_env_16;
 mod fw_env_17;
+mod fw_env_18;
 mod fw_env_19;
 mod fw_env_23;
 mod fw_err_01;
@@ -119,6 +120,8 @@ mod px_ver_01;
 
 use std::fmt;
 
+pub(crate) use self::fw_asy_22::TYPES as TYPES_WITH_RESULTS;
+
 use serde::Serialize;
 
 use crate::conversation::Turn;
@@ -129,7 +132,7 @@ use crate::record::{Channel, Message, Place};
 use crate::sample::Flight;
 
 /// Every rule, by id.
-pub static RULES: [&Rule; 125] = [
+pub static RULES: [&Rule; 126] = [
     &fw_ack_01::RULE,
     &fw_ack_03::RULE,
     &fw_ack_04::RULE,
@@ -175,6 +178,7 @@ pub static RULES: [&Rule; 125] = [
     &fw_env_15::RULE,
     &fw_env_16::RULE,
     &fw_env_17::RULE,
+    &fw_env_18::RULE,
     &fw_env_19::RULE,
     &fw_env_23::RULE,
     &fw_err_01::RULE,

@@ -2,10 +2,13 @@
 
 use std::borrow::Cow;
 
+use uavspec_codegen::schema::json_type::Direction;
+
 use super::{Asked, Named};
+use crate::definitions::Definitions;
 use crate::detail::Detail;
 use crate::json::Tree;
-use crate::record::{Direction, Exchange};
+use crate::record::{self, Exchange};
 use crate::rule::Judged;
 use crate::shape::Deviation;
 
@@ -78,8 +81,8 @@ pub struct Turn<'t> {
     pub operations: Vec<Named>,
     /// By how much the server's clock is ahead of the recording's, as far as known before: bounds, in seconds.
     pub clock: Option<(f64, f64)>,
-    /// What of its body has another shape than it should.
-    pub deviations: Vec<Deviation>,
+    /// What of its body has another shape than it should; none where nothing says what that is.
+    pub deviations: Option<Vec<Deviation>>,
 }
 
 impl<'t> Turn<'t> {
@@ -93,10 +96,10 @@ impl<'t> Turn<'t> {
         let has_refs =
             message.and_then(|message| message.get("refs")).is_some_and(|refs| *refs != Tree::Null);
         let role = match (exchange.direction, message) {
-            (Direction::Event, _) => Role::Event,
+            (record::Direction::Event, _) => Role::Event,
             (_, None) => Role::Unreadable,
             _ if has_refs => Role::Response,
-            (Direction::In, _) if type_name != Some("SYS-PING") => Role::Notification,
+            (record::Direction::In, _) if type_name != Some("SYS-PING") => Role::Notification,
             _ => Role::Request,
         };
         Self {
@@ -114,7 +117,7 @@ impl<'t> Turn<'t> {
             opened: Vec::new(),
             operations: Vec::new(),
             clock: None,
-            deviations: Vec::new(),
+            deviations: None,
         }
     }
 
@@ -126,7 +129,7 @@ impl<'t> Turn<'t> {
 
     /// Whether it is a message of the server, readable or not.
     pub fn is_of_server(&self) -> bool {
-        self.exchange.direction == Direction::In && self.role != Role::Unanswered
+        self.exchange.direction == record::Direction::In && self.role != Role::Unanswered
     }
 
     /// The message, where it is one of the server.
@@ -154,6 +157,22 @@ impl<'t> Turn<'t> {
     pub fn is_sound(&self) -> bool {
         let version = self.exchange.value.and_then(|message| message.get("$fw.version"));
         version.and_then(Tree::as_str).is_some() && self.type_name.is_some()
+    }
+
+    /// Which way it goes, where it is a message.
+    pub fn direction(&self) -> Option<Direction> {
+        match self.role {
+            Role::Request => Some(Direction::Request),
+            Role::Response => Some(Direction::Response),
+            Role::Notification => Some(Direction::Notification),
+            Role::Event | Role::Unreadable | Role::Unanswered => None,
+        }
+    }
+
+    /// What of a body that the server sends has another shape than its type has for its direction.
+    pub(super) fn deviations_from(&self, definitions: &Definitions) -> Option<Vec<Deviation>> {
+        let body = self.body.filter(|_| self.is_of_server())?;
+        definitions.deviations(self.type_name?, self.direction()?, body)
     }
 
     /// A field of the body.

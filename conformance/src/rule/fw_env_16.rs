@@ -4,7 +4,6 @@ use serde_json::json;
 
 use super::fw::{self, Role, Turn};
 use super::{Check, Detail, Judged, Level, Mutant, Rule, Status};
-use crate::conversation::message_type;
 
 pub(super) static RULE: Rule = Rule {
     id: "FW-ENV-16",
@@ -37,7 +36,8 @@ pub(super) static RULE: Rule = Rule {
 
 fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
     let (Some(asked), Some(found)) = (&turn.asked, turn.type_name) else { return };
-    let Some(question) = asked.type_name.as_deref().filter(|name| message_type(name).is_some()) else {
+    let Some(question) = asked.type_name.as_deref().filter(|name| judged.definitions.shapes().has(name))
+    else {
         return;
     };
     if turn.role != Role::Response || !turn.is_of_server() {

@@ -1,0 +1,63 @@
+//! The shapes of the bodies of all messages of some definitions.
+
+use std::collections::HashMap;
+
+use uavspec_codegen::schema::Schema;
+use uavspec_codegen::schema::json_type::Direction;
+
+use super::defined::{Object, Tuple};
+use super::told::Told;
+use super::{Deviation, check, compile};
+use crate::json::Tree;
+
+/// The shapes of the bodies of all messages of some definitions.
+#[derive(Debug, Default)]
+pub struct Shapes {
+    /// By the type of the message, the body for each direction that it has.
+    pub(super) messages: HashMap<String, [Option<Body>; 3]>,
+    /// The objects that bodies are and hold.
+    pub(super) objects: Vec<Object>,
+    /// The tuples that bodies hold.
+    pub(super) tuples: Vec<Tuple>,
+}
+
+/// The body of a message for a direction.
+#[derive(Debug)]
+pub(super) struct Body {
+    /// Its object, by its index.
+    pub(super) object: usize,
+    /// What has rules of its own.
+    pub(super) told: Vec<&'static Told>,
+}
+
+impl Shapes {
+    /// Those of all messages of these definitions.
+    pub fn new(schema: &Schema) -> Self {
+        compile::compile(schema)
+    }
+
+    /// Whether there is no message.
+    pub fn is_empty(&self) -> bool {
+        self.messages.is_empty()
+    }
+
+    /// Whether there are messages of this type.
+    pub fn has(&self, type_name: &str) -> bool {
+        self.messages.contains_key(type_name)
+    }
+
+    /// Whether messages of this type go this way.
+    pub fn goes(&self, type_name: &str, direction: Direction) -> bool {
+        self.body(type_name, direction).is_some()
+    }
+
+    /// What of a body deviates from the shape that its type has for its direction, the first ten thousand places at
+    /// most; none where there is no such shape.
+    pub fn check(&self, type_name: &str, direction: Direction, body: &Tree<'_>) -> Option<Vec<Deviation>> {
+        Some(check::check(self, self.body(type_name, direction)?, body))
+    }
+
+    fn body(&self, type_name: &str, direction: Direction) -> Option<&Body> {
+        self.messages.get(type_name)?[direction as usize].as_ref()
+    }
+}
