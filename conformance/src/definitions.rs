@@ -15,7 +15,7 @@ use uavspec_codegen::source::Span;
 use uavspec_codegen::{PackageInput, SourceMap, read};
 
 use crate::json::Tree;
-use crate::shape::{Deviation, Shapes};
+use crate::shape::{Deviation, Schemas, Shapes};
 
 /// The definitions of this repository, which the program carries along.
 static BUILT_IN: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../definitions");
@@ -31,6 +31,7 @@ pub struct Definitions {
     by_topic: HashMap<String, MessageId>,
     types: OnceLock<Types>,
     shapes: OnceLock<Shapes>,
+    schemas: Schemas,
 }
 
 /// A line of a definition; shown as `file:number`.
@@ -82,7 +83,14 @@ impl Definitions {
                 by_topic.entry(topic.clone()).or_insert(*id);
             }
         }
-        Self { name, sources, schema, by_topic, types: OnceLock::new(), shapes: OnceLock::new() }
+        let (types, shapes) = (OnceLock::new(), OnceLock::new());
+        Self { name, sources, schema, by_topic, types, shapes, schemas: Schemas::default() }
+    }
+
+    /// The same, with schemas of messages of Flockwave whose types they don't have.
+    #[must_use]
+    pub fn with_schemas(self, schemas: Schemas) -> Self {
+        Self { schemas, ..self }
     }
 
     /// The message that a topic of PX4 carries. A versioned one may have its version behind its name.
@@ -126,7 +134,7 @@ impl Definitions {
 
     /// Whether something says what messages of Flockwave of this type have to be.
     pub fn is_message_known(&self, type_name: &str) -> bool {
-        self.shapes().has(type_name)
+        self.shapes().has(type_name) || self.schemas.has(type_name)
     }
 
     /// What of the body of a message of Flockwave deviates from the shape that its type has for its direction; none
@@ -137,7 +145,11 @@ impl Definitions {
         direction: Direction,
         body: &Tree<'_>,
     ) -> Option<Vec<Deviation>> {
-        self.shapes().check(type_name, direction, body)
+        if self.shapes().has(type_name) {
+            self.shapes().check(type_name, direction, body)
+        } else {
+            self.schemas.check(type_name, direction, body)
+        }
     }
 
     /// Where something is defined.

@@ -1,17 +1,20 @@
 //! What values in bodies of Flockwave messages have to look like, and whether they do.
 //!
-//! Shapes are data, of two sources: whole bodies have those that the definitions give them for each direction
-//! ([`Shapes`]), and rules on single fields bring along their own ([`Shape`]), which may be wider than the definition.
+//! Shapes are data. Whole bodies have those that the definitions give them for each direction ([`Shapes`]), or, where
+//! the definitions don't have their type, JSON Schemas of a user ([`Schemas`]); rules on single fields bring along their
+//! own ([`Shape`]), which may be wider than the definition.
 
 mod bodies;
 mod check;
 mod compile;
 mod defined;
+mod schemas;
 mod told;
 
 use std::fmt::Write as _;
 
 pub use self::bodies::Shapes;
+pub use self::schemas::{SchemaError, Schemas};
 use crate::json::Tree;
 
 /// How much of a key is told.
