@@ -125,7 +125,7 @@ impl Definitions {
     pub fn shapes(&self) -> &Shapes {
         self.shapes.get_or_init(|| {
             if self.schema.json_messages.is_empty() {
-                Shapes::new(&Self::built_in().schema)
+                Shapes::new(&Self::built_in().schema).foreign()
             } else {
                 Shapes::new(&self.schema)
             }

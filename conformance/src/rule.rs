@@ -123,6 +123,7 @@ use std::fmt;
 pub(crate) use self::fw_asy_22::TYPES as TYPES_WITH_RESULTS;
 
 use serde::Serialize;
+use uavspec_codegen::source::Span;
 
 use crate::conversation::Turn;
 use crate::definitions::Definitions;
@@ -446,6 +447,17 @@ impl Judged<'_> {
     /// Something breaks the rule.
     pub fn report(&mut self, subject: &str, place: Place, detail: impl FnOnce() -> Detail) {
         self.findings.report(self.rule, subject, place, None, detail);
+    }
+
+    /// Something breaks the rule, which a definition has at this place.
+    pub(crate) fn report_defined(
+        &mut self,
+        subject: &str,
+        place: Place,
+        definition: Option<Span>,
+        detail: impl FnOnce() -> Detail,
+    ) {
+        self.findings.report(self.rule, subject, place, definition, detail);
     }
 }
 

@@ -13,6 +13,8 @@ mod told;
 
 use std::fmt::Write as _;
 
+use uavspec_codegen::source::Span;
+
 pub use self::bodies::Shapes;
 pub use self::schemas::{SchemaError, Schemas};
 use crate::json::Tree;
@@ -79,6 +81,10 @@ pub(crate) enum Fault {
 pub struct Deviation {
     /// The rule of its own that this has; without one it is a matter of `FW-ENV-18`.
     pub told_by: Option<&'static str>,
+    /// The fields of the definition that lead to it, with dots between them; empty where it is in none.
+    pub field: String,
+    /// Where the definition says what should be.
+    pub definition: Option<Span>,
     /// What it is.
     pub mismatch: Mismatch,
 }

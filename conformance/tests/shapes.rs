@@ -195,7 +195,7 @@ fn deviations_are_told_with_their_place_and_with_what_should_be_there() {
         [
             "/body/schedule/0/startMs: an integer, found 1.5",
             "/body/schedule/0/endMs: one of `auto`, `inf`, found \"soon\"",
-            "/body/schedule/2: an object, found 7",
+            "/body/schedule/2: an object of the type TimeAxisScheduleSegment, found 7",
         ]
     );
     let body = json!({ "type": "WTH-AT", "weather": {
@@ -216,6 +216,77 @@ fn deviations_are_told_with_their_place_and_with_what_should_be_there() {
             "/body/wind: no field but `type`, `result`, `error`, `receipt`, found 3",
         ]
     );
+}
+
+/// Findings are grouped by the field that is wrong, and say where it is defined.
+#[test]
+fn findings_lead_to_the_definition() {
+    let line = |weather: Value| {
+        let body = json!({ "type": "WTH-AT", "weather": weather, "wind": 3 });
+        json!({ "dir": "in", "msg": { "$fw.version": "1.0", "id": "a", "refs": "b", "body": body } })
+            .to_string()
+    };
+    let lines = [
+        line(json!({ "position": [1, 2.5], "timestamp": 1, "humidity": 101 })),
+        line(json!({ "position": [1, 2], "timestamp": 1, "humidity": -1 })),
+    ];
+    let groups = |definitions: &Definitions| -> Vec<(String, u64, Option<String>)> {
+        let judgement = judge(lines.join("\n").as_bytes(), None, definitions).expect("lines");
+        let group = |group: &uavspec_conformance::finding::Group| {
+            let line =
+                group.definition.map(|span| definitions.line(span).text.trim_start_matches("| ").to_owned());
+            (group.subject.clone(), group.count, line.map(|line| line.chars().take(11).collect()))
+        };
+        judgement.findings.groups().filter(|group| group.rule.id == "FW-ENV-18").map(group).collect()
+    };
+    let expected = [
+        ("WTH-AT", 2, "### Respons"),
+        ("WTH-AT.weather.humidity", 2, "`humidity` "),
+        ("WTH-AT.weather.position.longitude", 1, "1 | `longit"),
+    ];
+    assert_eq!(
+        groups(&DEFINITIONS),
+        expected.map(|(subject, count, line)| (subject.to_owned(), count, Some(line.to_owned())))
+    );
+    // Definitions without messages of their own know nothing of those pages.
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("Glider.msg"), "uint64 timestamp # [us] Time\n").expect("a file");
+    let other = Definitions::load(folder.path()).expect("definitions");
+    assert_eq!(groups(&other), expected.map(|(subject, count, _)| (subject.to_owned(), count, None)));
+}
+
+/// Where each of two shapes may hold both again, a body isn't looked at without end.
+#[test]
+fn alternatives_within_alternatives_come_to_an_end() {
+    let side = |name: &str| {
+        format!(
+            "## {name}\n\n| Field | Required | Type | Description |\n|---|---|---|---|\n\
+             | `in` | no | Left or Right | What it holds. |\n| `{name}` | yes | integer | Its height. |\n\n"
+        )
+    };
+    let page = format!(
+        "# Gliders\n\n{}{}## GLIDER-INF\n\n### Notification\n\n| Field | Required | Type | Description |\n\
+         |---|---|---|---|\n| `in` | yes | Left or Right | A side. |\n",
+        side("Left"),
+        side("Right")
+    );
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("gliders.md"), page).expect("a file");
+    let config = "[[package]]\nname = \"gliders\"\ndialect = \"table\"\ninclude = [\"*.md\"]\n";
+    std::fs::write(folder.path().join("uavspec.toml"), config).expect("a file");
+    let definitions = Definitions::load(folder.path()).expect("definitions");
+    let mut side = json!({ "Left": "low" });
+    for _ in 0..60 {
+        side = json!({ "in": side });
+    }
+    let text = json!({ "type": "GLIDER-INF", "in": side }).to_string();
+    let tree = Tree::read(&text).expect("JSON");
+    assert!(definitions.deviations("GLIDER-INF", Direction::Notification, &tree).is_some());
+    let text = json!({ "type": "GLIDER-INF", "in": { "in": { "Right": 7 }, "Left": "low" } }).to_string();
+    let tree = Tree::read(&text).expect("JSON");
+    let found = definitions.deviations("GLIDER-INF", Direction::Notification, &tree).expect("a shape");
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].mismatch.expected, "an object of the type Left, or an object of the type Right");
 }
 
 /// Bodies of any size and depth are survived, and what is told of them is bounded.

@@ -10,7 +10,7 @@ use crate::detail::Detail;
 use crate::json::Tree;
 use crate::record::{self, Exchange};
 use crate::rule::Judged;
-use crate::shape::Deviation;
+use crate::shape::{Deviation, Mismatch};
 
 /// How much of a message is shown, in characters.
 const MAX_EXCERPT: usize = 160;
@@ -207,14 +207,24 @@ impl<'t> Turn<'t> {
 
     /// Something in it breaks a rule.
     pub fn breaks(&self, judged: &mut Judged<'_>, detail: impl FnOnce() -> Detail) {
-        let excerpt = || {
-            let mut text: String = self.exchange.text.chars().take(MAX_EXCERPT).collect();
-            if text.len() < self.exchange.text.len() {
-                text.push('…');
-            }
-            text
-        };
-        judged.report(&self.subject(), self.exchange.place, || detail().excerpt(excerpt()));
+        judged.report(&self.subject(), self.exchange.place, || detail().excerpt(self.excerpt()));
+    }
+
+    /// Its body deviates from its definition, and so breaks a rule on `subject`.
+    pub(crate) fn deviates(&self, judged: &mut Judged<'_>, subject: &str, deviation: &Deviation) {
+        judged.report_defined(subject, self.exchange.place, deviation.definition, || {
+            let Mismatch { path, expected, actual } = &deviation.mismatch;
+            Detail::differs(expected, actual).at(path).excerpt(self.excerpt())
+        });
+    }
+
+    /// The start of what was sent.
+    fn excerpt(&self) -> String {
+        let mut text: String = self.exchange.text.chars().take(MAX_EXCERPT).collect();
+        if text.len() < self.exchange.text.len() {
+            text.push('…');
+        }
+        text
     }
 }
 

@@ -81,6 +81,9 @@ fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
     let Some(deviations) = &turn.deviations else { return };
     judged.exercise();
     for deviation in deviations.iter().filter(|deviation| deviation.told_by.is_none()) {
-        fw::mismatched(turn, judged, deviation.mismatch.clone());
+        let name = turn.subject();
+        let subject =
+            if deviation.field.is_empty() { name } else { format!("{name}.{}", deviation.field).into() };
+        turn.deviates(judged, &subject, deviation);
     }
 }

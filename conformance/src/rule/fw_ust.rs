@@ -206,6 +206,6 @@ fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>, field: &str) {
         }
     }
     for deviation in turn.deviations.iter().flatten().filter(|deviation| deviation.told_by == Some(id)) {
-        fw::mismatched(turn, judged, deviation.mismatch.clone());
+        turn.deviates(judged, &turn.subject(), deviation);
     }
 }

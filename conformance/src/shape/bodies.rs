@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use uavspec_codegen::schema::Schema;
 use uavspec_codegen::schema::json_type::Direction;
+use uavspec_codegen::source::Span;
 
 use super::defined::{Object, Tuple};
 use super::told::Told;
@@ -19,6 +20,8 @@ pub struct Shapes {
     pub(super) objects: Vec<Object>,
     /// The tuples that bodies hold.
     pub(super) tuples: Vec<Tuple>,
+    /// Whether they are of other definitions than those that places are looked up in.
+    pub(super) is_foreign: bool,
 }
 
 /// The body of a message for a direction.
@@ -28,6 +31,8 @@ pub(super) struct Body {
     pub(super) object: usize,
     /// What has rules of its own.
     pub(super) told: Vec<&'static Told>,
+    /// Where it is defined.
+    pub(super) span: Span,
 }
 
 impl Shapes {
@@ -36,9 +41,10 @@ impl Shapes {
         compile::compile(schema)
     }
 
-    /// Whether there is no message.
-    pub fn is_empty(&self) -> bool {
-        self.messages.is_empty()
+    /// The same, for a use beside other definitions: where they are defined isn't told.
+    #[must_use]
+    pub fn foreign(self) -> Self {
+        Self { is_foreign: true, ..self }
     }
 
     /// Whether there are messages of this type.

@@ -1,9 +1,10 @@
 //! Whether a body has its shape.
 
+use std::borrow::Cow;
 use std::collections::HashSet;
 
 use super::bodies::{Body, Shapes};
-use super::defined::{Defined, List, Object, Text, Tuple};
+use super::defined::{Defined, Field, List, Object, Text, Tuple};
 use super::told::told_by;
 use super::{Deviation, Fault, Mismatch, integer, pointer};
 use crate::base64;
@@ -12,9 +13,12 @@ use crate::json::Tree;
 /// How many deviations of a body are told: hostile input can have any number.
 const MAX_DEVIATIONS: usize = 10_000;
 
-/// How many values of a body are looked at. A body has a million at most; but where one of several shapes may hold
-/// the same again, each level of it can be looked at twice as often as the one above.
-const MAX_LOOKS: usize = 1 << 24;
+/// How many values of a body are looked at. A body has a million at most; but where each of several shapes may hold
+/// them again, each level of it is looked at twice as often as the one above.
+const MAX_LOOKS: usize = 1 << 21;
+
+/// What it takes to tell a deviation, for each step of the way to it, in looks.
+const LOOKS_TO_TELL: usize = 8;
 
 /// How many fields of an object are listed.
 const MAX_LISTED: usize = 12;
@@ -26,45 +30,59 @@ const MAX_VALUES: usize = 16;
 const MAX_COMPARED: usize = 10_000;
 
 /// A step into a value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum At<'t> {
-    /// Into a field.
-    Key(&'t str),
-    /// Into an element.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum At<'c> {
+    /// Into a field that the definition has.
+    Field(&'c Field),
+    /// Into an element of a tuple.
+    Element(usize, &'c Field),
+    /// Into a value of a map, or a field that the definition doesn't have.
+    Key(&'c str),
+    /// Into an element of a list.
     Index(usize),
 }
 
 /// What of a body deviates from its shape.
-pub(super) fn check(shapes: &Shapes, body: &Body, value: &Tree<'_>) -> Vec<Deviation> {
+pub(super) fn check<'c>(shapes: &'c Shapes, body: &'c Body, value: &'c Tree<'c>) -> Vec<Deviation> {
     let mut check =
         Check { shapes, body, path: Vec::new(), seen: Vec::new(), looks: 0, deviations: Vec::new() };
-    check.object(&shapes.objects[body.object], value);
+    if let Tree::Object(members) = value {
+        check.object(&shapes.objects[body.object], members);
+    } else {
+        check.is_other("an object".to_owned(), value);
+    }
     check.deviations
 }
 
-struct Check<'s, 't> {
-    shapes: &'s Shapes,
-    body: &'s Body,
+struct Check<'c> {
+    shapes: &'c Shapes,
+    body: &'c Body,
     /// The way from the body to the value that is looked at.
-    path: Vec<At<'t>>,
+    path: Vec<At<'c>>,
     /// Which fields of the objects on this way have been met, the innermost last.
     seen: Vec<bool>,
     looks: usize,
     deviations: Vec<Deviation>,
 }
 
-impl<'s, 't> Check<'s, 't> {
+impl<'c> Check<'c> {
     fn is_full(&self) -> bool {
         self.deviations.len() >= MAX_DEVIATIONS || self.looks >= MAX_LOOKS
     }
 
     /// Something here isn't as it should be.
     fn deviates(&mut self, fault: Fault, expected: String, actual: String) {
-        let keys: Vec<String> = self.path.iter().map(At::key).collect();
-        let keys: Vec<&str> = ["body"].into_iter().chain(keys.iter().map(String::as_str)).collect();
-        let mismatch = Mismatch { path: pointer(&keys), expected, actual };
-        let told_by = told_by(&self.body.told, &self.path, fault);
-        self.deviations.push(Deviation { told_by, mismatch });
+        self.looks += self.path.len() * LOOKS_TO_TELL;
+        let keys: Vec<Cow<'_, str>> = self.path.iter().map(At::key).collect();
+        let keys: Vec<&str> = ["body"].into_iter().chain(keys.iter().map(AsRef::as_ref)).collect();
+        let fields: Vec<&str> = self.path.iter().filter_map(|at| Some(at.field()?.name.as_str())).collect();
+        let span = self.path.iter().rev().find_map(At::field).map_or(self.body.span, |field| field.span);
+        self.deviations.push(Deviation {
+            told_by: told_by(&self.body.told, &self.path, fault),
+            field: fields.join("."),
+            definition: Some(span).filter(|_| !self.shapes.is_foreign),
+            mismatch: Mismatch { path: pointer(&keys), expected, actual },
+        });
     }
 
     /// A value isn't of the kind that it should be.
@@ -77,13 +95,13 @@ impl<'s, 't> Check<'s, 't> {
     }
 
     /// The value at a step.
-    fn step(&mut self, at: At<'t>, shape: &'s Defined, value: &'t Tree<'t>) {
+    fn step(&mut self, at: At<'c>, shape: &'c Defined, value: &'c Tree<'c>) {
         self.path.push(at);
         self.value(shape, value);
         self.path.pop();
     }
 
-    fn value(&mut self, shape: &'s Defined, value: &'t Tree<'t>) {
+    fn value(&mut self, shape: &'c Defined, value: &'c Tree<'c>) {
         self.looks += 1;
         match (shape, value) {
             (Defined::Any, _) | (Defined::Null, Tree::Null) | (Defined::Bool, Tree::Bool(_)) => {}
@@ -124,9 +142,9 @@ impl<'s, 't> Check<'s, 't> {
                 }
             }
             (Defined::Either(all), _) => self.either(all, value),
-            (Defined::Object(index), _) => {
+            (Defined::Object(index), Tree::Object(members)) => {
                 let shapes = self.shapes;
-                self.object(&shapes.objects[*index], value);
+                self.object(&shapes.objects[*index], members);
             }
             (Defined::Tuple(index), Tree::List(values)) => {
                 let shapes = self.shapes;
@@ -136,10 +154,7 @@ impl<'s, 't> Check<'s, 't> {
         }
     }
 
-    fn object(&mut self, object: &'s Object, value: &'t Tree<'t>) {
-        let Tree::Object(members) = value else {
-            return self.is_other("an object".to_owned(), value);
-        };
+    fn object(&mut self, object: &'c Object, members: &'c [(Cow<'c, str>, Tree<'c>)]) {
         let start = self.seen.len();
         self.seen.resize(start + object.fields.len(), false);
         let mut guess = 0;
@@ -153,7 +168,8 @@ impl<'s, 't> Check<'s, 't> {
                 Some(index) => {
                     self.seen[start + index] = true;
                     guess = index + 1;
-                    self.step(At::Key(key), &object.fields[index].shape, value);
+                    let field = &object.fields[index];
+                    self.step(At::Field(field), &field.shape, value);
                 }
                 None if object.is_closed => {
                     self.path.push(At::Key(key));
@@ -165,24 +181,15 @@ impl<'s, 't> Check<'s, 't> {
         }
         for (index, field) in object.fields.iter().enumerate() {
             if field.is_required && !self.seen[start + index] && !self.is_full() {
-                // The name outlives the check, and a body doesn't have it.
-                self.absent(&field.name, &field.shape);
+                self.path.push(At::Field(field));
+                self.deviates(Fault::Absent, self.words(&field.shape), "nothing".to_owned());
+                self.path.pop();
             }
         }
         self.seen.truncate(start);
     }
 
-    /// A field isn't there that has to be.
-    fn absent(&mut self, name: &'s str, shape: &'s Defined) {
-        let path: Vec<At<'_>> = self.path.iter().copied().chain([At::Key(name)]).collect();
-        let told_by = told_by(&self.body.told, &path, Fault::Absent);
-        let keys: Vec<String> = path.iter().map(At::key).collect();
-        let keys: Vec<&str> = ["body"].into_iter().chain(keys.iter().map(String::as_str)).collect();
-        let mismatch = Mismatch { path: pointer(&keys), ..Mismatch::new(self.words(shape), "nothing") };
-        self.deviations.push(Deviation { told_by, mismatch });
-    }
-
-    fn list(&mut self, list: &'s List, values: &'t [Tree<'t>]) {
+    fn list(&mut self, list: &'c List, values: &'c [Tree<'c>]) {
         let before = self.deviations.len();
         for (at, value) in values.iter().enumerate() {
             if self.is_full() || self.deviations.len() > before && !list.element.is_structured() {
@@ -199,13 +206,13 @@ impl<'s, 't> Check<'s, 't> {
         }
     }
 
-    fn tuple(&mut self, tuple: &'s Tuple, values: &'t [Tree<'t>]) {
+    fn tuple(&mut self, tuple: &'c Tuple, values: &'c [Tree<'c>]) {
         if !tuple.length().holds(values.len()) {
             return self.deviates(Fault::Value, tuple.to_string(), format!("{} elements", values.len()));
         }
         let before = self.deviations.len();
         for (at, (element, value)) in tuple.elements.iter().zip(values).enumerate() {
-            self.step(At::Index(at), &element.shape, value);
+            self.step(At::Element(at, element), &element.shape, value);
             if let Some(deviation) = self.deviations.get_mut(before) {
                 let expected = &mut deviation.mismatch.expected;
                 *expected = format!("{expected} ({})", element.name);
@@ -215,7 +222,7 @@ impl<'s, 't> Check<'s, 't> {
     }
 
     /// A value that has none of several shapes is told by the one that is of its kind.
-    fn either(&mut self, all: &'s [Defined], value: &'t Tree<'t>) {
+    fn either(&mut self, all: &'c [Defined], value: &'c Tree<'c>) {
         let start = self.deviations.len();
         let mut of_kind: Vec<Vec<Deviation>> = Vec::new();
         for shape in all {
@@ -256,17 +263,26 @@ impl<'s, 't> Check<'s, 't> {
                 inner => format!("an object, each value {}", self.words(inner)),
             },
             Defined::Either(all) => all.iter().map(|one| self.words(one)).collect::<Vec<_>>().join(", or "),
-            Defined::Object(_) => "an object".to_owned(),
+            Defined::Object(index) => format!("an object of the type {}", self.shapes.objects[*index].name),
             Defined::Tuple(index) => self.shapes.tuples[*index].to_string(),
         }
     }
 }
 
-impl At<'_> {
-    fn key(&self) -> String {
+impl<'c> At<'c> {
+    /// The field or element of the definition.
+    pub(super) fn field(&self) -> Option<&'c Field> {
         match self {
-            Self::Key(key) => (*key).to_owned(),
-            Self::Index(index) => index.to_string(),
+            Self::Field(field) | Self::Element(_, field) => Some(field),
+            Self::Key(_) | Self::Index(_) => None,
+        }
+    }
+
+    fn key(&self) -> Cow<'c, str> {
+        match self {
+            Self::Field(field) => Cow::Borrowed(&field.name),
+            Self::Key(key) => Cow::Borrowed(key),
+            Self::Element(index, _) | Self::Index(index) => Cow::Owned(index.to_string()),
         }
     }
 }

@@ -23,7 +23,8 @@ pub(super) fn compile(schema: &Schema) -> Shapes {
         let mut bodies = [None, None, None];
         for part in &message.parts {
             let object = compiler.body(&part.body);
-            bodies[part.direction as usize] = Some(Body { object, told: told_of(&message.name) });
+            bodies[part.direction as usize] =
+                Some(Body { object, told: told_of(&message.name), span: part.span });
         }
         compiler.shapes.messages.entry(message.name.clone()).or_insert(bodies);
     }
@@ -57,14 +58,14 @@ impl Compiler<'_> {
     fn body(&mut self, body: &written::Object) -> usize {
         let index = self.shapes.objects.len();
         self.shapes.objects.push(Object::default());
-        self.fill(index, body);
+        self.fill(index, "", body);
         index
     }
 
     /// Makes the object whose place is kept.
-    fn fill(&mut self, index: usize, object: &written::Object) {
+    fn fill(&mut self, index: usize, name: &str, object: &written::Object) {
         let fields = self.fields(&object.fields);
-        self.shapes.objects[index] = Object::new(fields, object.is_closed);
+        self.shapes.objects[index] = Object::new(name, fields, object.is_closed);
     }
 
     fn fields(&mut self, members: &[Member]) -> Vec<Field> {
@@ -72,6 +73,7 @@ impl Compiler<'_> {
             name: member.name.clone(),
             is_required: member.is_required,
             shape: self.expression(&member.typed.ty, &[&member.typed.limits]),
+            span: member.span,
         };
         members.iter().map(field).collect()
     }
@@ -131,7 +133,7 @@ impl Compiler<'_> {
                 let index = self.shapes.objects.len();
                 self.shapes.objects.push(Object::default());
                 self.known.insert(id, Reference::Object(index));
-                self.fill(index, object);
+                self.fill(index, &found.name, object);
                 Defined::Object(index)
             }
             Definition::Tuple(elements) => {

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use regex_lite::Regex;
+use uavspec_codegen::source::Span;
 
 /// What a value has to be.
 #[derive(Debug)]
@@ -85,6 +86,8 @@ pub(super) struct List {
 /// An object with fields of its own.
 #[derive(Debug, Default)]
 pub(super) struct Object {
+    /// The name of its type; empty where it is a body.
+    pub(super) name: String,
     /// Its fields, as the definition has them.
     pub(super) fields: Vec<Field>,
     /// The indices of the fields, by name.
@@ -111,6 +114,8 @@ pub(super) struct Field {
     pub(super) is_required: bool,
     /// What it has to be.
     pub(super) shape: Defined,
+    /// Where it is defined.
+    pub(super) span: Span,
 }
 
 impl Defined {
@@ -128,10 +133,10 @@ impl Defined {
 
 impl Object {
     /// The object with these fields.
-    pub(super) fn new(fields: Vec<Field>, is_closed: bool) -> Self {
+    pub(super) fn new(name: &str, fields: Vec<Field>, is_closed: bool) -> Self {
         let mut by_name: Vec<usize> = (0..fields.len()).collect();
         by_name.sort_by(|one, other| fields[*one].name.cmp(&fields[*other].name));
-        Self { fields, by_name, is_closed }
+        Self { name: name.to_owned(), fields, by_name, is_closed }
     }
 
     /// The index of the field of a name, which is likely to be `guess`: who writes an object mostly keeps to the order

@@ -150,7 +150,8 @@ impl Schema {
         let actual =
             Tree::read(&text).map_or_else(|_| "something else".to_owned(), |found| found.to_string());
         let path = format!("/body{}", error.instance_path());
-        Deviation { told_by: None, mismatch: Mismatch { path, expected, actual } }
+        let mismatch = Mismatch { path, expected, actual };
+        Deviation { told_by: None, field: String::new(), definition: None, mismatch }
     }
 }
 

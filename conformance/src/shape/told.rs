@@ -158,7 +158,7 @@ impl Told {
             steps => (steps, false),
         };
         let fits = |(step, at): (&Step, &At<'_>)| match step {
-            Field(name) => *at == At::Key(name),
+            Field(name) => matches!(at, At::Field(field) if field.name == *name),
             Each | Below => true,
         };
         (path.len() == steps.len() || is_below && path.len() > steps.len())
@@ -168,8 +168,18 @@ impl Told {
 
 #[cfg(test)]
 mod tests {
+    use super::super::defined::{self, Defined};
     use super::*;
     use crate::rule::rule;
+
+    fn field(name: &str) -> defined::Field {
+        defined::Field {
+            name: name.to_owned(),
+            is_required: false,
+            shape: Defined::Any,
+            span: uavspec_codegen::source::Span::default(),
+        }
+    }
 
     #[test]
     fn each_is_told_by_a_rule_that_there_is() {
@@ -181,15 +191,21 @@ mod tests {
     #[test]
     fn the_rule_depends_on_the_place_and_on_what_is_wrong() {
         let told = told_of("UAV-INF");
-        let (status, kite) = (At::Key("status"), At::Key("kite"));
         let by = |path: &[At<'_>], fault| told_by(&told, path, fault);
-        assert_eq!(by(&[status, kite, At::Key("position"), At::Index(2)], Kind), Some("FW-UST-POSITION"));
-        assert_eq!(by(&[status, kite, At::Key("errors"), At::Index(0)], Value), Some("FW-ERR-01"));
-        assert_eq!(by(&[status, kite, At::Key("errors"), At::Index(0)], Kind), Some("FW-UST-ERRORS"));
-        assert_eq!(by(&[status, kite], Null), Some("FW-UST-ID"));
-        assert_eq!(by(&[status, kite, At::Key("flaps")], Further), None);
-        assert_eq!(by(&[At::Key("error")], Kind), Some("FW-UAV-INF-04"));
-        assert_eq!(by(&[At::Key("error")], Null), None);
+        let [status, position, errors, error] = ["status", "position", "errors", "error"].map(field);
+        let kite = [At::Field(&status), At::Key("kite")];
+        assert_eq!(
+            by(&[kite[0], kite[1], At::Field(&position), At::Element(2, &error)], Kind),
+            Some("FW-UST-POSITION")
+        );
+        assert_eq!(by(&[kite[0], kite[1], At::Field(&errors), At::Index(0)], Value), Some("FW-ERR-01"));
+        assert_eq!(by(&[kite[0], kite[1], At::Field(&errors), At::Index(0)], Kind), Some("FW-UST-ERRORS"));
+        assert_eq!(by(&kite, Null), Some("FW-UST-ID"));
+        assert_eq!(by(&[kite[0], kite[1], At::Key("flaps")], Further), None);
+        // An id may be called as a field is.
+        assert_eq!(by(&[At::Key("error")], Kind), None);
+        assert_eq!(by(&[At::Field(&error)], Kind), Some("FW-UAV-INF-04"));
+        assert_eq!(by(&[At::Field(&error)], Null), None);
         assert_eq!(by(&[], Further), None);
         assert!(told_of("LCN-INF").is_empty());
     }
