@@ -7,8 +7,11 @@ use std::process::Command;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-/// A folder with files, by name.
-fn folder(files: &[(&str, Value)]) -> TempDir {
+/// Files by their names.
+type Files<'f> = &'f [(&'f str, Value)];
+
+/// A folder with files.
+fn folder(files: Files<'_>) -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, value) in files {
         write(folder.path(), name, &value.to_string());
@@ -24,21 +27,16 @@ fn write(folder: &Path, name: &str, text: &str) {
 
 /// A recording of responses and notifications with these bodies.
 fn recording(folder: &Path, responses: &[Value], notifications: &[Value]) {
-    let mut text = String::new();
-    let mut line = |number: usize, refs: Option<&str>, body: &Value| {
-        let mut message = json!({ "$fw.version": "1.0", "id": format!("say-{number}"), "body": body });
+    let line = |body: &Value, refs: Option<&str>| {
+        let mut message = json!({ "$fw.version": "1.0", "id": "say", "body": body });
         if let Some(refs) = refs {
             message["refs"] = refs.into();
         }
-        text += &format!("{}\n", json!({ "dir": "in", "msg": message }));
+        format!("{}\n", json!({ "dir": "in", "msg": message }))
     };
-    for (number, body) in responses.iter().enumerate() {
-        line(number, Some("ask"), body);
-    }
-    for (number, body) in notifications.iter().enumerate() {
-        line(responses.len() + number, None, body);
-    }
-    write(folder, "hill.jsonl", &text);
+    let responses = responses.iter().map(|body| line(body, Some("ask")));
+    let notifications = notifications.iter().map(|body| line(body, None));
+    write(folder, "hill.jsonl", &responses.chain(notifications).collect::<String>());
 }
 
 /// The exit status, what was printed, and what was said.
@@ -173,7 +171,7 @@ fn what_is_wrong_with_a_schema_is_told_with_its_place() {
     let good = || lift("SOAR-INF", &json!({}));
     let bad_type = lift("SOAR-INF", &json!({ "type": "altitude" }));
     let missing = lift("SOAR-INF", &json!({ "$ref": "https://example.org/none.json" }));
-    let cases: [(&[(&str, Value)], &str, &str); 5] = [
+    let cases: [(Files<'_>, &str, &str); 5] = [
         (&[("s/a.json", bad_type)], "a.json:/properties/lift/type: no schema", "altitude"),
         (
             &[("s/a.json", missing)],

@@ -75,7 +75,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     use uavspec_codegen::schema::JsonMessage;
-    use uavspec_codegen::schema::json_type::Direction;
+    use uavspec_codegen::schema::json_type::{Direction, JsonPart};
 
     use super::*;
     use crate::definitions::Definitions;
@@ -83,7 +83,7 @@ mod tests {
     /// The fields of a body.
     fn fields(message: &JsonMessage, direction: Direction) -> BTreeSet<&str> {
         let part = message.parts.iter().find(|part| part.direction == direction);
-        part.into_iter().flat_map(|part| part.fields()).map(|field| field.name.as_str()).collect()
+        part.into_iter().flat_map(JsonPart::fields).map(|field| field.name.as_str()).collect()
     }
 
     #[test]

@@ -18,7 +18,7 @@ pub(super) static RULE: Rule = Rule {
             name: "a result beside the receipt",
             make: |_| {
                 fw::reply("LOG-DATA", |body| {
-                    body["result"] = json!({ "id": "7", "kind": "text", "body": "Took off" })
+                    body["result"] = json!({ "id": "7", "kind": "text", "body": "Took off" });
                 })
             },
             also: &[],

@@ -88,7 +88,7 @@ impl Schemas {
                     })?;
                     let direction = direction_of(path);
                     let schema = Schema { file: path.clone(), direction, value: value.clone(), validator };
-                    schemas.add(type_name, schema)?;
+                    schemas.add(&type_name, schema)?;
                 }
             }
             if !is_any {
@@ -104,8 +104,8 @@ impl Schemas {
         Ok(schemas)
     }
 
-    fn add(&mut self, type_name: String, schema: Schema) -> Result<(), SchemaError> {
-        let known = self.by_type.entry(type_name.clone()).or_default();
+    fn add(&mut self, type_name: &str, schema: Schema) -> Result<(), SchemaError> {
+        let known = self.by_type.entry(type_name.to_owned()).or_default();
         if let Some(other) = known.iter().find(|other| other.direction == schema.direction) {
             let direction = schema.direction.map_or(String::new(), |direction| format!(" of a {direction}"));
             let what = format!(
@@ -237,15 +237,11 @@ impl Retrieve for Lookup {
 
 /// A relative path as a part of an address.
 fn address(path: &Path) -> String {
-    let mut address = String::new();
-    for byte in path.to_string_lossy().replace('\\', "/").bytes() {
-        if byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte) {
-            address.push(byte.into());
-        } else {
-            address.push_str(&format!("%{byte:02X}"));
-        }
-    }
-    address
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte);
+    let written = |byte: u8| {
+        if is_plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") }
+    };
+    path.to_string_lossy().replace('\\', "/").bytes().map(written).collect()
 }
 
 /// The types of messages that a file says of itself to be about, or else that which its name says.
