@@ -1,14 +1,14 @@
 //! The shapes of the bodies of all messages of some definitions.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use uavspec_codegen::schema::Schema;
 use uavspec_codegen::schema::json_type::Direction;
 use uavspec_codegen::source::Span;
 
-use super::defined::{Object, Tuple};
+use super::defined::{Defined, Object, Tuple};
 use super::told::Told;
-use super::{Deviation, check, compile};
+use super::{Deviation, Mismatch, check, compile};
 use crate::json::Tree;
 
 /// The shapes of the bodies of all messages of some definitions.
@@ -16,6 +16,9 @@ use crate::json::Tree;
 pub struct Shapes {
     /// By the type of the message, the body for each direction that it has.
     pub(super) messages: HashMap<String, [Option<Body>; 3]>,
+    /// The shapes of all types and bodies, by the names that test vectors give them: `flockwave/Weather`,
+    /// `flockwave/WTH-AT.response`.
+    pub(super) named: BTreeMap<String, Defined>,
     /// The objects that bodies are and hold.
     pub(super) objects: Vec<Object>,
     /// The tuples that bodies hold.
@@ -61,6 +64,21 @@ impl Shapes {
     /// most; none where there is no such shape.
     pub fn check(&self, type_name: &str, direction: Direction, body: &Tree<'_>) -> Option<Vec<Deviation>> {
         Some(check::check(self, self.body(type_name, direction)?, body))
+    }
+
+    /// The names of all types and bodies, as test vectors have them.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.named.keys().map(String::as_str)
+    }
+
+    /// Whether there is a shape of this name.
+    pub fn has_shape(&self, name: &str) -> bool {
+        self.named.contains_key(name)
+    }
+
+    /// The first deviation of a value from the shape of this name; none where there is no such shape.
+    pub fn mismatch(&self, name: &str, value: &Tree<'_>) -> Option<Option<Mismatch>> {
+        Some(check::first(self, self.named.get(name)?, value))
     }
 
     fn body(&self, type_name: &str, direction: Direction) -> Option<&Body> {

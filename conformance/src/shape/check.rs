@@ -44,8 +44,14 @@ pub(super) enum At<'c> {
 
 /// What of a body deviates from its shape.
 pub(super) fn check<'c>(shapes: &'c Shapes, body: &'c Body, value: &'c Tree<'c>) -> Vec<Deviation> {
-    let mut check =
-        Check { shapes, body, path: Vec::new(), seen: Vec::new(), looks: 0, deviations: Vec::new() };
+    let mut check = Check {
+        shapes,
+        body: Some(body),
+        path: Vec::new(),
+        seen: Vec::new(),
+        looks: 0,
+        deviations: Vec::new(),
+    };
     if let Tree::Object(members) = value {
         check.object(&shapes.objects[body.object], members);
     } else {
@@ -54,9 +60,18 @@ pub(super) fn check<'c>(shapes: &'c Shapes, body: &'c Body, value: &'c Tree<'c>)
     check.deviations
 }
 
+/// The first deviation of a value from a shape.
+pub(super) fn first<'c>(shapes: &'c Shapes, shape: &'c Defined, value: &'c Tree<'c>) -> Option<Mismatch> {
+    let mut check =
+        Check { shapes, body: None, path: Vec::new(), seen: Vec::new(), looks: 0, deviations: Vec::new() };
+    check.value(shape, value);
+    check.deviations.into_iter().next().map(|deviation| deviation.mismatch)
+}
+
 struct Check<'c> {
     shapes: &'c Shapes,
-    body: &'c Body,
+    /// What is told of it, where it is a body.
+    body: Option<&'c Body>,
     /// The way from the body to the value that is looked at.
     path: Vec<At<'c>>,
     /// Which fields of the objects on this way have been met, the innermost last.
@@ -76,11 +91,12 @@ impl<'c> Check<'c> {
         let keys: Vec<Cow<'_, str>> = self.path.iter().map(At::key).collect();
         let keys: Vec<&str> = ["body"].into_iter().chain(keys.iter().map(AsRef::as_ref)).collect();
         let fields: Vec<&str> = self.path.iter().filter_map(|at| Some(at.field()?.name.as_str())).collect();
-        let span = self.path.iter().rev().find_map(At::field).map_or(self.body.span, |field| field.span);
+        let field = self.path.iter().rev().find_map(At::field);
+        let span = field.map(|field| field.span).or_else(|| Some(self.body?.span));
         self.deviations.push(Deviation {
-            told_by: told_by(&self.body.told, &self.path, fault),
+            told_by: self.body.and_then(|body| told_by(&body.told, &self.path, fault)),
             field: fields.join("."),
-            definition: Some(span).filter(|_| !self.shapes.is_foreign),
+            definition: span.filter(|_| !self.shapes.is_foreign),
             mismatch: Mismatch { path: pointer(&keys), expected, actual },
         });
     }

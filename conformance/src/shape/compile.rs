@@ -23,10 +23,19 @@ pub(super) fn compile(schema: &Schema) -> Shapes {
         let mut bodies = [None, None, None];
         for part in &message.parts {
             let object = compiler.body(&part.body);
+            let name = format!("{}/{}", schema.packages[message.package].name, part.name);
+            compiler.shapes.named.insert(name, Defined::Object(object));
             bodies[part.direction as usize] =
                 Some(Body { object, told: told_of(&message.name), span: part.span });
         }
         compiler.shapes.messages.entry(message.name.clone()).or_insert(bodies);
+    }
+    for package in &schema.packages {
+        for id in &package.json_types {
+            let shape = compiler.named(*id, &[]);
+            let name = format!("{}/{}", package.name, schema.json_type(*id).name);
+            compiler.shapes.named.insert(name, shape);
+        }
     }
     compiler.shapes
 }
