@@ -28,7 +28,8 @@ fn main() -> io::Result<()> {
         _ => return Err(io::Error::other("usage: uavspec-testee [--definitions PATH]")),
     };
     let types = Types::new(&definitions.schema);
-    let codec = Codec { schema: &definitions.schema, types: &types, shapes: &Shapes::new(&definitions.schema) };
+    let codec =
+        Codec { schema: &definitions.schema, types: &types, shapes: &Shapes::new(&definitions.schema) };
     let mut output = io::stdout().lock();
     // As bytes: a line that is no UTF-8 must not be the end.
     for line in io::stdin().lock().split(b'\n') {
