@@ -20,11 +20,11 @@ use self::remembered::Remembered;
 pub(crate) use self::turn::seconds;
 pub use self::turn::{ClockMove, Reference, Role, Turn};
 pub(crate) use self::vocabulary::OPERATIONS;
-pub use self::vocabulary::{MessageType, Parts, TYPES, message_type};
+pub use self::vocabulary::{Parts, parts};
+use crate::definitions::Definitions;
 use crate::json::Tree;
 use crate::record::{Direction, Exchange, Place};
 use crate::rule::Rule;
-use crate::shape;
 
 /// How much each memory takes, in bytes.
 const LIMIT: usize = 16 << 20;
@@ -41,6 +41,9 @@ const MAX_RECEIPTS: usize = 10_000;
 
 /// By how much time may go back and yet be sound, in seconds: several threads may write a recording.
 const JITTER: f64 = 0.5;
+
+/// How long a request may have been on its way, in seconds.
+const ON_ITS_WAY: f64 = 1.0;
 
 /// A request that was sent.
 #[derive(Clone, Debug)]
@@ -92,6 +95,8 @@ struct State {
     heard: Option<f64>,
     /// Whether time went back.
     is_time_lost: bool,
+    /// When the server said that the connection ends.
+    ending: Option<f64>,
     /// By how much the server's clock is ahead of the recording's: bounds, in seconds.
     clock: Option<(f64, f64)>,
     /// When that was learnt.
@@ -133,16 +138,14 @@ impl Default for Conversations {
 }
 
 impl Conversations {
-    /// What an exchange means after all that went before it.
-    pub fn follow<'t>(&mut self, exchange: &'t Exchange<'t>) -> Turn<'t> {
+    /// What an exchange means after all that went before it, where bodies have the shapes of these definitions.
+    pub fn follow<'t>(&mut self, exchange: &'t Exchange<'t>, definitions: &Definitions) -> Turn<'t> {
         let time = self.at(exchange);
         let mut turn = Turn::new(exchange, time);
         let state = &self.states[exchange.connection.index];
         turn.clock = state.clock;
         turn.serial = state.serial;
-        if let (true, Some(body), Some(name)) = (turn.is_of_server(), turn.body, turn.type_name) {
-            turn.deviations = shape::check(name, body);
-        }
+        turn.deviations = turn.deviations_from(definitions);
         match turn.role {
             Role::Event | Role::Unanswered => {}
             Role::Unreadable => {
@@ -172,7 +175,12 @@ impl Conversations {
         };
         let first = (serial, Side::Client, String::new());
         let is_of = |key: &(u64, Side, String)| key.0 == serial && key.1 == Side::Client;
-        (serial, self.open.take(&first, is_of).into_iter().map(waited).collect())
+        // Who has said farewell, needn't answer what was on its way to him.
+        let is_wanted = |asked: &Asked| {
+            state.ending.is_none_or(|ending| asked.time.is_some_and(|time| time < ending - ON_ITS_WAY))
+        };
+        let open = self.open.take(&first, is_of).into_iter();
+        (serial, open.filter(is_wanted).map(waited).collect())
     }
 
     /// A connection is opened; what had its name before is over.
@@ -316,6 +324,9 @@ impl Conversations {
 
     fn notification(&mut self, turn: &mut Turn<'_>) {
         self.send(turn, true);
+        if turn.type_name == Some("SYS-CLOSE") {
+            self.states[turn.exchange.connection.index].ending = turn.time;
+        }
         let receipts: Vec<String> = match (turn.type_name, turn.body) {
             (Some("ASYNC-RESP" | "ASYNC-ST"), Some(body)) => {
                 body.get("id").and_then(Tree::as_str).map(str::to_owned).into_iter().collect()
@@ -389,7 +400,12 @@ impl Conversations {
         }
         let serial = self.states[turn.exchange.connection.index].serial;
         for receipt in strings(turn.field("success")).unwrap_or_default() {
-            let before = self.operations.get_mut(&(serial, receipt.clone())).cloned();
+            let operation = self.operations.get_mut(&(serial, receipt.clone()));
+            let before = operation.as_deref().cloned();
+            // It may have been suspended only after it was asked.
+            if let Some(operation) = operation.filter(|known| known.stage == Stage::Suspended) {
+                operation.stage = Stage::Released;
+            }
             turn.operations.push(Named { receipt, before, is_known: turn.exchange.connection.is_told });
         }
     }
@@ -430,7 +446,7 @@ fn side(turn: &Turn<'_>) -> Side {
 
 impl Asked {
     fn of(turn: &Turn<'_>) -> Self {
-        let parts = turn.type_name.and_then(message_type).and_then(|known| known.parts);
+        let parts = turn.type_name.and_then(parts);
         let objects = parts.and_then(|parts| strings(turn.field(parts.asked)));
         let repeated = objects.as_deref().and_then(repeated);
         let objects: Option<BTreeSet<String>> = objects.map(BTreeSet::from_iter);

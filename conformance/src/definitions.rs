@@ -9,9 +9,13 @@ use include_dir::{Dir, include_dir};
 use uavspec_codegen::cli::{Failure, read_definitions};
 use uavspec_codegen::dynamic::Types;
 use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::json_type::Direction;
 use uavspec_codegen::schema::{Form, MessageId, Schema};
 use uavspec_codegen::source::Span;
 use uavspec_codegen::{PackageInput, SourceMap, read};
+
+use crate::json::Tree;
+use crate::shape::{Deviation, Schemas, Shapes};
 
 /// The definitions of this repository, which the program carries along.
 static BUILT_IN: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../definitions");
@@ -26,6 +30,8 @@ pub struct Definitions {
     pub schema: Schema,
     by_topic: HashMap<String, MessageId>,
     types: OnceLock<Types>,
+    shapes: OnceLock<Shapes>,
+    schemas: Schemas,
 }
 
 /// A line of a definition; shown as `file:number`.
@@ -77,7 +83,14 @@ impl Definitions {
                 by_topic.entry(topic.clone()).or_insert(*id);
             }
         }
-        Self { name, sources, schema, by_topic, types: OnceLock::new() }
+        let (types, shapes) = (OnceLock::new(), OnceLock::new());
+        Self { name, sources, schema, by_topic, types, shapes, schemas: Schemas::default() }
+    }
+
+    /// The same, with schemas of messages of Flockwave whose types they don't have.
+    #[must_use]
+    pub fn with_schemas(self, schemas: Schemas) -> Self {
+        Self { schemas, ..self }
     }
 
     /// The message that a topic of PX4 carries. A versioned one may have its version behind its name.
@@ -105,6 +118,38 @@ impl Definitions {
     /// The types of all messages, with their codecs; made when they are first asked for.
     pub fn types(&self) -> &Types {
         self.types.get_or_init(|| Types::new(&self.schema))
+    }
+
+    /// The shapes of all messages of pages, made when they are first asked for. Definitions without any, such as those
+    /// of PX4, are about other things, so Flockwave is then what the program carries along.
+    pub fn shapes(&self) -> &Shapes {
+        self.shapes.get_or_init(|| {
+            if self.schema.json_messages.is_empty() {
+                Shapes::new(&Self::built_in().schema).foreign()
+            } else {
+                Shapes::new(&self.schema)
+            }
+        })
+    }
+
+    /// Whether something says what messages of Flockwave of this type have to be.
+    pub fn is_message_known(&self, type_name: &str) -> bool {
+        self.shapes().has(type_name) || self.schemas.has(type_name)
+    }
+
+    /// What of the body of a message of Flockwave deviates from the shape that its type has for its direction; none
+    /// where nothing says what that is.
+    pub fn deviations(
+        &self,
+        type_name: &str,
+        direction: Direction,
+        body: &Tree<'_>,
+    ) -> Option<Vec<Deviation>> {
+        if self.shapes().has(type_name) {
+            self.shapes().check(type_name, direction, body)
+        } else {
+            self.schemas.check(type_name, direction, body)
+        }
     }
 
     /// Where something is defined.

@@ -212,7 +212,7 @@ impl<'d> Course<'d> {
 
     /// Something goes over a connection, or happens to it.
     fn exchanged(&mut self, exchange: &Exchange<'_>) {
-        let turn = self.conversations.follow(exchange);
+        let turn = self.conversations.follow(exchange, self.definitions);
         self.tell(&turn);
     }
 

@@ -116,6 +116,7 @@ pub fn probe<'d>(
         reconnects: 0,
         requests: 0,
         silences: 0,
+        slowest: Duration::ZERO,
         end: Instant::now() + options.limit + options.observe,
         notes: Vec::new(),
         failure: None,
@@ -148,6 +149,8 @@ struct Probe<'p, 'd> {
     requests: u64,
     /// How many requests had no answer in time.
     silences: u32,
+    /// The longest that an answer took.
+    slowest: Duration,
     /// When all has to be over.
     end: Instant,
     notes: Vec<String>,
@@ -268,10 +271,11 @@ impl Probe<'_, '_> {
         if self.is_late() || !self.standing() {
             return None;
         }
-        let until = Instant::now() + self.patience();
-        let answer = self.post(body, trial, until);
-        if answer.is_none() {
-            self.silences += 1;
+        let asked = Instant::now();
+        let answer = self.post(body, trial, asked + self.patience());
+        match answer {
+            Some(_) => self.slowest = self.slowest.max(asked.elapsed()),
+            None => self.silences += 1,
         }
         answer
     }
@@ -343,7 +347,7 @@ impl Probe<'_, '_> {
             if at > 0 {
                 // What goes before has its effect, and its answer, before the next message comes.
                 if session.is_waiting() {
-                    session.settle(&mut self.tape, Instant::now() + GRACE);
+                    session.settle(&mut self.tape, Instant::now() + GRACE.max(self.slowest * 4));
                 } else {
                     thread::sleep(APART);
                 }
@@ -356,7 +360,7 @@ impl Probe<'_, '_> {
         while session.is_waiting() && !session.is_over() && session.hear(&mut self.tape, until).is_some() {
             if !is_last_answered && last.is_some_and(|id| !session.waits_for(id)) {
                 is_last_answered = true;
-                until = until.min(Instant::now() + GRACE);
+                until = until.min(Instant::now() + GRACE.max(self.slowest * 4));
             }
             if Instant::now() >= until {
                 break;
@@ -371,8 +375,8 @@ impl Probe<'_, '_> {
 
     /// How long an answer is waited for.
     fn patience(&self) -> Duration {
-        let usual = if self.silences < LESS.0 { PATIENCE } else { LESS.1 };
-        usual.min(self.left())
+        let usual = if self.silences < LESS.0 { PATIENCE } else { LESS.1.max(self.slowest * 4) };
+        usual.min(PATIENCE).min(self.left())
     }
 
     fn left(&self) -> Duration {

@@ -300,7 +300,7 @@ pub struct Flockwave {
     pub notifications: u64,
     /// The types of its messages, by name.
     pub types: Vec<FlockwaveType>,
-    /// The types that the specification doesn't have: nothing says what such messages have to be. By name.
+    /// The types that the definitions don't have, nor a schema: nothing says what such messages have to be. By name.
     pub unsupported: Vec<FlockwaveType>,
     /// How many messages are of more types than are told apart.
     pub uncounted: u64,

@@ -53,6 +53,7 @@ mod fw_env_14;
 mod fw_env_15;
 mod fw_env_16;
 mod fw_env_17;
+mod fw_env_18;
 mod fw_env_19;
 mod fw_env_22;
 mod fw_env_23;
@@ -141,7 +142,10 @@ mod px_ver_01;
 
 use std::fmt;
 
+pub(crate) use self::fw_asy_22::TYPES as TYPES_WITH_RESULTS;
+
 use serde::Serialize;
+use uavspec_codegen::source::Span;
 
 use crate::conversation::Turn;
 use crate::definitions::Definitions;
@@ -151,7 +155,7 @@ use crate::record::{Channel, Message, Place};
 use crate::sample::Flight;
 
 /// Every rule, by id.
-pub static RULES: [&Rule; 155] = [
+pub static RULES: [&Rule; 156] = [
     &fw_ack_01::RULE,
     &fw_ack_03::RULE,
     &fw_ack_04::RULE,
@@ -201,6 +205,7 @@ pub static RULES: [&Rule; 155] = [
     &fw_env_15::RULE,
     &fw_env_16::RULE,
     &fw_env_17::RULE,
+    &fw_env_18::RULE,
     &fw_env_19::RULE,
     &fw_trials::ENV_21,
     &fw_env_22::RULE,
@@ -494,6 +499,17 @@ impl Judged<'_> {
     /// Something breaks the rule.
     pub fn report(&mut self, subject: &str, place: Place, detail: impl FnOnce() -> Detail) {
         self.findings.report(self.rule, subject, place, None, detail);
+    }
+
+    /// Something breaks the rule, which a definition has at this place.
+    pub(crate) fn report_defined(
+        &mut self,
+        subject: &str,
+        place: Place,
+        definition: Option<Span>,
+        detail: impl FnOnce() -> Detail,
+    ) {
+        self.findings.report(self.rule, subject, place, definition, detail);
     }
 }
 

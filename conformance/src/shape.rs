@@ -1,18 +1,23 @@
 //! What values in bodies of Flockwave messages have to look like, and whether they do.
 //!
-//! Shapes are data, and a check gives the first deviation in each field. So far there are the shapes that rules of
-//! their own are about; whether a whole body fits its type and direction is to be asked here, too.
+//! Shapes are data. Whole bodies have those that the definitions give them for each direction ([`Shapes`]), or, where
+//! the definitions don't have their type, JSON Schemas of a user ([`Schemas`]); rules on single fields bring along their
+//! own ([`Shape`]), which may be wider than the definition.
 
-mod status;
+mod bodies;
+mod check;
+mod compile;
+mod defined;
+mod schemas;
+mod told;
 
 use std::fmt::Write as _;
 
-pub use self::status::{FIELDS, StatusField};
-use crate::base64;
-use crate::json::Tree;
+use uavspec_codegen::source::Span;
 
-/// How many deviations of a body are told: hostile input can have any number.
-const MAX_DEVIATIONS: usize = 10_000;
+pub use self::bodies::Shapes;
+pub use self::schemas::{SchemaError, Schemas};
+use crate::json::Tree;
 
 /// How much of a key is told.
 const MAX_KEY: usize = 64;
@@ -30,12 +35,8 @@ pub enum Shape {
     Length(usize, usize),
     /// The id of an object: 1 to 64 characters, none of them `/`.
     ObjectId,
-    /// Bytes in Base64.
-    Base64,
     /// An array of values of this shape.
     List(&'static Shape),
-    /// An array of elements of different shapes, of which those after the first so many may be left out.
-    Tuple(&'static [Element], usize),
     /// An object whose values have this shape.
     Map(&'static Shape),
     /// Any object.
@@ -45,9 +46,6 @@ pub enum Shape {
     /// This shape, or null.
     Nullable(&'static Shape),
 }
-
-/// An element of a tuple: what it is called, and what it has to be.
-pub type Element = (&'static str, Shape);
 
 /// Any integer.
 pub const INTEGER: Shape = Shape::Integer(i128::MIN, i128::MAX);
@@ -63,19 +61,32 @@ pub struct Mismatch {
     pub actual: String,
 }
 
-/// The deviation of a field of a body that has a shape here, with the field.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Deviation {
-    /// The field, by the name of the rule on it.
-    pub field: &'static str,
-    /// What it is.
-    pub mismatch: Mismatch,
+/// What is wrong with a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Fault {
+    /// It isn't there, and has to be.
+    Absent,
+    /// It is null.
+    Null,
+    /// It is of another kind: a string where there should be a number.
+    Kind,
+    /// It is of its kind, and none of the values that there may be.
+    Value,
+    /// It is there, and nothing may be.
+    Further,
 }
 
-/// What of a body deviates from the shapes that are known for its type, the first ten thousand places at most. The direction doesn't matter yet: the state of
-/// UAVs has the same form wherever it stands.
-pub fn check(type_name: &str, body: &Tree<'_>) -> Vec<Deviation> {
-    if type_name == "UAV-INF" { status::check(body) } else { Vec::new() }
+/// Something in a body that hasn't the shape that it should have.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Deviation {
+    /// The rule of its own that this has; without one it is a matter of `FW-ENV-18`.
+    pub told_by: Option<&'static str>,
+    /// The fields of the definition that lead to it, with dots between them; empty where it is in none.
+    pub field: String,
+    /// Where the definition says what should be.
+    pub definition: Option<Span>,
+    /// What it is.
+    pub mismatch: Mismatch,
 }
 
 impl Shape {
@@ -95,17 +106,6 @@ impl Shape {
                 let of = |(at, value)| Some(shape.mismatch(value)?.below(&at_index(at)));
                 values.iter().enumerate().find_map(of)
             }
-            (Self::Tuple(elements, required), Tree::List(values)) => {
-                if values.len() < *required || values.len() > elements.len() {
-                    return Some(Mismatch::new(self.to_string(), format!("{} elements", values.len())));
-                }
-                let of = |(at, (value, (name, shape))): (usize, (&Tree<'_>, &Element))| {
-                    let found = shape.mismatch(value)?.below(&at_index(at));
-                    let expected = format!("{} ({name})", found.expected);
-                    Some(Mismatch { expected, ..found })
-                };
-                values.iter().zip(*elements).enumerate().find_map(of)
-            }
             (Self::Map(shape), Tree::Object(members)) => {
                 members.iter().find_map(|(key, value)| Some(shape.mismatch(value)?.below(key)))
             }
@@ -119,7 +119,6 @@ impl Shape {
             Self::Text => true,
             Self::Length(low, high) => (*low..=*high).contains(&text.chars().count()),
             Self::ObjectId => (1..=64).contains(&text.chars().count()) && !text.contains('/'),
-            Self::Base64 => base64::decode(text).is_some(),
             Self::OneOf(known) => known.contains(&text),
             _ => false,
         }
@@ -138,14 +137,7 @@ impl std::fmt::Display for Shape {
             Self::Text => formatter.write_str("a string"),
             Self::Length(low, high) => write!(formatter, "a string of {low} to {high} characters"),
             Self::ObjectId => formatter.write_str("a string of 1 to 64 characters without `/`"),
-            Self::Base64 => formatter.write_str("a string in Base64"),
             Self::List(shape) => write!(formatter, "a list, each entry {shape}"),
-            Self::Tuple(elements, required) if elements.len() == *required => {
-                write!(formatter, "a list of {required}")
-            }
-            Self::Tuple(elements, required) => {
-                write!(formatter, "a list of {required} to {}", elements.len())
-            }
             Self::Map(shape) => write!(formatter, "an object, each value {shape}"),
             Self::Object => formatter.write_str("an object"),
             Self::OneOf(known) => write!(formatter, "one of {}", known.join(", ")),
@@ -213,12 +205,6 @@ mod tests {
 
     #[test]
     fn the_first_deviation_is_told_with_its_place() {
-        const PAIR: Shape = Shape::Tuple(&[("height", INTEGER), ("wind", Shape::Nullable(&INTEGER))], 1);
-        assert_eq!(mismatch(PAIR, "[1]"), None);
-        assert_eq!(mismatch(PAIR, "[1, null]"), None);
-        assert_eq!(mismatch(PAIR, "[null, 2]"), Some(("/0".to_owned(), "null".to_owned())));
-        assert_eq!(mismatch(PAIR, "[]"), Some((String::new(), "0 elements".to_owned())));
-        assert_eq!(mismatch(PAIR, "[1, 2, 3]"), Some((String::new(), "3 elements".to_owned())));
         let map = Shape::Map(&Shape::List(&Shape::Text));
         assert_eq!(mismatch(map, r#"{"a/b": ["x", 7]}"#), Some(("/a~1b/1".to_owned(), "7".to_owned())));
     }

@@ -9,3 +9,7 @@
 /// Error codes.
 pub mod error_code;
 pub use self::error_code::ErrorCode;
+
+::uavspec_runtime::with_json! {
+    pub mod json;
+}

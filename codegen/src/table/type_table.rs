@@ -44,6 +44,8 @@ pub struct TypeDefinition<'p> {
     pub span: Span,
     /// The paragraphs between the heading and the table; those of a named type stand in its note.
     pub paragraphs: Vec<&'p Text>,
+    /// The paragraphs below the table.
+    pub remarks: Vec<&'p Text>,
     /// What it is.
     pub body: Body<'p>,
 }
@@ -164,15 +166,19 @@ impl<'p> Reader<'p> {
             self.diagnostics.push(diagnostic);
             return None;
         }
-        let paragraphs = self.paragraphs(index, Some(table));
-        Some(TypeDefinition { name, span: heading.text.span(), paragraphs, body })
+        let (paragraphs, remarks) = self.around(index, table);
+        Some(TypeDefinition { name, span: heading.text.span(), paragraphs, remarks, body })
     }
 
-    /// The paragraphs under a heading, those above `table` alone where there is one.
-    fn paragraphs(&self, heading: usize, table: Option<&Table>) -> Vec<&'p Text> {
-        let belongs = |text: &Text| table.is_none_or(|table| text.span() < table.span);
+    /// The paragraphs under a heading.
+    fn paragraphs(&self, heading: usize) -> Vec<&'p Text> {
         let found = under(&self.page.paragraphs, heading, |paragraph| paragraph.heading);
-        found.iter().map(|paragraph| &paragraph.text).filter(|text| belongs(text)).collect()
+        found.iter().map(|paragraph| &paragraph.text).collect()
+    }
+
+    /// The paragraphs under a heading, those above `table` and those below it.
+    fn around(&self, heading: usize, table: &Table) -> (Vec<&'p Text>, Vec<&'p Text>) {
+        self.paragraphs(heading).into_iter().partition(|text| text.span() < table.span)
     }
 
     fn body(&mut self, table: &'p Table, columns: &Columns) -> Body<'p> {
@@ -273,14 +279,15 @@ impl<'p> Reader<'p> {
     /// The type that a heading without a table names, if its first paragraph says one.
     fn named_type(&mut self, index: usize) -> Option<TypeDefinition<'p>> {
         let heading: &'p Heading = &self.page.headings[index];
-        let paragraphs = self.paragraphs(index, None);
+        let paragraphs = self.paragraphs(index);
         let (first, rest) = paragraphs.split_first()?;
         let name = heading.text.as_str();
         let (ty, end) = expression::read_start(first).filter(|_| is_type_name(name))?;
         let mut notes = vec![read_note(first, end, &mut self.diagnostics)];
         notes.extend(rest.iter().map(|text| read_note(text, 0, &mut self.diagnostics)));
         let body = Body::Named { ty, notes };
-        Some(TypeDefinition { name, span: heading.text.span(), paragraphs: Vec::new(), body })
+        let span = heading.text.span();
+        Some(TypeDefinition { name, span, paragraphs: Vec::new(), remarks: Vec::new(), body })
     }
 }
 
@@ -332,6 +339,24 @@ mod tests {
         let annotations: Vec<usize> = notes.iter().map(|note| note.annotations.len()).collect();
         assert_eq!(annotations, [1, 1]);
         assert_eq!(notes[0].text, "Above the sea.");
+    }
+
+    #[test]
+    fn what_stands_below_a_table_is_a_remark() {
+        let page = page(
+            "# Wind\n\nIt blows.\n\n|Field|Required|Type|Description|\n|-|-|-|-|\n|speed|yes|number|How fast|\n\n\
+             Disputed: whether it is a closed object.\n\n# WIND-INF\n\n## Notification\n\n\
+             |Field|Required|Type|Description|\n|-|-|-|-|\n|wind|yes|Wind|The wind|\n\nNot stated: when.\n",
+        );
+        let found = read(&page).0;
+        let texts = |texts: &[&Text]| texts.iter().map(|text| text.as_str().to_owned()).collect::<Vec<_>>();
+        assert_eq!(texts(&found.types[0].paragraphs), ["It blows."]);
+        assert_eq!(texts(&found.types[0].remarks), ["Disputed: whether it is a closed object."]);
+        let part = &found.messages[0].parts[0];
+        assert_eq!(
+            (texts(&part.paragraphs), texts(&part.remarks)),
+            (vec![], vec!["Not stated: when.".to_owned()])
+        );
     }
 
     #[test]

@@ -19,6 +19,7 @@ use rude::Rude;
 use serde_json::{Value, json};
 use uavspec_codegen::dynamic::Types;
 use uavspec_conformance::definitions::Definitions;
+use uavspec_conformance::shape::Shapes;
 
 fn main() -> io::Result<ExitCode> {
     let arguments: Vec<String> = env::args().skip(1).collect();
@@ -32,7 +33,8 @@ fn main() -> io::Result<ExitCode> {
         _ => Definitions::built_in(),
     };
     let types = Types::new(&definitions.schema);
-    let codec = Codec { schema: &definitions.schema, types: &types };
+    let codec =
+        Codec { schema: &definitions.schema, types: &types, shapes: &Shapes::new(&definitions.schema) };
     let mut input = BufReader::with_capacity(1 << 16, io::stdin().lock());
     let mut output = io::stdout().lock();
     let mut count = 0;

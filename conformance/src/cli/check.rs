@@ -19,6 +19,7 @@ use crate::input;
 use crate::judge;
 use crate::parallel;
 use crate::report::{Action, Judged, Kind, Report, Settings, Subject, Unreadable, subject_text};
+use crate::shape::Schemas;
 
 /// Arguments of `check`.
 #[derive(Args, Debug)]
@@ -32,6 +33,7 @@ use crate::report::{Action, Judged, Kind, Report, Settings, Subject, Unreadable,
   uavspec check --type px4/FailsafeFlags flags.jsonl
   uavspec check --known known.toml archive/
   uavspec check server.jsonl
+  uavspec check --schema schemas/ server.jsonl
 
 JSON is an object a line, or an array of objects. Without --type each says what it is:
   {\"type\": \"px4/FailsafeFlags\", \"message\": {…}}
@@ -39,6 +41,12 @@ JSON is an object a line, or an array of objects. Without --type each says what 
 Conversations of Flockwave are recorded so, seen from the client, or are bare messages:
   {\"t\": 1790000000.25, \"conn\": \"tcp#1\", \"dir\": \"in\", \"msg\": {…}}   (or \"out\"; \"raw\" for no JSON)
   {\"t\": 1790000000.20, \"conn\": \"tcp#1\", \"dir\": \"event\", \"event\": \"connect\"}   (or \"closed\")
+
+JSON Schemas say what bodies of further types of Flockwave have to be. Files `*.json` are searched for, also in
+subfolders. A schema is of the type that stands in it as `properties.type.const`, or as one in
+`properties.type.enum`; or else that its name holds, between dots or underscores: SOAR-INF.json. With request,
+response or notification in its name, as response_SOAR-INF.json, it is of that direction alone. Others are there to
+be referred to. Types that the definitions have are judged by those.
 
 A list of known failures is TOML:
   [[known]]                       # or [[flaky]]: it may also pass
@@ -61,6 +69,9 @@ pub(super) struct CheckArgs {
     /// where nothing is said.
     #[arg(long, value_name = "PATH")]
     definitions: Option<PathBuf>,
+    /// A folder of JSON Schemas for bodies of Flockwave whose types the definitions don't have; see below.
+    #[arg(long = "schema", value_name = "DIR")]
+    schemas: Vec<PathBuf>,
     /// The type of all messages as JSON, which then have nothing around them.
     #[arg(long = "type", value_name = "PACKAGE/NAME")]
     of: Option<String>,
@@ -86,6 +97,13 @@ pub(super) fn check(args: &CheckArgs) -> Status {
     let definitions = match super::definitions(args.definitions.as_deref()) {
         Ok(definitions) => definitions,
         Err(status) => return status,
+    };
+    let definitions = match Schemas::load(&args.schemas) {
+        Ok(schemas) => definitions.with_schemas(schemas),
+        Err(error) => {
+            anstream::eprintln!("error: {error}");
+            return Status::Usage;
+        }
     };
     let required = match args.require.rules() {
         Ok(rules) => rules,
@@ -147,6 +165,9 @@ fn settings(args: &CheckArgs) -> Settings {
     let mut arguments = Vec::new();
     if let Some(path) = &args.definitions {
         arguments.extend(["--definitions".to_owned(), path.display().to_string()]);
+    }
+    for folder in &args.schemas {
+        arguments.extend(["--schema".to_owned(), folder.display().to_string()]);
     }
     if let Some(name) = &args.of {
         arguments.extend(["--type".to_owned(), name.clone()]);

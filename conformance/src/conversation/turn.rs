@@ -2,12 +2,15 @@
 
 use std::borrow::Cow;
 
+use uavspec_codegen::schema::json_type::Direction;
+
 use super::{Asked, Named};
+use crate::definitions::Definitions;
 use crate::detail::Detail;
 use crate::json::Tree;
-use crate::record::{Direction, Exchange};
+use crate::record::{self, Exchange};
 use crate::rule::{Judged, Rule};
-use crate::shape::Deviation;
+use crate::shape::{Deviation, Mismatch};
 
 /// How much of a message is shown, in characters.
 const MAX_EXCERPT: usize = 160;
@@ -91,8 +94,8 @@ pub struct Turn<'t> {
     pub clock: Option<(f64, f64)>,
     /// How that has changed, where this tells the server's time, and something did before.
     pub clock_move: Option<ClockMove>,
-    /// What of its body has another shape than it should.
-    pub deviations: Vec<Deviation>,
+    /// What of its body has another shape than it should; none where nothing says what that is.
+    pub deviations: Option<Vec<Deviation>>,
 }
 
 impl<'t> Turn<'t> {
@@ -106,10 +109,10 @@ impl<'t> Turn<'t> {
         let has_refs =
             message.and_then(|message| message.get("refs")).is_some_and(|refs| *refs != Tree::Null);
         let role = match (exchange.direction, message) {
-            (Direction::Event, _) => Role::Event,
+            (record::Direction::Event, _) => Role::Event,
             (_, None) => Role::Unreadable,
             _ if has_refs => Role::Response,
-            (Direction::In, _) if type_name != Some("SYS-PING") => Role::Notification,
+            (record::Direction::In, _) if type_name != Some("SYS-PING") => Role::Notification,
             _ => Role::Request,
         };
         Self {
@@ -128,7 +131,7 @@ impl<'t> Turn<'t> {
             operations: Vec::new(),
             clock: None,
             clock_move: None,
-            deviations: Vec::new(),
+            deviations: None,
         }
     }
 
@@ -140,7 +143,7 @@ impl<'t> Turn<'t> {
 
     /// Whether it is a message of the server, readable or not.
     pub fn is_of_server(&self) -> bool {
-        self.exchange.direction == Direction::In && self.role != Role::Unanswered
+        self.exchange.direction == record::Direction::In && self.role != Role::Unanswered
     }
 
     /// The message, where it is one of the server.
@@ -180,6 +183,22 @@ impl<'t> Turn<'t> {
         (of.id == rule.id).then_some(how)
     }
 
+    /// Which way it goes, where it is a message.
+    pub fn direction(&self) -> Option<Direction> {
+        match self.role {
+            Role::Request => Some(Direction::Request),
+            Role::Response => Some(Direction::Response),
+            Role::Notification => Some(Direction::Notification),
+            Role::Event | Role::Unreadable | Role::Unanswered => None,
+        }
+    }
+
+    /// What of a body that the server sends has another shape than its type has for its direction.
+    pub(super) fn deviations_from(&self, definitions: &Definitions) -> Option<Vec<Deviation>> {
+        let body = self.body.filter(|_| self.is_of_server())?;
+        definitions.deviations(self.type_name?, self.direction()?, body)
+    }
+
     /// A field of the body.
     pub fn field(&self, name: &str) -> Option<&'t Tree<'t>> {
         self.body.and_then(|body| body.get(name))
@@ -213,6 +232,14 @@ impl<'t> Turn<'t> {
     /// Something in it breaks a rule.
     pub fn breaks(&self, judged: &mut Judged<'_>, detail: impl FnOnce() -> Detail) {
         judged.report(&self.subject(), self.exchange.place, || detail().excerpt(self.excerpt()));
+    }
+
+    /// Its body deviates from its definition, and so breaks a rule on `subject`.
+    pub(crate) fn deviates(&self, judged: &mut Judged<'_>, subject: &str, deviation: &Deviation) {
+        judged.report_defined(subject, self.exchange.place, deviation.definition, || {
+            let Mismatch { path, expected, actual } = &deviation.mismatch;
+            Detail::differs(expected, actual).at(path).excerpt(self.excerpt())
+        });
     }
 
     /// The beginning of it, as it is written.

@@ -11,7 +11,9 @@
 use std::collections::{BTreeMap, HashMap};
 
 use super::{Course, Judgement, Source};
-use crate::conversation::message_type;
+use uavspec_codegen::schema::json_type;
+
+use crate::conversation::parts;
 use crate::definitions::Definitions;
 use crate::json::{CUT_OFF, SyntaxError, Tree};
 use crate::record::{Connection, Direction, Exchange, Grouped, Place, Trial};
@@ -43,7 +45,7 @@ pub struct FlockwaveSource {
     pub responses: u64,
     /// How many notifications the server sent.
     pub notifications: u64,
-    /// How many messages have each type, by name, that the specification has.
+    /// How many messages have each type, by name, that the definitions have.
     pub types: BTreeMap<String, TypeCount>,
     /// How many messages have each other type: nothing says what they have to be.
     pub unknown: BTreeMap<String, TypeCount>,
@@ -141,7 +143,8 @@ impl<'d> FlockwaveJudge<'d> {
             return self.recorded(&tree, text, place);
         }
         if is_message(&tree) {
-            let direction = if is_request(&tree) { Direction::Out } else { Direction::In };
+            let direction =
+                if is_request(&tree, self.course.definitions) { Direction::Out } else { Direction::In };
             let content = Content::Message(&tree);
             let bare =
                 Happening { name: None, direction, time: None, content, text, trial: None, note: None };
@@ -273,7 +276,7 @@ impl<'d> FlockwaveJudge<'d> {
             // It is judged all the same where it says that something went wrong, or what is wrong with itself.
             return self.course.judged += u64::from(is_of_server);
         };
-        let is_known = message_type(name).is_some();
+        let is_known = self.course.definitions.is_message_known(name);
         self.course.judged += u64::from(is_of_server && is_known);
         let types = if is_known { &mut source.types } else { &mut source.unknown };
         if name.len() > MAX_NAME || (types.len() >= MAX_TYPES && !types.contains_key(name)) {
@@ -302,18 +305,16 @@ fn is_ordered(name: &str) -> bool {
 
 /// Whether a bare message is a request. What some type has in both, in a request and in a notification, is told from
 /// the fields.
-fn is_request(message: &Tree<'_>) -> bool {
+fn is_request(message: &Tree<'_>, definitions: &Definitions) -> bool {
     let Some(body) = message.get("body") else { return false };
     let Some(name) = body.get("type").and_then(Tree::as_str) else { return false };
     if message.get("refs").is_some_and(|refs| *refs != Tree::Null) {
         return false;
     }
-    match message_type(name) {
-        Some(known) if known.is_notification => {
-            let tells = ["status", "values"].iter().any(|key| body.get(key).is_some());
-            let asks = known.parts.is_some_and(|parts| body.get(parts.asked).is_some());
-            !tells && (asks || name == "TIMESYNC-STATUS")
-        }
-        _ => true,
+    if !definitions.shapes().goes(name, json_type::Direction::Notification) {
+        return true;
     }
+    let tells = ["status", "values"].iter().any(|key| body.get(key).is_some());
+    let asks = parts(name).is_some_and(|parts| body.get(parts.asked).is_some());
+    !tells && (asks || name == "TIMESYNC-STATUS")
 }

@@ -16,7 +16,7 @@ use crate::probe::{self, probe};
 use crate::server::{self, Bug, Server, Transport, bugs};
 
 /// How many servers are probed at the same time: most of it is waiting.
-const JOBS: usize = 64;
+const JOBS: usize = 32;
 
 /// How long it is listened to each.
 const OBSERVE: Duration = Duration::from_millis(1_500);

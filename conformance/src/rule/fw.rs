@@ -9,7 +9,7 @@ mod per_connection;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
-use crate::conversation::message_type;
+use crate::conversation::parts;
 use serde_json::{Value, json};
 
 pub(super) use self::lines::{Lines, are_several, is_called};
@@ -160,7 +160,7 @@ fn replied<'u>(
 ) -> Option<(&'u BTreeSet<String>, &'static [&'static str])> {
     let name = turn.type_name.filter(|name| turn.response(name).is_some() && types.contains(name))?;
     let asked = turn.asked_same()?.objects.as_ref()?;
-    Some((asked, message_type(name)?.parts?.told))
+    Some((asked, parts(name)?.told))
 }
 
 /// What a part of a reply names: the keys of a map, or the strings of a list.

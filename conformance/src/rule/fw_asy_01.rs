@@ -16,7 +16,11 @@ pub(super) static RULE: Rule = Rule {
     mutants: &[
         Mutant {
             name: "a result beside the receipt",
-            make: |_| fw::reply("LOG-DATA", |body| body["result"] = json!({})),
+            make: |_| {
+                fw::reply("LOG-DATA", |body| {
+                    body["result"] = json!({ "id": "7", "kind": "text", "body": "Took off" });
+                })
+            },
             also: &[],
         },
         Mutant {

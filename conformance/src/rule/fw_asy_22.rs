@@ -94,6 +94,17 @@ const RESULTS: [Laid; 18] = [
     ("UAV-WAKEUP", BOOLEAN, is_boolean),
 ];
 
+/// These types.
+pub(crate) const TYPES: [&str; RESULTS.len()] = {
+    let mut types = [""; RESULTS.len()];
+    let mut at = 0;
+    while at < types.len() {
+        types[at] = RESULTS[at].0;
+        at += 1;
+    }
+    types
+};
+
 fn is_boolean(found: &Tree<'_>) -> bool {
     matches!(found, Tree::Bool(_))
 }

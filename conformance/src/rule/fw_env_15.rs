@@ -4,7 +4,6 @@ use serde_json::json;
 
 use super::fw::{self, Turn};
 use super::{Check, Detail, Judged, Level, Mutant, Rule, Status};
-use crate::conversation::message_type;
 
 pub(super) static RULE: Rule = Rule {
     id: "FW-ENV-15",
@@ -33,7 +32,7 @@ fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
     judged.exercise();
     let is_part = |part: &str| (2..=8).contains(&part.len()) && part.bytes().all(is_upper_case);
     let is_usual = name.split_once('-').is_some_and(|(family, rest)| is_part(family) && is_part(rest));
-    if !is_usual && message_type(name).is_none() {
+    if !is_usual && !judged.definitions.shapes().has(name) {
         turn.breaks(judged, || {
             let expected = "two upper-case parts of 2 to 8 characters with a hyphen between them";
             Detail::differs(expected, fw::quoted(name)).at("/body/type")

@@ -4,7 +4,6 @@ use serde_json::json;
 
 use super::fw::{self, Role, Turn};
 use super::{Check, Detail, Judged, Level, Mutant, Rule, Status};
-use crate::conversation::message_type;
 
 pub(super) static RULE: Rule = Rule {
     id: "FW-ENV-16",
@@ -37,18 +36,14 @@ pub(super) static RULE: Rule = Rule {
 
 fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
     let (Some(asked), Some(found)) = (&turn.asked, turn.type_name) else { return };
-    let Some(question) = asked.type_name.as_deref().filter(|name| message_type(name).is_some()) else {
+    let Some(question) = asked.type_name.as_deref().filter(|name| judged.definitions.shapes().has(name))
+    else {
         return;
     };
     if turn.role != Role::Response || !turn.is_of_server() {
         return;
     }
-    let expected = match question {
-        "SYS-PING" | "SHOW-SETCFG" | "SHOW-SETLIGHTS" => "ACK-ACK",
-        "RTK-SOURCE" if asked.is_setting => "ACK-ACK",
-        "AUTH-REQ" => "AUTH-RESP",
-        other => other,
-    };
+    let expected = answer(question, asked.is_setting);
     judged.exercise();
     if found != expected && found != "ACK-NAK" {
         turn.breaks(judged, || {
@@ -60,5 +55,34 @@ fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
             .expected(format!("{expected} or ACK-NAK"))
             .actual(fw::quoted(found))
         });
+    }
+}
+
+/// The type that answers a request of this type, if it isn't ACK-NAK.
+fn answer(question: &str, is_setting: bool) -> &str {
+    match question {
+        "SYS-PING" | "SHOW-SETCFG" | "SHOW-SETLIGHTS" => "ACK-ACK",
+        "RTK-SOURCE" if is_setting => "ACK-ACK",
+        "AUTH-REQ" => "AUTH-RESP",
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::answer;
+    use crate::definitions::Definitions;
+
+    #[test]
+    fn answers_are_those_that_the_definitions_have() {
+        for message in &Definitions::built_in().schema.json_messages {
+            for part in message.parts.iter().filter(|part| !part.answers.is_empty()) {
+                let stated: BTreeSet<&str> = part.answers.iter().map(String::as_str).collect();
+                let expected = [false, true].map(|is_setting| answer(&message.name, is_setting));
+                assert_eq!(stated, BTreeSet::from(expected), "{}", message.name);
+            }
+        }
     }
 }

@@ -2,9 +2,10 @@
 
 use serde_json::json;
 
+use uavspec_codegen::schema::json_type::Direction;
+
 use super::fw::{self, Role, Turn};
 use super::{Check, Detail, Judged, Level, Mutant, Rule, Status};
-use crate::conversation::message_type;
 
 pub(super) static RULE: Rule = Rule {
     id: "FW-ENV-17",
@@ -24,14 +25,13 @@ pub(super) static RULE: Rule = Rule {
 };
 
 fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(known) = turn.type_name.and_then(message_type) else { return };
+    let shapes = judged.definitions.shapes();
+    let Some(name) = turn.type_name.filter(|name| shapes.has(name)) else { return };
     if turn.role != Role::Notification {
         return;
     }
     judged.exercise();
-    if !known.is_notification {
-        turn.breaks(judged, || {
-            Detail::new(format!("{} has no `refs`, and it is no notification", known.name))
-        });
+    if !shapes.goes(name, Direction::Notification) {
+        turn.breaks(judged, || Detail::new(format!("{name} has no `refs`, and it is no notification")));
     }
 }

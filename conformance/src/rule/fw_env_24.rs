@@ -12,7 +12,6 @@ use serde_json::json;
 
 use super::fw::{self, PerConnection, Role, Tree, Turn};
 use super::{Check, Checker, Detail, Judged, Level, Mutant, Place, Rule, Status, fw_env_07};
-use crate::conversation::message_type;
 
 pub(super) static RULE: Rule = Rule {
     id: "FW-ENV-24",
@@ -111,7 +110,7 @@ impl Checker for Families {
         }
         if turn.role == Role::Response && turn.tried(&fw_env_07::RULE).is_some() {
             let asked = turn.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
-            if let Some(name) = asked.filter(|name| message_type(name).is_none())
+            if let Some(name) = asked.filter(|name| !judged.definitions.is_message_known(name))
                 && let Some(reason) = reason(turn, name)
             {
                 let unknown = &mut self.connections.of(turn).unknown;

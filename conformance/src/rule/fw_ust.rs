@@ -1,5 +1,5 @@
 //! `FW-UST-…`: what servers say of a UAV, field by field. A rule each, of one form: the field has the shape that the
-//! table of the specification gives it ([`crate::shape::FIELDS`]).
+//! definitions give it ([`crate::shape::Shapes`]).
 
 use serde_json::json;
 
@@ -199,12 +199,13 @@ rule!(
 );
 
 fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>, field: &str) {
+    let id = judged.rule.id;
     for (_, state) in fw::states(turn, "UAV-INF") {
         if state.get(field).is_some() {
             judged.exercise();
         }
     }
-    for deviation in turn.deviations.iter().filter(|deviation| deviation.field == field) {
-        fw::mismatched(turn, judged, deviation.mismatch.clone());
+    for deviation in turn.deviations.iter().flatten().filter(|deviation| deviation.told_by == Some(id)) {
+        turn.deviates(judged, &turn.subject(), deviation);
     }
 }

@@ -210,10 +210,11 @@ fn field_names(members: &[Member]) -> Vec<Ident> {
 
 /// The text of a type: what the page says of it, or that it says nothing.
 fn text(docs: &crate::schema::Docs, what: &str, name: &str) -> String {
-    if docs.summary.is_empty() {
-        return format!("The {what} {}, which its page says no more of.", prose::code(name));
-    }
-    let mut text = prose::inline(&docs.summary);
+    let mut text = if docs.summary.is_empty() {
+        format!("The {what} {}, which its page says no more of.", prose::code(name))
+    } else {
+        prose::inline(&docs.summary)
+    };
     if !docs.description.is_empty() {
         text += "\n\n";
         text += &prose::block(&docs.description);

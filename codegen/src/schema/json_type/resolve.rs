@@ -143,7 +143,7 @@ impl Resolver<'_, '_> {
 
     fn json_type(&mut self, written: &TypeDefinition<'_>) -> JsonType {
         let name = written.name;
-        let mut docs = docs(written.paragraphs.iter().map(|text| text.as_str()));
+        let mut docs = with_remarks(docs(texts(&written.paragraphs)), &written.remarks);
         let definition = match &written.body {
             Body::Object(fields) => {
                 let is_closed = self.is_closed(name, &written.paragraphs, written.span);
@@ -386,7 +386,7 @@ impl Resolver<'_, '_> {
         JsonMessage {
             package: self.package,
             name: written.name.to_owned(),
-            docs: docs(written.paragraphs.iter().map(|text| text.as_str())),
+            docs: docs(texts(&written.paragraphs)),
             parts,
             span: written.span,
         }
@@ -417,7 +417,7 @@ impl Resolver<'_, '_> {
         JsonPart {
             direction: written.direction,
             name,
-            docs: docs(written.paragraphs.iter().map(|text| text.as_str())),
+            docs: with_remarks(docs(texts(&written.paragraphs)), &written.remarks),
             answers: if written.answers.is_empty() { own.collect() } else { named.collect() },
             body: Object { fields, is_closed },
             span: written.span,
@@ -435,6 +435,17 @@ fn docs<'t>(paragraphs: impl Iterator<Item = &'t str>) -> Docs {
     let mut paragraphs = paragraphs.filter(|text| !text.is_empty());
     let summary = paragraphs.next().unwrap_or_default().to_owned();
     Docs { summary, description: paragraphs.collect::<Vec<_>>().join("\n\n") }
+}
+
+/// The same, with what stands below the table. None of that is a summary.
+fn with_remarks(docs: Docs, remarks: &[&Text]) -> Docs {
+    let description = [docs.description.as_str()].into_iter().chain(texts(remarks));
+    let description: Vec<&str> = description.filter(|text| !text.is_empty()).collect();
+    Docs { description: description.join("\n\n"), ..docs }
+}
+
+fn texts<'t>(paragraphs: &[&'t Text]) -> impl Iterator<Item = &'t str> {
+    paragraphs.iter().map(|text| text.as_str())
 }
 
 /// An expression for a message about it.

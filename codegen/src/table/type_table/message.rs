@@ -74,8 +74,10 @@ pub struct PartDefinition<'p> {
     pub direction: Direction,
     /// The subheading.
     pub span: Span,
-    /// The paragraphs under the subheading, but for that of the answers.
+    /// The paragraphs under the subheading, but for that of the answers; where there is a table, those above it.
     pub paragraphs: Vec<&'p Text>,
+    /// The paragraphs below the table.
+    pub remarks: Vec<&'p Text>,
     /// The types of the responses to a request, where it says so.
     pub answers: Vec<(&'p str, Span)>,
     /// Its fields but for `type`.
@@ -179,7 +181,7 @@ impl<'p> Reader<'p> {
             self.diagnostics.push(Diagnostic::new(problem, span).with_hint(hint));
             return None;
         }
-        let (answer, paragraphs) = apart(self.paragraphs(headings.message, None));
+        let (answer, paragraphs) = apart(self.paragraphs(headings.message));
         match parts.iter_mut().find(|part| part.direction == Direction::Request) {
             Some(request) => request.answers.extend(answer.into_iter().flat_map(answers)),
             None => {
@@ -205,8 +207,11 @@ impl<'p> Reader<'p> {
             self.diagnostics
                 .push(Diagnostic::new(problem, second.span).with_hint("put all fields into one table"));
         }
-        let all = self.paragraphs(index, table.map(|(table, _)| table));
-        let (answer, paragraphs) = apart(all);
+        let (above, remarks) = match table {
+            Some((table, _)) => self.around(index, table),
+            None => (self.paragraphs(index), Vec::new()),
+        };
+        let (answer, paragraphs) = apart(above);
         let is_empty = paragraphs.iter().any(|text| has_no_fields(text));
         let fields = match table {
             Some((table, columns @ Columns::Object { .. })) => self.members(table, &columns),
@@ -223,7 +228,7 @@ impl<'p> Reader<'p> {
             self.report(Problem::MisplacedAnswer { what: direction.name() }, answer.span());
         }
         let answers = answer.into_iter().flat_map(answers).collect();
-        PartDefinition { direction, span, paragraphs, answers, fields }
+        PartDefinition { direction, span, paragraphs, remarks, answers, fields }
     }
 }
 

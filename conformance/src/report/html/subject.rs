@@ -193,7 +193,7 @@ fn message_types(found: &Flockwave) -> Markup {
     };
     html! {
         (notes("Message types", &told(&found.types)))
-        (notes("Types that the specification doesn't have, and not judged", &told(&found.unsupported)))
+        (notes("Types that the definitions don't have, and not judged", &told(&found.unsupported)))
         @if found.uncounted > 0 { p.more { "… and " (Grouped(found.uncounted)) " messages of other types" } }
     }
 }

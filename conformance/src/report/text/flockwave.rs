@@ -30,7 +30,7 @@ pub(super) fn write(subject: &Subject, found: &Flockwave, text: &mut String) -> 
         let messages = count(messages, "message");
         writeln!(
             text,
-            "unsupported  {messages} of types that the specification doesn't have: {}",
+            "unsupported  {messages} of types that the definitions don't have: {}",
             names(&found.unsupported)
         )?;
     }

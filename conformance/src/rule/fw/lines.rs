@@ -62,6 +62,8 @@ impl Lines {
             Role::Unreadable if turn.exchange.direction == Direction::In => self.line(index, turn),
             // What clients send doesn't part what servers do.
             _ if turn.exchange.direction == Direction::Out => {}
+            // The client didn't wait for the rest.
+            Role::Event if turn.exchange.note == Some("client") => _ = self.open.remove(&index),
             _ => self.part(index),
         }
     }

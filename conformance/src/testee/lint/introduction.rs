@@ -76,10 +76,13 @@ fn wrong_list(hello: &Value, member: &str, is_known: impl Fn(&str) -> bool) -> O
     wrong.map(|wrong| format!("\"{member}\" lists {wrong}"))
 }
 
+/// Bodies of messages are called by their type and direction: `flockwave/UAV-INF.response`.
 fn is_type_name(name: &str) -> bool {
-    let is_word =
-        |word: &str| !word.is_empty() && word.chars().all(|it| it.is_ascii_alphanumeric() || it == '_');
-    name.split_once('/').is_some_and(|(package, name)| is_word(package) && is_word(name))
+    let is_of = |word: &str, more: &[char]| {
+        let is_known = |it: char| it.is_ascii_alphanumeric() || it == '_' || more.contains(&it);
+        word.starts_with(|it: char| is_known(it) && !more.contains(&it)) && word.chars().all(is_known)
+    };
+    name.split_once('/').is_some_and(|(package, name)| is_of(package, &[]) && is_of(name, &['-', '.']))
 }
 
 fn second_hello(bench: &mut Bench<'_>) -> Manner {

@@ -3,6 +3,8 @@
 use serde_json::{Value, json};
 use uavspec_codegen::dynamic::{DynamicMessage, Error, MessageType, Types};
 use uavspec_codegen::schema::{Message, Schema};
+use uavspec_conformance::json::Tree;
+use uavspec_conformance::shape::Shapes;
 use uavspec_conformance::testee::protocol::PROTOCOL;
 use uavspec_conformance::testee::wire::{from_base64, from_wire, to_base64, to_wire};
 use uavspec_runtime::cdr::ByteOrder;
@@ -28,12 +30,17 @@ pub(crate) struct Codec<'s> {
     pub(crate) schema: &'s Schema,
     /// Their types.
     pub(crate) types: &'s Types,
+    /// The shapes of what is JSON by definition.
+    pub(crate) shapes: &'s Shapes,
 }
 
 impl Codec<'_> {
     fn hello(&self) -> Value {
         let messages = self.types.iter().map(|message| format!("{}/{}", message.package(), message.name()));
-        let types: Vec<String> = messages.chain([CODE.to_owned(), LIST.to_owned()]).collect();
+        let types: Vec<String> = messages
+            .chain([CODE.to_owned(), LIST.to_owned()])
+            .chain(self.shapes.names().map(str::to_owned))
+            .collect();
         let ops = ["decode", "encode", "roundtrip", "validate", "severity", "hash", "layout"];
         json!({
             "op": "hello", "protocol": PROTOCOL, "name": "reference", "version": env!("CARGO_PKG_VERSION"),
@@ -65,6 +72,7 @@ impl Codec<'_> {
                 let code = Self::code(value_of(question)?)?;
                 json!({ "class": ErrorClass::of(code).name(), "severity": Severity::of(code).name() })
             }
+            (_, "validate") if self.shapes.has_shape(name) => self.shaped(name, value_of(question)?)?,
             (LIST, "validate") => self.list(value_of(question)?).map(|()| Value::Null)?,
             _ => {
                 let (message, of) = self.find(name).ok_or(Wrong::Unknown)?;
@@ -79,6 +87,19 @@ impl Codec<'_> {
         let mut ids = self.schema.packages.iter().filter(|it| it.name == package).flat_map(|it| &it.messages);
         let id = ids.find(|id| self.schema.message(**id).name == name)?;
         Some((self.schema.message(*id), self.types.get(*id)))
+    }
+
+    /// Whether a value has the shape of this name.
+    fn shaped(&self, name: &str, value: &Value) -> Result<Value, Wrong> {
+        let text = from_wire(value).to_string();
+        let tree = Tree::read(&text).map_err(|error| Wrong::Input(error.to_string()))?;
+        match self.shapes.mismatch(name, &tree).flatten() {
+            None => Ok(Value::Null),
+            Some(found) => Err(Wrong::Input(format!(
+                "{}: expected {}, found {}",
+                found.path, found.expected, found.actual
+            ))),
+        }
     }
 
     fn code(value: &Value) -> Result<u32, Wrong> {

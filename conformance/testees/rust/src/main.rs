@@ -16,6 +16,7 @@ use std::path::Path;
 use codec::Codec;
 use uavspec_codegen::dynamic::Types;
 use uavspec_conformance::definitions::Definitions;
+use uavspec_conformance::shape::Shapes;
 
 fn main() -> io::Result<()> {
     let arguments: Vec<String> = env::args().skip(1).collect();
@@ -26,7 +27,9 @@ fn main() -> io::Result<()> {
         }
         _ => return Err(io::Error::other("usage: uavspec-testee [--definitions PATH]")),
     };
-    let codec = Codec { schema: &definitions.schema, types: &Types::new(&definitions.schema) };
+    let types = Types::new(&definitions.schema);
+    let codec =
+        Codec { schema: &definitions.schema, types: &types, shapes: &Shapes::new(&definitions.schema) };
     let mut output = io::stdout().lock();
     // As bytes: a line that is no UTF-8 must not be the end.
     for line in io::stdin().lock().split(b'\n') {

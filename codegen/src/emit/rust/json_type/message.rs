@@ -116,11 +116,12 @@ fn message_tokens(context: &Context<'_>, names: &Names, message: &JsonMessage) -
 
 fn part_tokens(definitions: &mut Definitions<'_>, message: &JsonMessage, part: &JsonPart) -> TokenStream {
     let name = ident(part.direction.title());
-    let mut lines = if part.docs.summary.is_empty() {
-        format!("The body of a {} of the type {}.", part.direction, prose::code(&message.name))
-    } else {
-        text(&part.docs, "body", &part.name)
-    };
+    let mut lines = format!("The body of a {} of the type {}.", part.direction, prose::code(&message.name));
+    let said = prose::block(&part.docs.text());
+    if !said.is_empty() {
+        lines += "\n\n";
+        lines += &said;
+    }
     if !part.answers.is_empty() {
         let answers: Vec<String> = part.answers.iter().map(|answer| prose::code(answer)).collect();
         lines += "\n\nAnswered by ";

@@ -4,6 +4,8 @@
 //!
 //! The message `FIELD-CLOSE`, which its page says no more of.
 
+/// The body of a request of the type `FIELD-CLOSE`.
+///
 /// No fields beside type.
 ///
 /// Answered by `TOWER-ACK`, `GLIDER-INF`.

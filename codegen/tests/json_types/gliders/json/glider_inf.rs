@@ -4,6 +4,8 @@
 //!
 //! The state of some gliders.
 
+/// The body of a request of the type `GLIDER-INF`.
+///
 /// Asks for gliders by their ids.
 ///
 /// Answered by `GLIDER-INF`.
@@ -18,6 +20,8 @@ pub struct Request {
     ids "ids" required;
 }
 
+/// The body of a response of the type `GLIDER-INF`.
+///
 /// Further fields are allowed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {

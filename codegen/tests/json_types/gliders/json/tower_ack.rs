@@ -4,6 +4,8 @@
 //!
 //! The message `TOWER-ACK`, which its page says no more of.
 
+/// The body of a response of the type `TOWER-ACK`.
+///
 /// No fields beside type.
 ///
 /// The object is closed.

@@ -1,0 +1,223 @@
+//! Shapes of the types and messages of definitions.
+
+use std::collections::HashMap;
+
+use regex_lite::Regex;
+use uavspec_codegen::schema::json_type::{
+    self as written, Definition, Expression, Limits, Member, SetValues,
+};
+use uavspec_codegen::schema::{JsonTypeId, Schema};
+use uavspec_codegen::value::Value;
+
+use super::bodies::{Body, Shapes};
+use super::defined::{Defined, Field, Length, List, Object, Pattern, Test, Text, Tuple};
+use super::told::told_of;
+
+/// The name of the only format that strings have.
+const BASE64: &str = "base64";
+
+/// The shapes of all messages of some definitions. Of two packages with the same message the first has it.
+pub(super) fn compile(schema: &Schema) -> Shapes {
+    let mut compiler = Compiler { schema, shapes: Shapes::default(), known: HashMap::new() };
+    for message in &schema.json_messages {
+        let mut bodies = [None, None, None];
+        for part in &message.parts {
+            let object = compiler.body(&part.body);
+            let name = format!("{}/{}", schema.packages[message.package].name, part.name);
+            compiler.shapes.named.insert(name, Defined::Object(object));
+            bodies[part.direction as usize] =
+                Some(Body { object, told: told_of(&message.name), span: part.span });
+        }
+        compiler.shapes.messages.entry(message.name.clone()).or_insert(bodies);
+    }
+    for package in &schema.packages {
+        for id in &package.json_types {
+            let shape = compiler.named(*id, &[]);
+            let name = format!("{}/{}", package.name, schema.json_type(*id).name);
+            compiler.shapes.named.insert(name, shape);
+        }
+    }
+    compiler.shapes
+}
+
+struct Compiler<'s> {
+    schema: &'s Schema,
+    shapes: Shapes,
+    /// The objects and tuples that have a name, which may hold themselves.
+    known: HashMap<JsonTypeId, Reference>,
+}
+
+/// Where an object or a tuple stands.
+#[derive(Clone, Copy)]
+enum Reference {
+    Object(usize),
+    Tuple(usize),
+}
+
+impl From<Reference> for Defined {
+    fn from(reference: Reference) -> Self {
+        match reference {
+            Reference::Object(index) => Self::Object(index),
+            Reference::Tuple(index) => Self::Tuple(index),
+        }
+    }
+}
+
+impl Compiler<'_> {
+    fn body(&mut self, body: &written::Object) -> usize {
+        let index = self.shapes.objects.len();
+        self.shapes.objects.push(Object::default());
+        self.fill(index, "", body);
+        index
+    }
+
+    /// Makes the object whose place is kept.
+    fn fill(&mut self, index: usize, name: &str, object: &written::Object) {
+        let fields = self.fields(&object.fields);
+        self.shapes.objects[index] = Object::new(name, fields, object.is_closed);
+    }
+
+    fn fields(&mut self, members: &[Member]) -> Vec<Field> {
+        let field = |member: &Member| Field {
+            name: member.name.clone(),
+            is_required: member.is_required,
+            shape: self.expression(&member.typed.ty, &[&member.typed.limits]),
+            span: member.span,
+        };
+        members.iter().map(field).collect()
+    }
+
+    /// The shape of an expression, with all limits that hold in its place.
+    fn expression(&mut self, expression: &Expression, limits: &[&Limits]) -> Defined {
+        match expression {
+            Expression::Any => Defined::Any,
+            Expression::Null => Defined::Null,
+            Expression::Boolean => Defined::Bool,
+            Expression::Integer => {
+                let (low, high) = bounds(limits);
+                // What is no integer itself bounds those beside it.
+                #[allow(clippy::cast_possible_truncation)] // it saturates
+                Defined::Integer(
+                    low.map_or(i128::MIN, |low| low.integer.unwrap_or(low.float.ceil() as i128)),
+                    high.map_or(i128::MAX, |high| high.integer.unwrap_or(high.float.floor() as i128)),
+                )
+            }
+            Expression::Number => {
+                let (low, high) = bounds(limits);
+                Defined::Number(low.map(|low| low.float), high.map(|high| high.float))
+            }
+            Expression::String => Defined::Text(text(limits)),
+            Expression::ErrorCode => Defined::Integer(0, u32::MAX.into()),
+            Expression::ErrorList => {
+                self.expression(&Expression::List(Box::new(Expression::ErrorCode)), limits)
+            }
+            Expression::Named(id) => self.named(*id, limits),
+            Expression::List(element) => Defined::List(List {
+                element: Box::new(self.within(element, limits)),
+                length: length(limits),
+                is_unique: limits.iter().any(|limits| limits.is_unique),
+            }),
+            Expression::Map(value) => Defined::Map(Box::new(self.within(value, limits))),
+            Expression::Either(all) => {
+                Defined::Either(all.iter().map(|one| self.expression(one, limits)).collect())
+            }
+            Expression::OneOf(constants) => Defined::Constants(constants.clone()),
+        }
+    }
+
+    /// The shape of what a list or a map holds.
+    fn within(&mut self, inner: &Expression, limits: &[&Limits]) -> Defined {
+        let limits: Vec<Limits> = limits.iter().map(|limits| limits.of_elements()).collect();
+        self.expression(inner, &limits.iter().collect::<Vec<_>>())
+    }
+
+    fn named(&mut self, id: JsonTypeId, limits: &[&Limits]) -> Defined {
+        if let Some(reference) = self.known.get(&id) {
+            return (*reference).into();
+        }
+        let schema = self.schema;
+        let found = schema.json_type(id);
+        match &found.definition {
+            Definition::Object(object) => {
+                let index = self.shapes.objects.len();
+                self.shapes.objects.push(Object::default());
+                self.known.insert(id, Reference::Object(index));
+                self.fill(index, &found.name, object);
+                Defined::Object(index)
+            }
+            Definition::Tuple(elements) => {
+                let index = self.shapes.tuples.len();
+                self.shapes.tuples.push(Tuple::default());
+                self.known.insert(id, Reference::Tuple(index));
+                let elements = self.fields(elements);
+                let required = elements.iter().filter(|element| element.is_required).count();
+                self.shapes.tuples[index] = Tuple { elements, required };
+                Defined::Tuple(index)
+            }
+            Definition::Set(set) => match &set.values {
+                SetValues::Integers(_) if set.is_open => Defined::Integer(i128::MIN, i128::MAX),
+                SetValues::Strings(_) if set.is_open => Defined::Text(Text::ANY),
+                SetValues::Integers(values) => {
+                    Defined::Integers(values.iter().map(|value| value.value).collect())
+                }
+                SetValues::Strings(values) => {
+                    Defined::Constants(values.iter().map(|value| value.value.clone()).collect())
+                }
+            },
+            // Names don't stand for themselves, so this ends.
+            Definition::Named(typed) => {
+                let all: Vec<&Limits> = limits.iter().copied().chain([&typed.limits]).collect();
+                self.expression(&typed.ty, &all)
+            }
+        }
+    }
+}
+
+/// A bound.
+#[derive(Clone, Copy)]
+struct Bound {
+    float: f64,
+    integer: Option<i128>,
+}
+
+/// The narrowest bounds of several.
+fn bounds(limits: &[&Limits]) -> (Option<Bound>, Option<Bound>) {
+    let bound = |value: &Value| {
+        let integer = if let Value::Int(integer) = value { Some(*integer) } else { None };
+        Some(Bound { float: value.as_f64()?, integer })
+    };
+    let ranges = || limits.iter().filter_map(|limits| limits.range.as_ref());
+    let lows = ranges().filter_map(|range| bound(range.low.as_ref()?));
+    let highs = ranges().filter_map(|range| bound(range.high.as_ref()?));
+    let by_value = |one: &Bound, other: &Bound| one.float.total_cmp(&other.float);
+    (lows.max_by(by_value), highs.min_by(by_value))
+}
+
+/// The narrowest lengths of several.
+fn length(limits: &[&Limits]) -> Length {
+    let size = |length: u32| usize::try_from(length).unwrap_or(usize::MAX);
+    let least = limits.iter().filter_map(|limits| limits.least).max().map_or(0, size);
+    let most = limits.iter().filter_map(|limits| limits.most).min().map_or(usize::MAX, size);
+    Length { least, most }
+}
+
+fn text(limits: &[&Limits]) -> Text {
+    let pattern = |written: &String| {
+        // A pattern that takes more room than there is for one says nothing here.
+        let test = without(written).or_else(|| Regex::new(written).ok().map(Test::Regex))?;
+        Some(Pattern { written: written.clone(), test })
+    };
+    Text {
+        length: length(limits),
+        patterns: limits.iter().filter_map(|limits| pattern(limits.pattern.as_ref()?)).collect(),
+        is_base64: limits.iter().any(|limits| limits.format.as_deref() == Some(BASE64)),
+    }
+}
+
+/// What a pattern excludes that says no more than that: `^[^/]+$`.
+fn without(pattern: &str) -> Option<Test> {
+    let excluded = pattern.strip_prefix("^[^")?.strip_suffix("]+$")?;
+    let is_plain = |c: char| !matches!(c, '\\' | '[' | ']' | '-' | '&' | '~' | '^');
+    (!excluded.is_empty() && excluded.chars().all(is_plain))
+        .then(|| Test::Without(excluded.chars().collect()))
+}

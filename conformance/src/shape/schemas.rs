@@ -1,0 +1,305 @@
+//! JSON Schemas of a user, for types of messages that the definitions don't have.
+
+use std::collections::{BTreeMap, HashMap};
+use std::fmt;
+use std::fs::File;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use jsonschema::{Retrieve, Uri, Validator};
+use serde_json::Value;
+use uavspec_codegen::schema::json_type::Direction;
+use walkdir::WalkDir;
+
+use super::{Deviation, Mismatch};
+use crate::json::Tree;
+
+/// The largest file that is read, in bytes.
+const MAX_BYTES: u64 = 16 << 20;
+
+/// How many deviations of a body are told.
+const MAX_DEVIATIONS: usize = 100;
+
+/// How much of what a schema demands is shown, in characters.
+const MAX_DEMAND: usize = 80;
+
+/// Where the addresses of files begin that have no `$id`, so that they refer to each other by their names.
+const BASE: &str = "uavspec://schemas/";
+
+/// JSON Schemas of bodies, by the type of the message.
+#[derive(Debug, Default)]
+pub struct Schemas {
+    by_type: HashMap<String, Vec<Schema>>,
+}
+
+/// The schema of a file.
+#[derive(Debug)]
+struct Schema {
+    file: PathBuf,
+    /// The direction that it is about; none where it is about all.
+    direction: Option<Direction>,
+    value: Value,
+    validator: Validator,
+}
+
+/// Why schemas can't be used.
+#[derive(Debug)]
+pub struct SchemaError {
+    /// The file or folder.
+    path: PathBuf,
+    /// Where in it: a line and column, or a JSON pointer; may be empty.
+    place: String,
+    /// What is the matter, and what to do.
+    what: String,
+}
+
+impl fmt::Display for SchemaError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let place = if self.place.is_empty() { String::new() } else { format!(":{}", self.place) };
+        write!(formatter, "{}{place}: {}", self.path.display(), self.what)
+    }
+}
+
+impl std::error::Error for SchemaError {}
+
+impl Schemas {
+    /// Those of the files `*.json` in these folders and below. References lead from file to file; nothing is fetched.
+    pub fn load(folders: &[PathBuf]) -> Result<Self, SchemaError> {
+        let mut schemas = Self::default();
+        for (number, folder) in folders.iter().enumerate() {
+            let files = Arc::new(Files::read(folder, number)?);
+            let mut is_any = false;
+            for (address, (path, value)) in &files.by_address {
+                let types = types_of(path, value);
+                if types.is_empty() {
+                    continue;
+                }
+                is_any = true;
+                let build = || {
+                    let options = jsonschema::options().with_base_uri(address.clone());
+                    options.with_retriever(Lookup(Arc::clone(&files))).build(value)
+                };
+                for type_name in types {
+                    let validator = build().map_err(|error| SchemaError {
+                        path: path.clone(),
+                        place: error.instance_path().to_string(),
+                        what: format!("no schema: {error}"),
+                    })?;
+                    let direction = direction_of(path);
+                    let schema = Schema { file: path.clone(), direction, value: value.clone(), validator };
+                    schemas.add(&type_name, schema)?;
+                }
+            }
+            if !is_any {
+                let what = "no file `*.json` in it is the schema of a message: its `properties.type` needs a `const` or an \
+                            `enum`, or its name the type, such as `SYS-VER.json`";
+                return Err(SchemaError {
+                    path: folder.clone(),
+                    place: String::new(),
+                    what: what.to_owned(),
+                });
+            }
+        }
+        Ok(schemas)
+    }
+
+    fn add(&mut self, type_name: &str, schema: Schema) -> Result<(), SchemaError> {
+        let known = self.by_type.entry(type_name.to_owned()).or_default();
+        if let Some(other) = known.iter().find(|other| other.direction == schema.direction) {
+            let direction = schema.direction.map_or(String::new(), |direction| format!(" of a {direction}"));
+            let what = format!(
+                "{} says already what the body{direction} of {type_name} has to be: leave one of them out, or name them by \
+                 their direction",
+                other.file.display()
+            );
+            return Err(SchemaError { path: schema.file, place: String::new(), what });
+        }
+        known.push(schema);
+        Ok(())
+    }
+
+    /// Whether there is a schema for messages of this type.
+    pub fn has(&self, type_name: &str) -> bool {
+        self.by_type.contains_key(type_name)
+    }
+
+    /// What of a body its schema doesn't allow; none where there is no schema, or where the body isn't JSON such as
+    /// schemas are about: that is another rule's matter.
+    pub fn check(&self, type_name: &str, direction: Direction, body: &Tree<'_>) -> Option<Vec<Deviation>> {
+        let schemas = self.by_type.get(type_name)?;
+        let of = |wanted| schemas.iter().find(|schema| schema.direction == wanted);
+        let schema = of(Some(direction)).or_else(|| of(None))?;
+        let body = value_of(body)?;
+        let errors = schema.validator.iter_errors(&body).take(MAX_DEVIATIONS);
+        Some(errors.map(|error| schema.deviation(&error)).collect())
+    }
+}
+
+impl Schema {
+    fn deviation(&self, error: &jsonschema::ValidationError<'_>) -> Deviation {
+        let at = error.schema_path().to_string();
+        let demand = self.value.pointer(&at).map(|demand| {
+            let text = demand.to_string();
+            let short: String = text.chars().take(MAX_DEMAND).collect();
+            let more = if short.len() < text.len() { "…" } else { "" };
+            format!(": {short}{more}")
+        });
+        let expected = format!("what {} has at {at}{}", self.file.display(), demand.unwrap_or_default());
+        let text = error.instance().to_string();
+        let actual =
+            Tree::read(&text).map_or_else(|_| "something else".to_owned(), |found| found.to_string());
+        let path = format!("/body{}", error.instance_path());
+        let mismatch = Mismatch { path, expected, actual };
+        Deviation { told_by: None, field: String::new(), definition: None, mismatch }
+    }
+}
+
+/// The files of a folder.
+#[derive(Debug)]
+struct Files {
+    /// By the address that its place in the folder gives each.
+    by_address: BTreeMap<String, (PathBuf, Value)>,
+    /// The addresses by `$id`.
+    by_id: HashMap<String, String>,
+}
+
+impl Files {
+    fn read(folder: &Path, number: usize) -> Result<Self, SchemaError> {
+        let mut files = Self { by_address: BTreeMap::new(), by_id: HashMap::new() };
+        let at =
+            |path: &Path, what: String| SchemaError { path: path.to_owned(), place: String::new(), what };
+        for entry in WalkDir::new(folder).sort_by_file_name() {
+            let entry = entry.map_err(|error| {
+                let path = error.path().unwrap_or(folder).to_owned();
+                let error =
+                    error.io_error().map_or_else(|| "it leads to itself".to_owned(), ToString::to_string);
+                at(&path, format!("can't be read: {error}"))
+            })?;
+            let path = entry.path();
+            if !entry.file_type().is_file() || path.extension().is_none_or(|extension| extension != "json") {
+                continue;
+            }
+            let mut text = String::new();
+            File::open(path)
+                .and_then(|file| file.take(MAX_BYTES + 1).read_to_string(&mut text))
+                .map_err(|error| at(path, format!("can't be read: {error}")))?;
+            if text.len() as u64 > MAX_BYTES {
+                return Err(at(path, format!("has more than {MAX_BYTES} bytes")));
+            }
+            let value: Value = serde_json::from_str(&text).map_err(|error| SchemaError {
+                path: path.to_owned(),
+                place: format!("{}:{}", error.line(), error.column()),
+                what: format!("no JSON: {error}"),
+            })?;
+            let below = path.strip_prefix(folder).unwrap_or(path);
+            let address = format!("{BASE}{number}/{}", address(below));
+            if let Some(id) = value["$id"].as_str() {
+                files.by_id.entry(id.trim_end_matches('#').to_owned()).or_insert_with(|| address.clone());
+            }
+            files.by_address.insert(address, (path.to_owned(), value));
+        }
+        files.agree_on_draft();
+        Ok(files)
+    }
+
+    /// Files without `$schema` are of the draft that the first of their neighbours has that names one: often one of
+    /// them names it for all.
+    fn agree_on_draft(&mut self) {
+        let named = self.by_address.values().find_map(|(_, value)| value["$schema"].as_str());
+        let Some(named) = named.map(str::to_owned) else { return };
+        for (_, value) in self.by_address.values_mut() {
+            if let Value::Object(members) = value {
+                members.entry("$schema").or_insert_with(|| named.clone().into());
+            }
+        }
+    }
+}
+
+/// Looks references up in the files: by `$id`, by where they stand, and at last by their name alone, since an `$id` may
+/// be an address at which the files don't stand.
+struct Lookup(Arc<Files>);
+
+impl Retrieve for Lookup {
+    fn retrieve(&self, uri: &Uri<String>) -> Result<Value, Box<dyn std::error::Error + Send + Sync>> {
+        let wanted = uri.as_str().split('#').next().unwrap_or_default();
+        let name = wanted.rsplit('/').next().unwrap_or_default();
+        let files = &self.0.by_address;
+        let by_name = || files.iter().find(|(address, _)| address.rsplit('/').next() == Some(name));
+        let by_id = self.0.by_id.get(wanted).and_then(|address| files.get(address));
+        let found = by_id.or_else(|| files.get(wanted)).or_else(|| by_name().map(|(_, file)| file));
+        match found {
+            Some((_, value)) => Ok(value.clone()),
+            None => Err(format!("no file of the folder is called `{name}`, and nothing is fetched").into()),
+        }
+    }
+}
+
+/// A relative path as a part of an address.
+fn address(path: &Path) -> String {
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte);
+    let written = |byte: u8| {
+        if is_plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") }
+    };
+    path.to_string_lossy().replace('\\', "/").bytes().map(written).collect()
+}
+
+/// The types of messages that a file says of itself to be about, or else that which its name says.
+fn types_of(path: &Path, value: &Value) -> Vec<String> {
+    let of_type = &value["properties"]["type"];
+    let values = of_type["enum"].as_array().into_iter().flatten().chain([&of_type["const"]]);
+    let mut types: Vec<String> = values.filter_map(Value::as_str).map(str::to_owned).collect();
+    types.sort();
+    types.dedup();
+    if types.is_empty() {
+        types.extend(words(path).find(|word| is_type(word)));
+    }
+    types
+}
+
+/// The direction that the name of a file says.
+fn direction_of(path: &Path) -> Option<Direction> {
+    words(path)
+        .find_map(|word| Direction::ALL.into_iter().find(|known| word.eq_ignore_ascii_case(known.name())))
+}
+
+/// The parts of the name of a file.
+fn words(path: &Path) -> impl Iterator<Item = String> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let words: Vec<String> = name.split(['.', '_', ' ']).map(str::to_owned).collect();
+    words.into_iter()
+}
+
+/// Whether a word is the type of a message by its look: `SYS-VER`.
+fn is_type(word: &str) -> bool {
+    let is_part = |part: &str| {
+        !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_uppercase() || byte.is_ascii_digit())
+    };
+    word.contains('-') && word.split('-').all(is_part)
+}
+
+/// A tree as schemas see it; none where it has what is no JSON, or a number that no float holds. Of repeated keys the
+/// first counts.
+fn value_of(tree: &Tree<'_>) -> Option<Value> {
+    Some(match tree {
+        Tree::Null => Value::Null,
+        Tree::Bool(value) => Value::Bool(*value),
+        Tree::Int(value) => match (u64::try_from(*value), i64::try_from(*value)) {
+            (Ok(value), _) => value.into(),
+            (_, Ok(value)) => value.into(),
+            _ => return None,
+        },
+        Tree::Float(value, _) => Value::Number(serde_json::Number::from_f64(*value)?),
+        Tree::Huge(_) | Tree::Token(_) => return None,
+        Tree::Text(text) => text.as_ref().into(),
+        Tree::List(values) => Value::Array(values.iter().map(value_of).collect::<Option<_>>()?),
+        Tree::Object(members) => {
+            let mut object = serde_json::Map::new();
+            for (key, value) in members {
+                let value = value_of(value)?;
+                object.entry(key.as_ref()).or_insert(value);
+            }
+            Value::Object(object)
+        }
+    })
+}

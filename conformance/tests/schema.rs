@@ -1,0 +1,215 @@
+//! JSON Schemas for types of messages that the definitions don't have, as a user meets them.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+/// Files by their names.
+type Files<'f> = &'f [(&'f str, Value)];
+
+/// A folder with files.
+fn folder(files: Files<'_>) -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, value) in files {
+        write(folder.path(), name, &value.to_string());
+    }
+    folder
+}
+
+fn write(folder: &Path, name: &str, text: &str) {
+    let path = folder.join(name);
+    fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+    fs::write(path, text).expect("a file");
+}
+
+/// A recording of responses and notifications with these bodies.
+fn recording(folder: &Path, responses: &[Value], notifications: &[Value]) {
+    let line = |body: &Value, refs: Option<&str>| {
+        let mut message = json!({ "$fw.version": "1.0", "id": "say", "body": body });
+        if let Some(refs) = refs {
+            message["refs"] = refs.into();
+        }
+        format!("{}\n", json!({ "dir": "in", "msg": message }))
+    };
+    let responses = responses.iter().map(|body| line(body, Some("ask")));
+    let notifications = notifications.iter().map(|body| line(body, None));
+    write(folder, "hill.jsonl", &responses.chain(notifications).collect::<String>());
+}
+
+/// The exit status, what was printed, and what was said.
+fn check(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_uavspec"));
+    let output = command.arg("check").args(arguments).current_dir(folder).output().expect("it runs");
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+/// The findings of a check of the recording: rule, subject, place, what should be there, and what is.
+fn findings(folder: &Path, arguments: &[&str]) -> Vec<[String; 5]> {
+    let all = [&["--format", "json", "hill.jsonl"], arguments].concat();
+    let (status, printed, said) = check(folder, &all);
+    assert!(matches!(status, Some(0 | 1 | 5)), "{said}");
+    let report: Value = serde_json::from_str(&printed).expect("JSON");
+    let found = report["subjects"][0]["findings"].as_array().expect("findings").iter();
+    let example = |group: &Value, example: &Value| {
+        [&group["rule"], &group["subject"], &example["path"], &example["expected"], &example["actual"]]
+            .map(|value| value.as_str().unwrap_or_default().to_owned())
+    };
+    found
+        .flat_map(|group| {
+            group["examples"].as_array().expect("examples").iter().map(move |one| example(group, one))
+        })
+        .collect()
+}
+
+/// A schema of bodies of this type, with a field `lift`.
+fn lift(type_name: &str, lift: &Value) -> Value {
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "type": "object",
+        "properties": { "type": { "const": type_name }, "lift": lift },
+        "required": ["type", "lift"],
+    })
+}
+
+#[test]
+fn bodies_are_judged_by_the_schema_of_their_type() {
+    let number = json!({ "type": "number", "minimum": 0 });
+    let by_name = json!({ "required": ["marks"] });
+    let one_of_two =
+        json!({ "properties": { "type": { "enum": ["SOAR-ON", "SOAR-OFF"] } }, "maxProperties": 1 });
+    let folder = folder(&[
+        ("schemas/lift.json", lift("SOAR-INF", &number)),
+        ("schemas/more/SOAR-LIST.json", by_name),
+        ("schemas/more/switch.json", one_of_two),
+        ("schemas/notes.txt", json!("no schema")),
+    ]);
+    let responses = [
+        json!({ "type": "SOAR-INF", "lift": 1.5 }),
+        json!({ "type": "SOAR-INF", "lift": -1 }),
+        json!({ "type": "SOAR-LIST" }),
+        json!({ "type": "SOAR-OFF", "now": true }),
+        json!({ "type": "SOAR-ON" }),
+        json!({ "type": "SOAR-HIGH" }),
+    ];
+    recording(folder.path(), &responses, &[]);
+    let slash = std::path::MAIN_SEPARATOR;
+    let expected: Vec<[String; 5]> = [
+        ["SOAR-INF", "/body/lift", "lift.json has at /properties/lift/minimum: 0", "-1"],
+        ["SOAR-LIST", "/body", "more/SOAR-LIST.json has at /required: [\"marks\"]", "an object"],
+        ["SOAR-OFF", "/body", "more/switch.json has at /maxProperties: 1", "an object"],
+    ]
+    .map(|[subject, path, what, actual]| {
+        let expected = format!("what schemas{slash}{}", what.replacen("more/", &format!("more{slash}"), 1));
+        ["FW-ENV-18".to_owned(), subject.to_owned(), path.to_owned(), expected, actual.to_owned()]
+    })
+    .to_vec();
+    assert_eq!(findings(folder.path(), &["--schema", "schemas"]), expected);
+
+    let (_, text, _) = check(folder.path(), &["--schema", "schemas", "hill.jsonl"]);
+    assert!(
+        text.contains("unsupported  1 message of types that the definitions don't have: SOAR-HIGH"),
+        "{text}"
+    );
+    assert!(findings(folder.path(), &[]).is_empty(), "without schemas nothing says what they have to be");
+}
+
+#[test]
+fn the_name_of_a_file_may_say_the_direction() {
+    let folder = folder(&[
+        ("a/response_SOAR-INF.json", lift("SOAR-INF", &json!({ "type": "number" }))),
+        ("b/SOAR-INF.notification.schema.json", json!({ "required": ["wind"] })),
+    ]);
+    let body = json!({ "type": "SOAR-INF", "lift": "much" });
+    recording(folder.path(), std::slice::from_ref(&body), std::slice::from_ref(&body));
+    let found = findings(folder.path(), &["--schema", "a", "--schema", "b"]);
+    let places: Vec<&str> = found.iter().map(|[_, _, path, ..]| path.as_str()).collect();
+    assert_eq!(places, ["/body/lift", "/body"]);
+    let found = findings(folder.path(), &["--schema", "a"]);
+    assert_eq!(found.len(), 1, "{found:?}");
+}
+
+/// What the definitions have is judged by them.
+#[test]
+fn definitions_go_before_schemas() {
+    let folder = folder(&[("schemas/SYS-VER.json", json!({ "maxProperties": 0 }))]);
+    recording(folder.path(), &[json!({ "type": "SYS-VER", "software": "Windward", "version": "3.1" })], &[]);
+    assert!(findings(folder.path(), &["--schema", "schemas"]).is_empty());
+}
+
+/// Files refer to each other by name or by `$id`, and are of the draft that one of them names.
+#[test]
+fn schemas_refer_to_each_other() {
+    let common = json!({
+        "pair": { "type": "array", "items": [{ "type": "integer" }, { "type": "string" }] },
+        "$schema": "http://json-schema.org/draft-07/schema#",
+    });
+    let by_id = json!({
+        "$id": "https://example.org/soar/response_SOAR-TWO.json",
+        "properties": { "type": { "const": "SOAR-TWO" }, "lift": { "$ref": "common.json#/pair" } },
+    });
+    let by_name = json!({
+        "properties": { "type": { "const": "SOAR-ONE" }, "lift": { "$ref": "common.json#/pair" } },
+    });
+    let folder = folder(&[
+        ("schemas/common.json", common),
+        ("schemas/one.json", by_name),
+        ("schemas/two.json", by_id),
+    ]);
+    let responses = ["SOAR-ONE", "SOAR-TWO"].map(|name| json!({ "type": name, "lift": [1, 2] }));
+    recording(folder.path(), &responses, &[]);
+    let found = findings(folder.path(), &["--schema", "schemas"]);
+    let places: Vec<&str> = found.iter().map(|[_, _, path, ..]| path.as_str()).collect();
+    assert_eq!(places, ["/body/lift/1", "/body/lift/1"]);
+}
+
+#[test]
+fn what_is_wrong_with_a_schema_is_told_with_its_place() {
+    let good = || lift("SOAR-INF", &json!({}));
+    let bad_type = lift("SOAR-INF", &json!({ "type": "altitude" }));
+    let missing = lift("SOAR-INF", &json!({ "$ref": "https://example.org/none.json" }));
+    let cases: [(Files<'_>, &str, &str); 5] = [
+        (&[("s/a.json", bad_type)], "a.json:/properties/lift/type: no schema", "altitude"),
+        (
+            &[("s/a.json", missing)],
+            "a.json",
+            "no file of the folder is called `none.json`, and nothing is fetched",
+        ),
+        (&[("s/a.json", json!({ "type": "object" }))], "s: no file `*.json` in it", "SYS-VER.json"),
+        (&[("s/a.json", good()), ("s/b.json", good())], "b.json: ", "says already what the body of SOAR-INF"),
+        (&[("t/a.json", good())], "s: can't be read", ""),
+    ];
+    for (files, place, what) in cases {
+        let folder = folder(files);
+        recording(folder.path(), &[], &[]);
+        let (status, _, said) = check(folder.path(), &["--schema", "s", "hill.jsonl"]);
+        assert_eq!(status, Some(2), "{said}");
+        assert!(
+            said.starts_with("error: ") && said.contains(place) && said.contains(what),
+            "{place}: {said}"
+        );
+    }
+    let folder = folder(&[]);
+    write(folder.path(), "s/a.json", "{\n  \"type\": }");
+    let (status, _, said) = check(folder.path(), &["--schema", "s", "hill.jsonl"]);
+    assert_eq!(status, Some(2));
+    assert!(said.contains("a.json:2:11: no JSON: "), "{said}");
+}
+
+/// What is no JSON, and numbers that no float holds, are matters of other rules.
+#[test]
+fn bodies_that_schemas_can_not_see_are_left_alone() {
+    let folder = folder(&[("s/a.json", lift("SOAR-INF", &json!({ "type": "string" })))]);
+    let line = |lift: &str| {
+        let body = format!("{{\"type\":\"SOAR-INF\",\"lift\":{lift}}}");
+        format!("{{\"dir\":\"in\",\"msg\":{{\"$fw.version\":\"1.0\",\"id\":\"a\",\"body\":{body}}}}}\n")
+    };
+    let of_schema = |lift: &str| {
+        write(folder.path(), "hill.jsonl", &line(lift));
+        findings(folder.path(), &["--schema", "s"]).iter().filter(|one| one[0] == "FW-ENV-18").count()
+    };
+    assert_eq!(["7", "NaN", "1e400"].map(of_schema), [1, 0, 0]);
+}
