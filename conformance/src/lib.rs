@@ -1,7 +1,6 @@
-//! Judges outputs of implementations by the definitions that `uavspec-codegen` reads: now logs of PX4
-//! (`ULog`), MCAP, messages as JSON, recorded conversations of Flockwave, and codecs ([`testee`]); probing of live
-//! servers is to follow. For these there are both ends of the connections ([`live`]) and a reference ([`server`]),
-//! and their fleets can be watched ([`watch`]).
+//! Judges outputs of implementations by the definitions that `uavspec-codegen` reads: logs of PX4 (`ULog`), MCAP,
+//! messages as JSON, recorded conversations of Flockwave, codecs ([`testee`]) and live servers ([`probe`]). For these there
+//! are both ends of the connections ([`live`]) and a reference ([`server`]), and their fleets can be watched ([`watch`]).
 //!
 //! ```text
 //!  bytes ──source──▶ records ──plan, rule──▶ findings ──▶ verdicts ──report──▶ terminal, JSON, HTML, SARIF, JUnit

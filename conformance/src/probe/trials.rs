@@ -14,6 +14,14 @@ const SOON: Duration = Duration::from_millis(60);
 /// The same where the server has time to think that nothing follows.
 const LATE: Duration = Duration::from_millis(1_200);
 
+/// What is no JSON, by kind.
+const NOISE: [(&str, &[u8]); 4] = [
+    ("words", b"the wind turns"),
+    ("a message that is cut off", b"{\"$fw.version\":\"1.0\",\"id\":\"cut"),
+    ("bytes that are no UTF-8", b"\xff\xfe\x00\x01"),
+    ("nothing", b""),
+];
+
 /// Something to try on a connection of its own.
 pub(super) struct Attempt {
     /// The rule that is tried.
@@ -144,19 +152,19 @@ impl Attempts {
             vec![Step::Together(vec![one(), Said::noise("the wind turns")])],
         );
         self.add("FW-TCP-04", "a message whose second half comes late", vec![Step::Pieces(one(), 2, LATE)]);
-        let odd =
-            [&b"the wind turns"[..], b"{\"$fw.version\":\"1.0\",\"id\":\"cut", b"\xff\xfe\x00\x01", b""];
-        for noise in odd {
+        for (kind, noise) in NOISE {
             let steps = vec![Step::Send(Said::noise(noise)), Step::Send(one())];
-            self.add("FW-TCP-03", "after a line that is no JSON", steps);
+            self.add("FW-TCP-03", format!("after a line that is no JSON: {kind}"), steps);
         }
     }
 
     fn udp(&mut self) {
-        self.add("FW-UDP-02", "", vec![Step::Send(Said::plain("one"))]);
-        for noise in [&b"the wind turns"[..], b"", b"\xff\xfe\x00\x01"] {
-            let steps = vec![Step::Send(Said::noise(noise)), Step::Send(Said::plain("one"))];
-            self.add("FW-UDP-03", "after a datagram that is no JSON", steps);
+        // Datagrams get lost: one answer is enough.
+        let asked = || ["one", "two", "three"].map(|id| Step::Send(Said::plain(id)));
+        self.add("FW-UDP-02", "", asked().into());
+        for (kind, noise) in NOISE {
+            let steps = [Step::Send(Said::noise(noise))].into_iter().chain(asked()).collect();
+            self.add("FW-UDP-03", format!("after a datagram that is no JSON: {kind}"), steps);
         }
     }
 
@@ -167,17 +175,17 @@ impl Attempts {
             last.endpoint = Some(endpoint.by(Carrier::Polling));
         }
         let odd = [
-            ("after an event of another name", r#"2["wind","turns"]"#),
-            ("after an event without a message", r#"2["fw"]"#),
-            ("after an event whose message is a number", r#"2["fw",17]"#),
-            ("after an event whose message is a string", r#"2["fw","the wind turns"]"#),
-            ("after an event whose message is null", r#"2["fw",null]"#),
-            ("after an event with two messages", r#"2["fw",{},{}]"#),
-            ("after an event whose name is a number", r"2[17,{}]"),
+            ("one of another name", r#"2["wind","turns"]"#),
+            ("one without a message", r#"2["fw"]"#),
+            ("one whose message is a number", r#"2["fw",17]"#),
+            ("one whose message is a string", r#"2["fw","the wind turns"]"#),
+            ("one whose message is null", r#"2["fw",null]"#),
+            ("one with two messages", r#"2["fw",{},{}]"#),
+            ("one whose name is a number", r"2[17,{}]"),
         ];
-        for (how, packet) in odd {
+        for (kind, packet) in odd {
             let steps = vec![Step::Packet(packet.to_owned()), Step::Send(Said::plain("one"))];
-            self.add("FW-SIO-03", how, steps);
+            self.add("FW-SIO-03", format!("after an odd event: {kind}"), steps);
         }
     }
 

@@ -171,9 +171,15 @@ fn flockwave(source: &FlockwaveSource) -> Flockwave {
         responses: source.responses,
         notifications: source.notifications,
         types: list(&source.types),
-        unsupported: list(&source.unknown),
+        unsupported: of_server(list(&source.unknown)),
         uncounted: source.uncounted,
     }
+}
+
+/// The types that the server sent: what a client asks for, to see what comes of it, isn't judged.
+fn of_server(mut types: Vec<FlockwaveType>) -> Vec<FlockwaveType> {
+    types.retain(|known| known.from_server > 0);
+    types
 }
 
 fn channel(channel: &judge::McapChannel) -> McapChannel {

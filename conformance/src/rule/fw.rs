@@ -262,10 +262,12 @@ fn is_over(turn: &Turn<'_>) -> bool {
     turn.exchange.note.is_some() && turn.exchange.connection.is_told
 }
 
-/// A request that tries the rule, or the connection for it, comes to nothing.
+/// A request that tries the rule, or the connection for it, comes to nothing. Of `how` it is tried, what stands before
+/// the first colon is the subject: what is tried in several ways is one weakness.
 fn unserved(turn: &Turn<'_>, judged: &mut Judged<'_>, what: &str, actual: &str, how: &str) {
     let type_name = turn.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
-    let subject = if how.is_empty() { type_name.unwrap_or("message") } else { how };
+    let (way, kind) = how.split_once(": ").unwrap_or((how, ""));
+    let subject = if way.is_empty() { type_name.unwrap_or("message") } else { way };
     judged.report(subject, turn.exchange.place, || {
         let why = match turn.exchange.note {
             // The client itself gave up.
@@ -274,7 +276,8 @@ fn unserved(turn: &Turn<'_>, judged: &mut Judged<'_>, what: &str, actual: &str, 
             Some(why) => format!("; {}", quoted(why)),
         };
         let of = type_name.map_or_else(String::new, |name| format!(" to {}", quoted(name)));
-        Detail::new(format!("{what}{of}{why}")).expected("a response").actual(actual)
+        let kind = if kind.is_empty() { String::new() } else { format!(" ({kind})") };
+        Detail::new(format!("{what}{of}{kind}{why}")).expected("a response").actual(actual)
     });
 }
 
@@ -284,8 +287,8 @@ pub(super) fn served(turn: &Turn<'_>, judged: &mut Judged<'_>) -> bool {
         return false;
     }
     let Some((actual, reason)) = refusal(turn) else { return true };
-    let how = turn.tried(judged.rule).filter(|how| !how.is_empty());
-    judged.report(how.unwrap_or(actual), turn.exchange.place, || {
+    let way = turn.tried(judged.rule).and_then(|how| how.split(": ").next()).filter(|way| !way.is_empty());
+    judged.report(way.unwrap_or(actual), turn.exchange.place, || {
         Detail::new(match reason {
             Some(reason) => format!("refused: {}", quoted(reason)),
             None => "refused".to_owned(),

@@ -33,6 +33,7 @@ pub(super) static RULE: Rule = Rule {
                 fw::over("tcp#9", |talk| {
                     talk.says_raw("{");
                     talk.says_raw("\"wind\":");
+                    talk.tells(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
                 })
             },
             also: &[],
