@@ -28,7 +28,7 @@ use serde_json::{Value, json};
 
 use self::session::Session;
 use self::tape::{Tape, Trial};
-use self::trials::{Attempt, Said, Step};
+use self::trials::{Attempt, Step};
 use crate::base64;
 use crate::definitions::Definitions;
 use crate::judge::Judgement;
@@ -185,7 +185,7 @@ impl Probe<'_, '_> {
         };
         let trial = rule(tried).map(|rule| Trial { rule, how: "" });
         let until = until.max(Instant::now() + PATIENCE);
-        let answer = self.post(json!({ "type": "SYS-VER" }), trial, until);
+        let answer = self.post(&json!({ "type": "SYS-VER" }), trial, until);
         if answer.is_none() {
             self.fail("it answers nothing".to_owned());
         }
@@ -260,11 +260,13 @@ impl Probe<'_, '_> {
     }
 
     /// Asks on the connection of the survey, and waits for the answer. That it comes at all is judged as well.
+    #[allow(clippy::needless_pass_by_value)] // bodies are written where they are passed
     fn ask(&mut self, body: Value) -> Option<Value> {
         self.ask_trying("FW-ENV-07", "", body)
     }
 
     /// The same, to try a rule.
+    #[allow(clippy::needless_pass_by_value)] // as above
     fn ask_trying(&mut self, id: &str, how: &str, body: Value) -> Option<Value> {
         let trial = rule(id).map(|rule| Trial { rule, how });
         self.step();
@@ -272,7 +274,7 @@ impl Probe<'_, '_> {
             return None;
         }
         let asked = Instant::now();
-        let answer = self.post(body, trial, asked + self.patience());
+        let answer = self.post(&body, trial, asked + self.patience());
         match answer {
             Some(_) => self.slowest = self.slowest.max(asked.elapsed()),
             None => self.silences += 1,
@@ -281,7 +283,7 @@ impl Probe<'_, '_> {
     }
 
     /// Sends a request, and waits for its answer.
-    fn post(&mut self, body: Value, trial: Option<Trial<'_>>, until: Instant) -> Option<Value> {
+    fn post(&mut self, body: &Value, trial: Option<Trial<'_>>, until: Instant) -> Option<Value> {
         let id = self.next_id();
         let message = json!({ "$fw.version": "1.0", "id": id, "body": body });
         self.post_message(&id, &message, trial, until)
@@ -310,7 +312,7 @@ impl Probe<'_, '_> {
         let data = base64::encode(format!("{name}:{password}").as_bytes());
         let until = Instant::now() + PATIENCE;
         let answer =
-            self.post(json!({ "type": "AUTH-REQ", "method": "basic", "data": data }), plain(), until);
+            self.post(&json!({ "type": "AUTH-REQ", "method": "basic", "data": data }), plain(), until);
         if answer.is_none_or(|answer| answer["body"]["result"] != true) {
             self.note("the login failed".to_owned());
         }
@@ -325,7 +327,7 @@ impl Probe<'_, '_> {
             return false;
         }
         self.step();
-        let trial = Trial { rule: *rule, how: how.as_str() };
+        let trial = Trial { rule, how };
         let session = match endpoint {
             // That there is no such connection is what is tried.
             Some(other) => match self.open(Some(other)) {
@@ -414,27 +416,28 @@ fn plain() -> Option<Trial<'static>> {
 }
 
 fn perform(session: &mut Session, tape: &mut Tape<'_>, step: &Step, trial: Trial<'_>) {
-    let of = |said: &Said| said.id.is_some().then_some(trial);
     // Then something that went before has no answer, which is enough to know.
     if session.is_over() {
         return;
     }
     match step {
-        Step::Send(said) => session.send(tape, &said.text, said.id.as_deref(), of(said)),
+        Step::Send(said) => session.send(tape, &said.text, said.id(), said.tries(trial)),
         Step::Together(all) if !session.is_stream() => {
-            all.iter().for_each(|said| session.send(tape, &said.text, said.id.as_deref(), of(said)));
+            for said in all {
+                session.send(tape, &said.text, said.id(), said.tries(trial));
+            }
         }
         Step::Together(all) => {
             let mut bytes = Vec::new();
             for said in all {
+                session.note(tape, &said.text, said.id(), said.tries(trial));
                 bytes.extend_from_slice(&said.text);
                 bytes.push(b'\n');
             }
-            all.iter().for_each(|said| session.note(tape, &said.text, said.id.as_deref(), of(said)));
             session.send_raw(tape, &bytes);
         }
         Step::Pieces(said, count, pause) => {
-            session.note(tape, &said.text, said.id.as_deref(), of(said));
+            session.note(tape, &said.text, said.id(), said.tries(trial));
             let line = [&said.text[..], b"\n"].concat();
             for (at, piece) in line.chunks(line.len().div_ceil(*count)).enumerate() {
                 if at > 0 {

@@ -9,7 +9,7 @@
 //! It keeps to the specification, so that authors of clients have something to try them against, and so that this
 //! program can be tried on it: without a bug nothing is to be found, and with a [bug](bug()) that rule.
 //!
-//! The [`hub`] knows neither sockets nor the time of day: the same calls give the same messages.
+//! The hub knows neither sockets nor the time of day: the same calls give the same messages.
 
 mod bug;
 mod error_code;

@@ -103,7 +103,9 @@ fn prepared(args: &ProbeArgs) -> Result<Status, Status> {
     let subjects: Vec<Subject> =
         judged.into_iter().map(|judged| Subject::of_source(judged, &definitions, &settings)).collect();
     if args.report.printed() == Kind::Text {
-        subjects.iter().for_each(|subject| report::print(&subject_text(subject)));
+        for subject in &subjects {
+            report::print(&subject_text(subject));
+        }
     }
     let remarks = idle(&required, &subjects);
     let report = Report::new(Action::Probe, super::command(), &definitions, subjects, unreadable, remarks);

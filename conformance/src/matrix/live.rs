@@ -98,14 +98,13 @@ impl Row {
 
     /// What should have been found, and what was.
     pub fn told(&self) -> String {
-        let mut told = format!("expected {}, found {}", list(&self.expected()), list(&self.broken));
-        if self.replayed != self.broken {
-            told += &format!(", and {} in the recording", list(&self.replayed));
-        }
-        if let Some(failure) = &self.failure {
-            told += &format!("; {failure}");
-        }
-        told
+        let (expected, found) = (list(&self.expected()), list(&self.broken));
+        let recorded = match &self.replayed {
+            same if *same == self.broken => String::new(),
+            other => format!(", and {} in the recording", list(other)),
+        };
+        let failure = self.failure.as_ref().map_or_else(String::new, |failure| format!("; {failure}"));
+        format!("expected {expected}, found {found}{recorded}{failure}")
     }
 
     /// Whether it broke what it should, and nothing else, live and recorded.

@@ -5,6 +5,7 @@ use std::time::Duration;
 use serde_json::json;
 
 use super::malformed;
+use super::tape::Trial;
 use crate::live::endpoint::{Carrier, Endpoint};
 use crate::rule::{Rule, rule};
 
@@ -47,18 +48,13 @@ pub(super) enum Step {
 }
 
 impl Step {
-    /// What is sent, message by message.
-    pub(super) fn said(&self) -> &[Said] {
-        match self {
-            Self::Send(said) | Self::Pieces(said, ..) => std::slice::from_ref(said),
-            Self::Together(all) => all,
-            Self::Packet(_) => &[],
-        }
-    }
-
-    /// The id of the last of it.
+    /// The id of the last request of it.
     pub(super) fn id(&self) -> Option<&str> {
-        self.said().last()?.id.as_deref()
+        match self {
+            Self::Send(said) | Self::Pieces(said, ..) => said.id(),
+            Self::Together(all) => all.last()?.id(),
+            Self::Packet(_) => None,
+        }
     }
 }
 
@@ -66,11 +62,20 @@ impl Step {
 pub(super) struct Said {
     /// The message.
     pub(super) text: Vec<u8>,
-    /// Its id, where it can be answered.
-    pub(super) id: Option<String>,
+    id: Option<String>,
 }
 
 impl Said {
+    /// Its id, where it can be answered.
+    pub(super) fn id(&self) -> Option<&str> {
+        self.id.as_deref()
+    }
+
+    /// What is tried with it: what can't be answered tries nothing by itself.
+    pub(super) fn tries<'t>(&self, trial: Trial<'t>) -> Option<Trial<'t>> {
+        self.id.is_some().then_some(trial)
+    }
+
     /// A request that every server answers, and has no reason to refuse.
     fn plain(id: impl Into<String>) -> Self {
         Self::request(id, "SYS-VER")
@@ -224,7 +229,7 @@ mod tests {
             ),
         ];
         for (url, expected) in expected {
-            assert_eq!(rules(url), BTreeSet::from_iter(expected.iter().copied()), "{url}");
+            assert_eq!(rules(url), expected.iter().copied().collect::<BTreeSet<_>>(), "{url}");
         }
     }
 }

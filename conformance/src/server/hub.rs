@@ -330,7 +330,9 @@ impl Hub {
     pub(super) fn notify_all(&mut self, body: &Value) {
         let listeners = self.listeners();
         if self.options.bug.is_some() {
-            listeners.into_iter().for_each(|id| self.notify(id, body.clone()));
+            for id in listeners {
+                self.notify(id, body.clone());
+            }
             return;
         }
         // What goes to many is written once.
