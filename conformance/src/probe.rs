@@ -172,6 +172,7 @@ impl Probe<'_, '_> {
                     break;
                 }
                 Err(error) if Instant::now() + PAUSE >= until => {
+                    self.refused(self.endpoint, &error, None);
                     self.fail(format!("no connection: {error}"));
                     return false;
                 }
@@ -203,6 +204,11 @@ impl Probe<'_, '_> {
         self.connections += 1;
         let limit = READY.min(self.left()).max(PAUSE);
         Session::open(endpoint.unwrap_or(self.endpoint), self.connections, &mut self.tape, limit)
+    }
+
+    /// A connection didn't come about.
+    fn refused(&mut self, endpoint: &Endpoint, error: &io::Error, trial: Option<Trial<'_>>) {
+        self.tape.refused(&session::name(endpoint, self.connections), &error.to_string(), trial);
     }
 
     /// The connection of the survey, made anew where the server closed it.
@@ -237,6 +243,7 @@ impl Probe<'_, '_> {
                 Ok(session) => return Some(session),
                 Err(_) if Instant::now() + PAUSE < until.min(self.end) => thread::sleep(PAUSE),
                 Err(error) => {
+                    self.refused(endpoint.unwrap_or(self.endpoint), &error, None);
                     self.fail(format!("it can't be reached any more: {error}"));
                     return None;
                 }
@@ -333,8 +340,7 @@ impl Probe<'_, '_> {
             Some(other) => match self.open(Some(other)) {
                 Ok(session) => Some(session),
                 Err(error) => {
-                    let name = session::name(other, self.connections);
-                    self.tape.refused(&name, &error.to_string(), Some(trial));
+                    self.refused(other, &error, Some(trial));
                     return true;
                 }
             },

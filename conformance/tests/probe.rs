@@ -5,6 +5,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::process::Command;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -14,6 +15,7 @@ use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::judge::judge;
 use uavspec_conformance::live::endpoint::Endpoint;
 use uavspec_conformance::probe::{Options, Probed, probe};
+use uavspec_conformance::server::{self, Server, Transport, bug};
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 
@@ -258,4 +260,61 @@ fn each_weakness_of_a_server_over_tcp_is_named_once() {
     assert_eq!(of("FW-TCP-02"), [("a message in one segment with a line that is no JSON", 1)]);
     assert_eq!(of("FW-ENV-25").len(), 1);
     assert_eq!(of("FW-TCP-04"), []);
+}
+
+/// Runs the program; its exit status, what it printed, and what it said besides.
+fn uavspec(arguments: &[&str]) -> (Option<i32>, String, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_uavspec")).args(arguments).output().expect("it runs");
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn the_command_says_what_came_of_it_and_records_it() {
+    let place = SocketAddr::from(([127, 0, 0, 1], 0));
+    let bug = bug("FW-SYS-VER-02");
+    let options = server::Options { bug, ..server::Options::default() };
+    let server = Server::start(options, &[(Transport::Tcp, place)]).expect("it starts");
+    let url = server.listening()[0].to_string();
+    let folder = tempfile::tempdir().expect("a folder");
+    let (record, report) = (folder.path().join("run.jsonl"), folder.path().join("report.json"));
+    let (record, report) = (record.to_str().expect("UTF-8"), report.to_str().expect("UTF-8"));
+    let reported = format!("json={report}");
+    let arguments = [
+        "probe",
+        "--observe",
+        "0.1",
+        "--record",
+        record,
+        "--report",
+        &reported,
+        "--require",
+        "FW-TCP-02",
+        &url,
+    ];
+    let (status, printed, said) = uavspec(&arguments);
+    assert_eq!((status, said.as_str()), (Some(1), ""), "{printed}");
+    assert!(printed.contains("FAIL  FW-SYS-VER-02"), "{printed}");
+    let report: Value = serde_json::from_slice(&std::fs::read(report).expect("a report")).expect("JSON");
+    assert_eq!((&report["action"], &report["conclusion"]["status"]), (&json!("probe"), &json!(1)));
+    let again = report["subjects"][0]["findings"][0]["reproduce"].as_str().expect("a command");
+    assert!(again.starts_with("uavspec probe") && again.ends_with(&url), "{again}");
+    let (status, printed, _) = uavspec(&["check", record]);
+    assert_eq!(status, Some(1));
+    assert!(printed.contains("FAIL  FW-SYS-VER-02"), "{printed}");
+}
+
+#[test]
+fn wrong_usage_says_what_is_wrong() {
+    for (arguments, status, wanted) in [
+        (&["probe", "localhost:5001"][..], 2, "tcp://localhost:5001"),
+        (&["probe", "--uav", "00", "tcp://localhost:5001"], 2, "--allow-commands"),
+        (&["probe", "--allow-commands", "tcp://localhost:5001"], 2, "--uav"),
+        (&["probe", "--require", "FW-NONE-01", "tcp://localhost:5001"], 2, "no such rule"),
+        (&["probe", "--record", "/no/such/folder/run.jsonl", "tcp://localhost:5001"], 3, "can't be written"),
+    ] {
+        let (found, printed, said) = uavspec(arguments);
+        assert_eq!((found, printed.as_str()), (Some(status), ""), "{said}");
+        assert!(said.contains(wanted), "{said}");
+    }
 }

@@ -1,7 +1,7 @@
 //! Socket.IO over a WebSocket.
 
 use std::collections::VecDeque;
-use std::io;
+use std::io::{self, Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
@@ -21,10 +21,33 @@ use crate::testee::target::Address;
 /// How long a server may take none of what is sent.
 const SEND_LIMIT: Duration = Duration::from_secs(30);
 
+/// A stream from which nothing is read after some time: not even a byte now and then.
+struct Limited {
+    stream: TcpStream,
+    until: Instant,
+}
+
+impl Read for Limited {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.stream.set_read_timeout(Some(left(self.until)?))?;
+        self.stream.read(buffer)
+    }
+}
+
+impl Write for Limited {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.stream.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.stream.flush()
+    }
+}
+
 pub(super) struct WebSocketClient {
     /// Dropping it closes the connection.
     _connection: Connection,
-    socket: WebSocket<TcpStream>,
+    socket: WebSocket<Limited>,
     heartbeat: Heartbeat,
     /// What came before messages could be sent.
     early: VecDeque<Packet>,
@@ -34,8 +57,8 @@ impl WebSocketClient {
     pub(super) fn connect(address: &Address, revision: Revision, until: Instant) -> io::Result<Self> {
         let connection = Connection::open(address, until)?;
         let stream = connection.stream()?;
-        stream.set_read_timeout(Some(left(until)?))?;
         stream.set_write_timeout(Some(SEND_LIMIT))?;
+        let stream = Limited { stream, until };
         let number = revision.engine_io();
         let url = format!("ws://{address}{SOCKET_IO_PATH}?EIO={number}&transport=websocket");
         let request = url.into_client_request().map_err(to_io)?;
@@ -70,7 +93,8 @@ impl WebSocketClient {
             return Ok(Some(packet));
         }
         loop {
-            self.socket.get_ref().set_read_timeout(Some(left(until)?))?;
+            left(until)?;
+            self.socket.get_mut().until = until;
             match self.socket.read() {
                 Ok(Message::Text(text)) => {
                     let packet =
