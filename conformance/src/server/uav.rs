@@ -299,6 +299,8 @@ impl Uav {
 
 #[cfg(test)]
 mod tests {
+    use uavspec::flockwave::json::FlightMode;
+
     use super::*;
     use crate::server::error_code::{GROUND, RETURNING, TAKING_OFF};
 
@@ -316,13 +318,13 @@ mod tests {
     fn a_flight_ends_where_it_began() {
         let mut uav = Uav::new(12, 100.0, 7, 0);
         let home = uav.coordinates();
-        assert_eq!((errors(&uav), uav.mode()), (vec![GROUND], "stab"));
+        assert_eq!((errors(&uav), uav.mode()), (vec![GROUND], FlightMode::Stab));
         uav.command(Command::TakeOff).expect("it can");
         uav.advance(0.1, 1000);
-        assert_eq!((errors(&uav), uav.mode()), (vec![TAKING_OFF], "takeoff"));
-        assert!(uav.status()["velocity"][2].as_i64() < Some(0), "down is negative in climb");
+        assert_eq!((errors(&uav), uav.mode()), (vec![TAKING_OFF], FlightMode::Takeoff));
+        assert!(uav.status().velocity.is_some_and(|speed| speed.down < 0), "down is negative in climb");
         flown(&mut uav, 10);
-        assert_eq!((errors(&uav), uav.mode(), uav.coordinates()[3]), (vec![], "loiter", 10_000));
+        assert_eq!((errors(&uav), uav.mode(), uav.coordinates()[3]), (vec![], FlightMode::Loiter, 10_000));
         let target = Target {
             latitude: home[0] + 9000,
             longitude: home[1],
@@ -337,7 +339,7 @@ mod tests {
         uav.advance(0.1, 1000);
         assert_eq!(errors(&uav), [RETURNING]);
         flown(&mut uav, 60);
-        assert_eq!((errors(&uav), uav.mode()), (vec![GROUND], "stab"));
+        assert_eq!((errors(&uav), uav.mode()), (vec![GROUND], FlightMode::Stab));
         assert!((uav.coordinates()[0] - home[0]).abs() < 10 && uav.coordinates()[3] == 0);
     }
 
@@ -354,7 +356,7 @@ mod tests {
             }
         }
         assert_eq!(seen, [66, 134]);
-        assert_eq!(uav.mode(), "stab", "it has flown home");
+        assert_eq!(uav.mode(), FlightMode::Stab, "it has flown home");
         uav.set_charge(5.0);
         assert_eq!(uav.codes(), [GROUND, 199]);
         assert!(uav.command(Command::TakeOff).is_err());

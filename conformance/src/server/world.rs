@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
+use uavspec::flockwave::json::{
+    LogMessage, LogSeverity, ObjectType, RTKMessageFormat, RTKSurveySettings, Timestamp,
+};
 
 use super::Options;
-use super::request::Body;
 use super::uav::Uav;
 
 /// Everything that the server simulates or pretends to have.
@@ -15,8 +17,8 @@ pub(super) struct World {
     remarked: BTreeMap<String, u16>,
     /// The RTK preset in use.
     pub(super) preset: Option<&'static Preset>,
-    /// How the base station surveys.
-    pub(super) survey: Body,
+    /// How the base station surveys, once somebody has said it.
+    pub(super) survey: Option<RTKSurveySettings>,
     /// Extensions by id.
     pub(super) extensions: BTreeMap<&'static str, Extension>,
     /// Parameters of UAVs, by UAV and name, where they were changed.
@@ -28,29 +30,46 @@ pub(super) struct World {
 pub(super) struct Preset {
     pub(super) id: &'static str,
     pub(super) title: &'static str,
-    pub(super) format: &'static str,
+    pub(super) format: RTKMessageFormat,
     pub(super) source: &'static str,
 }
 
 /// The presets that there are.
 pub(super) const PRESETS: [Preset; 2] = [
-    Preset { id: "base", title: "Base station on the hill", format: "rtcm3", source: "serial:base" },
-    Preset { id: "network", title: "Network of stations", format: "auto", source: "ntrip:network" },
+    Preset {
+        id: "base",
+        title: "Base station on the hill",
+        format: RTKMessageFormat::Rtcm3,
+        source: "serial:base",
+    },
+    Preset {
+        id: "network",
+        title: "Network of stations",
+        format: RTKMessageFormat::Auto,
+        source: "ntrip:network",
+    },
 ];
 
 /// An extension.
 pub(super) struct Extension {
     pub(super) is_loaded: bool,
     pub(super) name: &'static str,
-    pub(super) configuration: Body,
+    pub(super) configuration: BTreeMap<String, Value>,
 }
 
-/// An object that is no UAV: its id, type and name.
-pub(super) const FIXTURES: [(&str, &str, &str); 4] = [
-    ("mark-1", "beacon", "Start of the runway"),
-    ("mark-2", "beacon", "End of the runway"),
-    ("hangar-1", "dock", "Hangar"),
-    ("wind-1", "weatherStation", "Windsock"),
+/// An object that is no UAV.
+pub(super) struct Fixture {
+    pub(super) id: &'static str,
+    pub(super) kind: ObjectType,
+    pub(super) name: &'static str,
+}
+
+/// The objects that are no UAVs.
+pub(super) const FIXTURES: [Fixture; 4] = [
+    Fixture { id: "mark-1", kind: ObjectType::Beacon, name: "Start of the runway" },
+    Fixture { id: "mark-2", kind: ObjectType::Beacon, name: "End of the runway" },
+    Fixture { id: "hangar-1", kind: ObjectType::Dock, name: "Hangar" },
+    Fixture { id: "wind-1", kind: ObjectType::WeatherStation, name: "Windsock" },
 ];
 
 /// Parameters that each UAV has, and their values where nobody has changed them.
@@ -65,14 +84,18 @@ pub(super) struct Remark {
 
 impl Remark {
     /// The item of a message to people.
-    pub(super) fn to_item(&self, now: u64) -> Value {
+    pub(super) fn to_item(&self, now: Timestamp) -> LogMessage {
         let severity = match (self.code & 0xFF) >> 6 {
-            1 => "warning",
-            2 => "error",
-            _ => "critical",
+            1 => LogSeverity::Warning,
+            2 => LogSeverity::Error,
+            _ => LogSeverity::Critical,
         };
-        let message = format!("error code {}", self.code);
-        json!({ "message": message, "severity": severity, "sender": self.uav, "timestamp": now })
+        LogMessage {
+            message: format!("error code {}", self.code),
+            severity: Some(severity),
+            sender: Some(self.uav.as_str().into()),
+            timestamp: Some(now),
+        }
     }
 }
 
@@ -86,12 +109,12 @@ impl World {
                 uav.set_error(*code);
             }
         }
-        let extension = |is_loaded, name| Extension { is_loaded, name, configuration: Body::new() };
+        let extension = |is_loaded, name| Extension { is_loaded, name, configuration: BTreeMap::new() };
         Self {
             uavs,
             remarked: BTreeMap::new(),
             preset: None,
-            survey: Body::new(),
+            survey: None,
             extensions: BTreeMap::from([
                 ("simulation", extension(true, "Simulated fleet")),
                 ("weather", extension(true, "Windsock")),
@@ -102,9 +125,9 @@ impl World {
     }
 
     /// All objects, with their types.
-    pub(super) fn objects(&self) -> Vec<(&str, &str)> {
-        let uavs = self.uavs.iter().map(|uav| (uav.id.as_str(), "uav"));
-        uavs.chain(FIXTURES.iter().map(|(id, kind, _)| (*id, *kind))).collect()
+    pub(super) fn objects(&self) -> impl Iterator<Item = (&str, ObjectType)> {
+        let uavs = self.uavs.iter().map(|uav| (uav.id.as_str(), ObjectType::Uav));
+        uavs.chain(FIXTURES.map(|fixture| (fixture.id, fixture.kind)))
     }
 
     /// The values of the devices of a UAV.
@@ -115,7 +138,7 @@ impl World {
         json!({
             "battery": { "voltage": voltage, "percentage": uav.percentage() },
             "gps": {
-                "satellites": uav.gps().1,
+                "satellites": uav.satellites(),
                 "position": [latitude, longitude, above_sea, above_ground],
             },
         })
@@ -132,7 +155,7 @@ impl World {
         let id = parts.next().unwrap_or_default();
         let uav = self.uavs.iter().find(|uav| uav.id == id);
         let Some(uav) = uav else {
-            let is_fixture = FIXTURES.iter().any(|(known, ..)| *known == id) && parts.next().is_none();
+            let is_fixture = FIXTURES.iter().any(|fixture| fixture.id == id) && parts.next().is_none();
             return if is_fixture { Ok(json!({})) } else { Err("there is no such object".to_owned()) };
         };
         let mut value = Self::values(uav);
