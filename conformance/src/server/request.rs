@@ -79,11 +79,18 @@ pub(super) fn read(body: &Value) -> Result<Request, String> {
     Request::deserialize(body).map_err(|error| error.to_string().chars().take(REASON_LIMIT).collect())
 }
 
-/// The elements of a list, each once.
-pub(super) fn each_once<T: Into<String>>(list: Vec<T>) -> Result<Vec<String>, String> {
-    if list.len() > LIST_LIMIT {
-        return Err(format!("a list has more than {LIST_LIMIT} elements: ask for less at once"));
+/// A list that isn't too long.
+pub(super) fn limited<T>(list: Vec<T>) -> Result<Vec<T>, String> {
+    if list.len() <= LIST_LIMIT {
+        Ok(list)
+    } else {
+        Err(format!("a list has more than {LIST_LIMIT} elements: ask for less at once"))
     }
+}
+
+/// The elements of a list that isn't too long, each once.
+pub(super) fn each_once<T: Into<String>>(list: Vec<T>) -> Result<Vec<String>, String> {
+    let list = limited(list)?;
     let mut seen = HashSet::new();
     let texts = list.into_iter().map(T::into);
     Ok(texts.filter(|text: &String| seen.insert(text.clone())).collect())

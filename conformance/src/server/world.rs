@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
+use uavspec::flockwave::ErrorCode;
 use uavspec::flockwave::json::{
     LogMessage, LogSeverity, ObjectType, RTKMessageFormat, RTKSurveySettings, Timestamp,
 };
+use uavspec_runtime::Severity;
 
 use super::Options;
 use super::uav::Uav;
@@ -14,7 +16,7 @@ use super::uav::Uav;
 pub(super) struct World {
     pub(super) uavs: Vec<Uav>,
     /// The last code of each UAV that people were told about.
-    remarked: BTreeMap<String, u16>,
+    remarked: BTreeMap<String, ErrorCode>,
     /// The RTK preset in use.
     pub(super) preset: Option<&'static Preset>,
     /// How the base station surveys, once somebody has said it.
@@ -79,16 +81,17 @@ pub(super) const PARAMETERS: [(&str, i64); 3] =
 /// Something that people should know of a UAV.
 pub(super) struct Remark {
     uav: String,
-    code: u16,
+    code: ErrorCode,
 }
 
 impl Remark {
     /// The item of a message to people.
     pub(super) fn to_item(&self, now: Timestamp) -> LogMessage {
-        let severity = match (self.code & 0xFF) >> 6 {
-            1 => LogSeverity::Warning,
-            2 => LogSeverity::Error,
-            _ => LogSeverity::Critical,
+        let severity = match self.code.severity() {
+            Severity::Informational => LogSeverity::Info,
+            Severity::Warning => LogSeverity::Warning,
+            Severity::Error => LogSeverity::Error,
+            Severity::Fatal => LogSeverity::Critical,
         };
         LogMessage {
             message: format!("error code {}", self.code),
@@ -106,7 +109,7 @@ impl World {
             .collect();
         for (id, code) in &options.errors {
             if let Some(uav) = uavs.iter_mut().find(|uav| uav.id == *id) {
-                uav.set_error(*code);
+                uav.set_errors(&[ErrorCode((*code).into())]);
             }
         }
         let extension = |is_loaded, name| Extension { is_loaded, name, configuration: BTreeMap::new() };
@@ -169,8 +172,8 @@ impl World {
     pub(super) fn remarks(&mut self) -> Vec<Remark> {
         let mut remarks = Vec::new();
         for uav in &self.uavs {
-            let worst =
-                uav.codes().into_iter().filter(|code| (code & 0xFF) >= 64).max_by_key(|code| code & 0xFF);
+            let codes = uav.codes().into_iter().filter(|code| code.severity() > Severity::Informational);
+            let worst = codes.max_by_key(|code| (code.severity(), *code));
             let before = match worst {
                 Some(code) => self.remarked.insert(uav.id.clone(), code),
                 None => self.remarked.remove(&uav.id),

@@ -22,7 +22,7 @@ pub(super) const BUGS: &[Bug] = &[
             out.message()["body"]["error"]["ghost-1"] = json!("there is no such object");
         }
     }),
-    Bug::behaviour("FW-ASY-04", "Receipts are 70 characters long."),
+    Bug::behaviour("FW-ASY-04", "Receipts are 70 characters long.").with(&["FW-ENV-18"]),
     Bug::behaviour("FW-ASY-04I", "All operations have the same receipt.").with(&["FW-ASY-10", "FW-ASY-22"]),
     Bug::message("FW-ASY-06", "Progress comes before the response with the receipt.", |out| {
         if let Some(receipt) = receipt(out) {

@@ -38,39 +38,26 @@ pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Ans
     }
 }
 
-/// The devices of an object. What values there are, [`World`](crate::server::world::World) says.
+/// The device tree of an object.
 fn tree(hub: &Hub, id: &str) -> Result<DeviceTreeNode, String> {
     let kind = hub.world.objects().find(|(known, _)| *known == id).map(|(_, kind)| kind);
-    let children = match kind.ok_or("there is no such object")? {
-        ObjectType::Uav => Some(nodes([
-            (
-                "battery",
-                device(
-                    DeviceClass::Battery,
-                    [
-                        ("voltage", channel(ChannelType::Number, Some("V"))),
-                        ("percentage", channel(ChannelType::Number, Some("%"))),
-                    ],
-                ),
-            ),
-            (
-                "gps",
-                device(
-                    DeviceClass::Gps,
-                    [
-                        ("satellites", channel(ChannelType::Number, None)),
-                        ("position", channel(ChannelType::Gps, None)),
-                    ],
-                ),
-            ),
-        ])),
-        _ => None,
-    };
+    let children = (kind.ok_or("there is no such object")? == ObjectType::Uav).then(devices);
     Ok(DeviceTreeNode { children, ..node(DeviceTreeNodeType::Object) })
 }
 
+/// The devices of a UAV. What values there are, [`World`](crate::server::world::World) says.
+fn devices() -> BTreeMap<String, DeviceTreeNode> {
+    let battery = [
+        ("voltage", channel(ChannelType::Number, Some("V"))),
+        ("percentage", channel(ChannelType::Number, Some("%"))),
+    ];
+    let gps =
+        [("satellites", channel(ChannelType::Number, None)), ("position", channel(ChannelType::Gps, None))];
+    named([("battery", device(DeviceClass::Battery, battery)), ("gps", device(DeviceClass::Gps, gps))])
+}
+
 fn device(class: DeviceClass, channels: [(&str, DeviceTreeNode); 2]) -> DeviceTreeNode {
-    let children = Some(nodes(channels));
+    let children = Some(named(channels));
     DeviceTreeNode { class: Some(class), children, ..node(DeviceTreeNodeType::Device) }
 }
 
@@ -88,8 +75,8 @@ fn node(kind: DeviceTreeNodeType) -> DeviceTreeNode {
     DeviceTreeNode { r#type: kind, sub_type: None, class: None, children: None, operations: None, unit: None }
 }
 
-fn nodes(named: [(&str, DeviceTreeNode); 2]) -> BTreeMap<String, DeviceTreeNode> {
-    named.into_iter().map(|(name, node)| (name.to_owned(), node)).collect()
+fn named(nodes: [(&str, DeviceTreeNode); 2]) -> BTreeMap<String, DeviceTreeNode> {
+    nodes.into_iter().map(|(name, node)| (name.to_owned(), node)).collect()
 }
 
 fn subscribe(hub: &mut Hub, session: SessionId, path: &str) -> Result<(), String> {

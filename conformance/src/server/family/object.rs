@@ -1,6 +1,7 @@
 //! OBJ: whatever the server keeps track of (`definitions/flockwave/obj.md`).
 
 use serde_json::{Value, json};
+use uavspec::flockwave::ErrorCode;
 use uavspec::flockwave::json::obj_cmd::ResponseResult;
 use uavspec::flockwave::json::{
     CommandResponse, CommandResponseType, ObjectId, ObjectType, Request, obj_cmd, obj_list,
@@ -10,13 +11,14 @@ use super::unknown;
 use crate::server::error_code::settable;
 use crate::server::hub::{Answer, Hub, SessionId};
 use crate::server::message::{Outcome, Outcomes};
+use crate::server::request::limited;
 use crate::server::uav::Uav;
 use crate::server::world::FIXTURES;
 
 pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> Answer {
     match request {
         Request::ObjCmd(request) => command(hub, request),
-        Request::ObjList(request) => list(hub, request.filter.as_deref()),
+        Request::ObjList(request) => list(hub, request.filter.map(limited).transpose()?.as_deref()),
         other => Err(unknown(&other)),
     }
 }
@@ -37,7 +39,7 @@ fn list(hub: &Hub, filter: Option<&[ObjectType]>) -> Answer {
 
 fn command(hub: &mut Hub, request: obj_cmd::Request) -> Answer {
     let command = request.command.as_str();
-    let arguments = request.args.unwrap_or_default();
+    let arguments = limited(request.args.unwrap_or_default())?;
     let mut lost = Vec::new();
     let outcomes = Outcomes::of(request.ids, |id| {
         let is_fixture = FIXTURES.iter().any(|fixture| fixture.id == id);
@@ -71,10 +73,10 @@ fn obey(uav: &mut Uav, command: &str, arguments: &[Value]) -> Result<String, Str
             let codes =
                 arguments.iter().map(|value| code(value).ok_or("an error code is a number up to 65535"));
             let codes: Vec<u16> = codes.collect::<Result<_, _>>()?;
-            for code in codes.into_iter().map(settable).collect::<Result<Vec<u16>, String>>()? {
-                uav.set_error(code);
-            }
-            Ok(format!("error codes {:?}", uav.codes()))
+            let codes: Vec<ErrorCode> = codes.into_iter().map(settable).collect::<Result<_, _>>()?;
+            uav.set_errors(&codes);
+            let codes: Vec<String> = uav.codes().iter().map(ErrorCode::to_string).collect();
+            Ok(format!("error codes: {}", codes.join(", ")))
         }
         "battery" => {
             let percent = arguments.first().and_then(Value::as_f64).ok_or("say the charge in percent")?;

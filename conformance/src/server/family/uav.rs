@@ -9,11 +9,13 @@ use uavspec::flockwave::json::{
     uav_motor, uav_preflt, uav_rst, uav_rth, uav_signal, uav_sleep, uav_takeoff, uav_test, uav_ver,
     uav_wakeup,
 };
+use uavspec_runtime::ErrorClass;
 
 use super::unknown;
 use crate::server::hub::{Answer, Hub, SessionId};
 use crate::server::message::{Outcome, Outcomes};
 use crate::server::operation::Operation;
+use crate::server::request::each_once;
 use crate::server::uav::{Altitude, Command, Target, Uav};
 
 /// How long operations take, in seconds.
@@ -108,8 +110,7 @@ fn no_such() -> String {
 }
 
 fn state(hub: &mut Hub, ids: Vec<ObjectId>) -> Answer {
-    let is_odd = ids.is_empty() || ids.iter().enumerate().any(|(at, id)| ids[..at].contains(id));
-    if is_odd && hub.breaks("FW-UAV-INF-07") {
+    if hub.breaks("FW-UAV-INF-07") && (ids.is_empty() || each_once(ids.clone())?.len() != ids.len()) {
         return Err("the ids are empty or not unique".to_owned());
     }
     if hub.breaks("FW-UAV-INF-06") && ids.iter().any(|id| hub.uav(&id.0).is_none()) {
@@ -123,15 +124,15 @@ fn state(hub: &mut Hub, ids: Vec<ObjectId>) -> Answer {
 /// The checks of a UAV before flight.
 fn checks(uav: &Uav) -> PreflightCheckInfo {
     use PreflightCheckResult::{Failure, Pass, Warning};
-    let has_code = |low: u16, high: u16| uav.codes().iter().any(|code| (low..=high).contains(code));
+    let has_code = |class| uav.codes().iter().any(|code| code.class() == class);
     let battery = match uav.percentage() {
         ..20 => Failure,
         20..30 => Warning,
         _ => Pass,
     };
     let errors = match () {
-        () if has_code(128, 255) => Failure,
-        () if has_code(64, 127) => Warning,
+        () if has_code(ErrorClass::Error) || has_code(ErrorClass::Fatal) => Failure,
+        () if has_code(ErrorClass::Warning) => Warning,
         () => Pass,
     };
     let item = |id: &str, label: &str, result| PreflightCheckItem {

@@ -7,7 +7,7 @@ use uavspec::flockwave::json::{
 };
 
 use super::{Activity, DEGREE, ORIGIN, ORIGIN_ALTITUDE, Uav};
-use crate::server::error_code::{BATTERY, GROUND, LANDING, MOTORS, RETURNING, SLEEP, TAKING_OFF, settle};
+use crate::server::error_code::{BATTERY, settle};
 
 /// Volts of a battery that is full, and of one that is empty.
 const FULL: f64 = 12.6;
@@ -15,22 +15,22 @@ const EMPTY: f64 = 9.9;
 
 impl Uav {
     /// The code that the battery has.
-    pub(super) fn battery_code(&self) -> Option<u16> {
+    pub(super) fn battery_code(&self) -> Option<ErrorCode> {
         BATTERY.iter().find(|(limit, _)| self.charge < *limit).map(|(_, code)| *code)
     }
 
     /// All error codes that apply.
-    pub(in crate::server) fn codes(&self) -> Vec<u16> {
+    pub(in crate::server) fn codes(&self) -> Vec<ErrorCode> {
         let state = match self.activity {
-            Activity::Sleeping => Some(SLEEP),
-            Activity::Standing => Some(GROUND),
-            Activity::MotorsOn => Some(MOTORS),
-            Activity::TakingOff => Some(TAKING_OFF),
-            Activity::Returning => Some(RETURNING),
-            Activity::Landing => Some(LANDING),
+            Activity::Sleeping => Some(ErrorCode::SLEEP),
+            Activity::Standing => Some(ErrorCode::GROUND),
+            Activity::MotorsOn => Some(ErrorCode::MOTORS),
+            Activity::TakingOff => Some(ErrorCode::TAKEOFF),
+            Activity::Returning => Some(ErrorCode::RTH),
+            Activity::Landing => Some(ErrorCode::LANDING),
             Activity::Hovering | Activity::FlyingTo(_) | Activity::Falling => None,
         };
-        let mut codes: Vec<u16> =
+        let mut codes: Vec<ErrorCode> =
             self.errors.iter().copied().chain(state).chain(self.battery_code()).collect();
         settle(&mut codes, self.is_flying());
         codes
@@ -114,7 +114,7 @@ impl Uav {
             }),
             light: Some(light),
             rssi: Some(vec![Rssi(80 + self.wobble(20))]),
-            errors: Some(self.codes().into_iter().map(|code| ErrorCode(code.into())).collect()),
+            errors: Some(self.codes()),
             debug: Some(Base64(data_encoding::BASE64.encode(self.mode().as_str().as_bytes()))),
         }
     }
@@ -131,7 +131,7 @@ impl Uav {
     }
 
     fn fix(&self) -> GPSFix {
-        // A fix in three dimensions with corrections of satellites, or none.
+        // No fix yet, or one with altitude that corrections have improved.
         let kind = if self.is_sleeping() { GPSFixType::Value1 } else { GPSFixType::Value4 };
         GPSFix {
             r#type: kind,
