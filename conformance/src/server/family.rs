@@ -23,8 +23,7 @@ use super::hub::{Answer, Hub, SessionId};
 type Family = fn(&mut Hub, SessionId, Request) -> Answer;
 
 /// The families that the server has, by the first part of their types.
-const FAMILIES: [(&str, Family); 15] = [
-    ("ACK", acknowledge),
+const FAMILIES: [(&str, Family); 14] = [
     ("ASYNC", asynchronous::answer),
     ("AUTH", authentication::answer),
     ("BCN", beacon::answer),
@@ -48,6 +47,9 @@ pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Ans
     match family {
         Some(_) if name == "DEV" && hub.breaks("FW-ENV-24") => Err(unknown(&request)),
         Some(family) => family(hub, session, request),
+        None if ["ACK-ACK", "ACK-NAK"].contains(&request.message_type()) => {
+            Err("acknowledgments come as responses only".to_owned())
+        }
         None => Err(unknown(&request)),
     }
 }
@@ -57,12 +59,4 @@ fn unknown(request: &Request) -> String {
     // A type can be as long as a message.
     let name: String = request.message_type().chars().take(40).collect();
     format!("no handler for requests of type {name}")
-}
-
-/// Nobody asks for acknowledgments: they are answers.
-fn acknowledge(_hub: &mut Hub, _session: SessionId, request: Request) -> Answer {
-    match request.message_type() {
-        "ACK-ACK" | "ACK-NAK" => Err("acknowledgments come as responses only".to_owned()),
-        _ => Err(unknown(&request)),
-    }
 }

@@ -338,7 +338,9 @@ impl Hub {
     pub(super) fn notify_all(&mut self, body: &Notification) {
         let listeners = self.listeners();
         if self.options.bug.is_some() {
-            listeners.into_iter().for_each(|id| self.notify(id, body));
+            for id in listeners {
+                self.notify(id, body);
+            }
             return;
         }
         // What goes to many is written once.

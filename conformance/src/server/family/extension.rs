@@ -46,9 +46,9 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
             Ok(ext_unload::Response { status, error }.into())
         }
         Request::ExtReload(request) => {
-            let outcomes = Outcomes::of(request.ids, |id| match find(hub, id)?.is_loaded {
-                true => Ok(BTreeMap::new()),
-                false => Err("it isn't loaded".to_owned()),
+            let outcomes = Outcomes::of(request.ids, |id| {
+                let is_loaded = find(hub, id)?.is_loaded;
+                is_loaded.then(BTreeMap::new).ok_or_else(|| "it isn't loaded".to_owned())
             })?;
             let (status, error) = outcomes.into_maps();
             Ok(ext_reload::Response { status, error }.into())

@@ -64,7 +64,7 @@ pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Ans
         }
         Request::UavCalib(asked) => {
             let component = asked.component.as_ref();
-            let is_there = component.is_none_or(|component| component.is_known());
+            let is_there = component.is_none_or(CalibrationComponent::is_known);
             // Somebody has to turn the UAV while its compass is calibrated.
             let is_suspending = component == Some(&CalibrationComponent::Compass);
             let kind = if is_suspending { Operation::suspending } else { Operation::lasting };
@@ -196,9 +196,12 @@ fn examine(
 }
 
 fn restart(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>, is_whole: bool) -> Obeyed {
-    let tell = |uav: &mut Uav| match is_whole {
-        true => uav.command(Command::Restart),
-        false => Err("it has no components that can be restarted".to_owned()),
+    let tell = |uav: &mut Uav| {
+        if is_whole {
+            uav.command(Command::Restart)
+        } else {
+            Err("it has no components that can be restarted".to_owned())
+        }
     };
     start_each(hub, session, ids, tell, |receipt| Operation::lasting(receipt, RESTART, json!(true)))
 }
