@@ -8,8 +8,8 @@ use std::time::Duration;
 use serde::Serialize;
 use serde_json::Value;
 use uavspec::flockwave::json::{
-    LogMessage, LogSeverity, Notification, ObjectId, Percentage, Progress, ReceiptId, Response, Timestamp,
-    async_resp, async_st, async_timeout, dev_inf, obj_del, sys_close, sys_msg, uav_inf,
+    LogMessage, LogSeverity, Notification, ObjectId, Percentage, Progress, ReceiptId, Request, Response,
+    Timestamp, async_resp, async_st, async_timeout, dev_inf, obj_del, sys_close, sys_msg, uav_inf,
 };
 
 use super::Options;
@@ -188,7 +188,7 @@ impl Hub {
     pub(super) fn take(&mut self, id: SessionId, incoming: Incoming) {
         match incoming {
             Incoming::Request { id: request, kind, body } => {
-                let answer = self.answer(id, &request, &kind, &body).unwrap_or_else(refusal);
+                let answer = self.answer(id, &request, &body).unwrap_or_else(refusal);
                 if self.breaks("FW-ENV-19") {
                     self.remember(id, &request);
                 }
@@ -368,16 +368,16 @@ impl Hub {
         self.sessions.get(&id).is_some_and(|session| session.user.is_some())
     }
 
-    fn answer(&mut self, id: SessionId, request: &str, kind: &str, body: &Value) -> Answer {
-        let is_open = ["AUTH-INF", "AUTH-REQ", "AUTH-WHOAMI", "SYS-PING", "SYS-VER"].contains(&kind);
-        if !is_open && !self.may_hear(id) && !self.breaks("FW-ACK-06") {
+    fn answer(&mut self, id: SessionId, name: &str, body: &Value) -> Answer {
+        let request = read(body)?;
+        if !is_open(&request) && !self.may_hear(id) && !self.breaks("FW-ACK-06") {
             return Err("log in first".to_owned());
         }
-        let is_known = |session: &Session| session.answered.iter().any(|known| known == request);
+        let is_known = |session: &Session| session.answered.iter().any(|known| known == name);
         if self.breaks("FW-ENV-19") && self.sessions.get(&id).is_some_and(is_known) {
             return Err("this id was used before".to_owned());
         }
-        family::answer(self, id, read(body)?)
+        family::answer(self, id, request)
     }
 
     /// Notes an id that was answered.
@@ -460,6 +460,18 @@ impl Hub {
             session.sink.close();
         }
     }
+}
+
+/// Whether a request is answered without a login.
+fn is_open(request: &Request) -> bool {
+    matches!(
+        request,
+        Request::AuthInf(_)
+            | Request::AuthReq(_)
+            | Request::AuthWhoami(_)
+            | Request::SysPing(_)
+            | Request::SysVer(_)
+    )
 }
 
 /// The notification before a connection ends.

@@ -33,23 +33,29 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
 }
 
 fn radio(hub: &Hub) -> ConnectionInfo {
-    ConnectionInfo {
-        id: RADIO.into(),
-        purpose: ConnectionPurpose::UavRadioLink,
-        status: ConnectionStatus::Connected,
-        description: Some("Simulated radio link".to_owned()),
-        timestamp: Some(hub.timestamp()),
-    }
+    connection(
+        hub,
+        RADIO,
+        ConnectionPurpose::UavRadioLink,
+        ConnectionStatus::Connected,
+        "Simulated radio link",
+    )
 }
 
 /// The state of the connection that corrections come in by.
 pub(super) fn corrections(hub: &Hub) -> ConnectionInfo {
     let is_used = hub.world.preset.is_some();
-    ConnectionInfo {
-        id: CORRECTIONS.into(),
-        purpose: ConnectionPurpose::Dgps,
-        status: if is_used { ConnectionStatus::Connected } else { ConnectionStatus::Disconnected },
-        description: Some("Simulated base station".to_owned()),
-        timestamp: Some(hub.timestamp()),
-    }
+    let status = if is_used { ConnectionStatus::Connected } else { ConnectionStatus::Disconnected };
+    connection(hub, CORRECTIONS, ConnectionPurpose::Dgps, status, "Simulated base station")
+}
+
+fn connection(
+    hub: &Hub,
+    id: &str,
+    purpose: ConnectionPurpose,
+    status: ConnectionStatus,
+    description: &str,
+) -> ConnectionInfo {
+    let (description, timestamp) = (Some(description.to_owned()), Some(hub.timestamp()));
+    ConnectionInfo { id: id.into(), purpose, status, description, timestamp }
 }

@@ -15,9 +15,6 @@ const LOG: &str = "1";
 /// What is in it.
 const TEXT: &str = "took off\nlanded\n";
 
-/// What kind of log it is.
-const KIND: &str = "text";
-
 /// How long it takes to fetch a log, in seconds.
 const FETCHING: f64 = 2.0;
 
@@ -46,13 +43,10 @@ fn no_such_uav() -> String {
     "there is no such UAV".to_owned()
 }
 
-#[expect(clippy::cast_precision_loss, reason = "it is short")]
-fn size() -> f64 {
-    TEXT.len() as f64
-}
-
 fn metadata() -> FlightLogMetadata {
-    FlightLogMetadata { id: LOG.into(), kind: KIND.to_owned(), timestamp: None, size: Some(size()) }
+    #[expect(clippy::cast_precision_loss, reason = "it is short")]
+    let size = TEXT.len() as f64;
+    FlightLogMetadata { id: LOG.into(), kind: "text".to_owned(), timestamp: None, size: Some(size) }
 }
 
 /// Begins to fetch a log; the receipt.
@@ -61,12 +55,7 @@ fn fetch(hub: &mut Hub, session: SessionId, request: &log_data::Request) -> Resu
     if request.log_id.0 != LOG {
         return Err("there is no such log".to_owned());
     }
-    let log = FlightLog {
-        id: LOG.into(),
-        kind: KIND.to_owned(),
-        body: FlightLogBody::String(TEXT.to_owned()),
-        timestamp: None,
-        size: Some(size()),
-    };
+    let FlightLogMetadata { id, kind, timestamp, size } = metadata();
+    let log = FlightLog { id, kind, body: FlightLogBody::String(TEXT.to_owned()), timestamp, size };
     hub.start(session, |receipt| Operation::lasting(receipt, FETCHING, value(&log)))
 }
