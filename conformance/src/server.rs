@@ -126,7 +126,8 @@ impl Default for Options {
 pub fn error(text: &str) -> Result<(String, u16), String> {
     let (id, code) = text.split_once('=').ok_or("write UAV=CODE, such as glider-2=66")?;
     let code = code.parse().map_err(|_| "the code is no number from 0 to 65535".to_owned())?;
-    Ok((id.to_owned(), error_code::settable(code)?))
+    error_code::settable(code)?;
+    Ok((id.to_owned(), code))
 }
 
 /// Reads when a UAV of the fleet gets lost: `glider-2@30`, in seconds.

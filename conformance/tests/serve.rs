@@ -258,12 +258,18 @@ fn malformed_requests_are_refused_by_their_ids() {
         (json!({ "id": "a", "body": { "type": "SYS-PING" } }), "$fw.version"),
         (json!({ "$fw.version": "1.0", "id": "a" }), "body"),
         (json!({ "$fw.version": "1.0", "id": "a", "body": { "type": 7 } }), "type"),
-        (json!({ "$fw.version": "1.0", "id": "a", "body": { "type": "UAV-INF" } }), "ids is missing"),
+        (
+            json!({ "$fw.version": "1.0", "id": "a", "body": { "type": "UAV-INF" } }),
+            "UAV-INF: missing field `ids`",
+        ),
         (
             json!({ "$fw.version": "1.0", "id": "a", "body": { "type": "UAV-INF", "ids": "glider-1" } }),
-            "ids is no list",
+            "ids: invalid type: string",
         ),
-        (json!({ "$fw.version": "1.0", "id": "a", "body": { "type": "UAV-INF", "ids": [7] } }), "no string"),
+        (
+            json!({ "$fw.version": "1.0", "id": "a", "body": { "type": "UAV-INF", "ids": [7] } }),
+            "ids: invalid type: integer",
+        ),
         (
             json!({ "$fw.version": "1.0", "id": "a", "body": { "type": "UAV-FLY", "ids": [], "target": [9e99, 0] } }),
             "target",

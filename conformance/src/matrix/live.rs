@@ -24,8 +24,8 @@ const OBSERVE: Duration = Duration::from_millis(1_500);
 /// When the UAV that gets lost does so.
 const LOSS: Duration = Duration::from_millis(700);
 
-/// How long a client may stay at the server that says farewell.
-const STAY: Duration = Duration::from_millis(1_200);
+/// How long a client may stay at the server that says farewell: longer than any trial on a connection of its own takes.
+const STAY: Duration = Duration::from_millis(2_000);
 
 /// How many times as fast as life the simulation goes.
 const SPEED: f64 = 10.0;

@@ -12,7 +12,6 @@ mod transport;
 use serde_json::{Value, json};
 
 use super::message;
-use super::request::Body;
 
 /// A bug.
 #[derive(Debug)]
@@ -81,14 +80,14 @@ pub(super) struct Outgoing<'r> {
     /// Messages that follow it.
     after: Vec<Value>,
     /// The body of the request that it answers.
-    request: Option<&'r Body>,
+    request: Option<&'r Value>,
     /// How many messages went over the connection, with this one.
     number: u64,
     write: fn(&Value) -> String,
 }
 
 impl<'r> Outgoing<'r> {
-    pub(super) fn new(message: Value, request: Option<&'r Body>, number: u64) -> Self {
+    pub(super) fn new(message: Value, request: Option<&'r Value>, number: u64) -> Self {
         let (before, after) = (Vec::new(), Vec::new());
         Self { before, message: Some(message), after, request, number, write: Value::to_string }
     }

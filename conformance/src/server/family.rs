@@ -15,14 +15,15 @@ mod system;
 mod uav;
 mod weather;
 
-use super::hub::{Answer, Call, Hub};
+use uavspec::flockwave::json::Request;
+
+use super::hub::{Answer, Hub, SessionId};
 
 /// What answers the requests of a family.
-type Family = fn(&mut Hub, &Call<'_>) -> Answer;
+type Family = fn(&mut Hub, SessionId, Request) -> Answer;
 
 /// The families that the server has, by the first part of their types.
-const FAMILIES: [(&str, Family); 15] = [
-    ("ACK", acknowledge),
+const FAMILIES: [(&str, Family); 14] = [
     ("ASYNC", asynchronous::answer),
     ("AUTH", authentication::answer),
     ("BCN", beacon::answer),
@@ -39,28 +40,23 @@ const FAMILIES: [(&str, Family); 15] = [
     ("WTH", weather::answer),
 ];
 
-/// Answers a request.
-pub(super) fn answer(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    let name = call.kind.split('-').next().unwrap_or_default();
+/// Answers a request that came on a connection.
+pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Answer {
+    let name = request.message_type().split('-').next().unwrap_or_default();
     let family = FAMILIES.iter().find(|(known, _)| *known == name).map(|(_, family)| family);
     match family {
-        Some(_) if name == "DEV" && hub.breaks("FW-ENV-24") => Err(unknown(call)),
-        Some(family) => family(hub, call),
-        None => Err(unknown(call)),
+        Some(_) if name == "DEV" && hub.breaks("FW-ENV-24") => Err(unknown(&request)),
+        Some(family) => family(hub, session, request),
+        None if ["ACK-ACK", "ACK-NAK"].contains(&request.message_type()) => {
+            Err("acknowledgments come as responses only".to_owned())
+        }
+        None => Err(unknown(&request)),
     }
 }
 
-/// Why a type of its family isn't answered.
-fn unknown(call: &Call<'_>) -> String {
+/// Why a type isn't answered.
+fn unknown(request: &Request) -> String {
     // A type can be as long as a message.
-    let name: String = call.kind.chars().take(40).collect();
+    let name: String = request.message_type().chars().take(40).collect();
     format!("no handler for requests of type {name}")
-}
-
-/// Nobody asks for acknowledgments: they are answers.
-fn acknowledge(_hub: &mut Hub, call: &Call<'_>) -> Answer {
-    match call.kind {
-        "ACK-ACK" | "ACK-NAK" => Err("acknowledgments come as responses only".to_owned()),
-        _ => Err(unknown(call)),
-    }
 }

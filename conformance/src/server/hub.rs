@@ -5,14 +5,19 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::Value;
+use uavspec::flockwave::json::{
+    LogMessage, LogSeverity, Notification, ObjectId, Percentage, Progress, ReceiptId, Request, Response,
+    Timestamp, async_resp, async_st, async_timeout, dev_inf, obj_del, sys_close, sys_msg, uav_inf,
+};
 
 use super::Options;
 use super::bug::Outgoing;
 use super::family;
-use super::message::{envelope, enveloped, refusal};
+use super::message::{envelope, enveloped, refusal, text, value};
 use super::operation::{Operation, Report};
-use super::request::{Body, Incoming};
+use super::request::{Incoming, read};
 use super::uav::Uav;
 use super::world::World;
 
@@ -73,15 +78,8 @@ pub(super) struct Session {
     answered: Vec<String>,
 }
 
-/// A request, and on which connection it came.
-pub(super) struct Call<'c> {
-    pub(super) session: SessionId,
-    pub(super) kind: &'c str,
-    pub(super) body: &'c Body,
-}
-
 /// The body of the answer, or why there is none.
-pub(super) type Answer = Result<Value, String>;
+pub(super) type Answer = Result<Response, String>;
 
 /// The middle of the server.
 pub(super) struct Hub {
@@ -130,6 +128,11 @@ impl Hub {
         self.options.start.saturating_add(passed).saturating_add(self.adjustment)
     }
 
+    /// The same, as messages have it.
+    pub(super) fn timestamp(&self) -> Timestamp {
+        Timestamp(i64::try_from(self.now()).unwrap_or(i64::MAX))
+    }
+
     /// A connection of a session that is there.
     pub(super) fn session(&mut self, id: SessionId) -> Option<&mut Session> {
         self.sessions.get_mut(&id)
@@ -165,9 +168,13 @@ impl Hub {
     /// Tells a client which server this is.
     pub(super) fn greet(&mut self, id: SessionId) {
         if self.sessions.get(&id).is_some_and(|session| session.manner == Manner::Standing) {
-            let message = format!("a simulated fleet of {} UAVs", self.world.uavs.len());
-            let item = json!({ "message": message, "severity": "info", "timestamp": self.now() });
-            self.notify(id, json!({ "type": "SYS-MSG", "items": [item] }));
+            let item = LogMessage {
+                message: format!("a simulated fleet of {} UAVs", self.world.uavs.len()),
+                severity: Some(LogSeverity::Info),
+                sender: None,
+                timestamp: Some(self.timestamp()),
+            };
+            self.notify(id, &sys_msg::Notification { items: vec![item] }.into());
         }
     }
 
@@ -181,19 +188,18 @@ impl Hub {
     pub(super) fn take(&mut self, id: SessionId, incoming: Incoming) {
         match incoming {
             Incoming::Request { id: request, kind, body } => {
-                let answer = self.answer(&Call { session: id, kind: &kind, body: &body }, &request);
-                let answer = answer.unwrap_or_else(|reason| refusal(&reason));
+                let answer = self.answer(id, &request, &body).unwrap_or_else(refusal);
                 if self.breaks("FW-ENV-19") {
                     self.remember(id, &request);
                 }
-                self.send(id, Some((&request, &body)), answer);
+                self.send(id, Some((&request, &body)), &answer);
                 if kind == "AUTH-REQ" && self.is_logged_in(id) {
                     self.greet(id);
                 }
             }
             Incoming::Malformed { .. } if self.breaks("FW-ENV-22") => self.cut(id),
             Incoming::Malformed { id: request, reason } => {
-                self.send(id, Some((&request, &Body::new())), refusal(&reason));
+                self.send(id, Some((&request, &Value::Null)), &refusal(reason));
             }
             Incoming::Ignored => {}
         }
@@ -221,8 +227,9 @@ impl Hub {
         self.advance_operations(passed);
         let remarks = self.world.remarks();
         if !remarks.is_empty() {
-            let items: Vec<Value> = remarks.iter().map(|remark| remark.to_item(now)).collect();
-            self.notify_all(&json!({ "type": "SYS-MSG", "items": items }));
+            let now = self.timestamp();
+            let items = remarks.iter().map(|remark| remark.to_item(now)).collect();
+            self.notify_all(&sys_msg::Notification { items }.into());
         }
         self.lose_in_time();
         self.part_in_time();
@@ -262,7 +269,8 @@ impl Hub {
         } else {
             self.world.uavs.retain(|uav| !ids.contains(&uav.id));
         }
-        self.notify_all(&json!({ "type": "OBJ-DEL", "ids": ids }));
+        let ids = ids.iter().map(|id| ObjectId::from(id.as_str())).collect();
+        self.notify_all(&obj_del::Notification { ids }.into());
     }
 
     /// Loses the UAVs that are to get lost by now.
@@ -284,7 +292,7 @@ impl Hub {
             }
             // It is told once, and closes when all that was to be said is on its way.
             session.since = Duration::MAX;
-            self.notify(id, farewell("the time is over"));
+            self.notify(id, &farewell("the time is over"));
             self.cut(id);
         }
     }
@@ -322,25 +330,25 @@ impl Hub {
     }
 
     /// Sends a notification to a connection.
-    pub(super) fn notify(&mut self, id: SessionId, body: Value) {
+    pub(super) fn notify(&mut self, id: SessionId, body: &Notification) {
         self.send(id, None, body);
     }
 
     /// Sends a notification to all who may hear it.
-    pub(super) fn notify_all(&mut self, body: &Value) {
+    pub(super) fn notify_all(&mut self, body: &Notification) {
         let listeners = self.listeners();
         if self.options.bug.is_some() {
             for id in listeners {
-                self.notify(id, body.clone());
+                self.notify(id, body);
             }
             return;
         }
         // What goes to many is written once.
-        let written = body.to_string();
+        let written = text(body);
         for id in listeners {
             if let Some(session) = self.sessions.get_mut(&id) {
                 session.sent += 1;
-                session.sink.send(&enveloped(&format!("s{}", session.sent), &written));
+                session.sink.send(&enveloped(&format!("s{}", session.sent), None, &written));
             }
         }
     }
@@ -360,16 +368,16 @@ impl Hub {
         self.sessions.get(&id).is_some_and(|session| session.user.is_some())
     }
 
-    fn answer(&mut self, call: &Call<'_>, request: &str) -> Answer {
-        let is_open = ["AUTH-INF", "AUTH-REQ", "AUTH-WHOAMI", "SYS-PING", "SYS-VER"].contains(&call.kind);
-        if !is_open && !self.may_hear(call.session) && !self.breaks("FW-ACK-06") {
+    fn answer(&mut self, id: SessionId, name: &str, body: &Value) -> Answer {
+        let request = read(body)?;
+        if !is_open(&request) && !self.may_hear(id) && !self.breaks("FW-ACK-06") {
             return Err("log in first".to_owned());
         }
-        let is_known = |session: &Session| session.answered.iter().any(|known| known == request);
-        if self.breaks("FW-ENV-19") && self.sessions.get(&call.session).is_some_and(is_known) {
+        let is_known = |session: &Session| session.answered.iter().any(|known| known == name);
+        if self.breaks("FW-ENV-19") && self.sessions.get(&id).is_some_and(is_known) {
             return Err("this id was used before".to_owned());
         }
-        family::answer(self, call)
+        family::answer(self, id, request)
     }
 
     /// Notes an id that was answered.
@@ -395,7 +403,7 @@ impl Hub {
             });
         }
         for (id, receipt, report) in reports {
-            self.notify(id, report_body(&receipt, report));
+            self.notify(id, &report_body(&receipt, report));
         }
     }
 
@@ -404,9 +412,9 @@ impl Hub {
         let heard: Vec<&Uav> = self.world.uavs.iter().filter(is_heard).collect();
         let of_some = |uavs: &[&Uav]| {
             let status = uavs.iter().map(|uav| (uav.id.clone(), uav.status())).collect();
-            json!({ "type": "UAV-INF", "status": Value::Object(status) })
+            uav_inf::Notification { status: Some(status) }.into()
         };
-        let bodies: Vec<Value> = heard.chunks(UAVS_AT_ONCE).map(of_some).collect();
+        let bodies: Vec<Notification> = heard.chunks(UAVS_AT_ONCE).map(of_some).collect();
         for body in &bodies {
             self.notify_all(body);
         }
@@ -415,7 +423,7 @@ impl Hub {
     fn notify_of_devices(&mut self) {
         for id in self.listeners() {
             let Some(session) = self.sessions.get_mut(&id) else { continue };
-            let mut changed = serde_json::Map::new();
+            let mut changed = BTreeMap::new();
             for path in session.subscriptions.keys() {
                 let Ok(value) = self.world.values_at(path) else { continue };
                 if session.told.get(path) != Some(&value) {
@@ -424,19 +432,22 @@ impl Hub {
                 }
             }
             if !changed.is_empty() {
-                self.notify(id, json!({ "type": "DEV-INF", "values": changed }));
+                self.notify(id, &dev_inf::Notification { values: Some(changed) }.into());
             }
         }
     }
 
     /// Sends a body, in answer to a request or by itself.
-    fn send(&mut self, id: SessionId, request: Option<(&str, &Body)>, body: Value) {
+    fn send(&mut self, id: SessionId, request: Option<(&str, &Value)>, body: &impl Serialize) {
         let Some(session) = self.sessions.get_mut(&id) else { return };
         session.sent += 1;
         let name = format!("s{}", session.sent);
-        let message = envelope(&name, request.map(|(refs, _)| refs), body);
-        let Some(bug) = self.options.bug else { return session.sink.send(&message.to_string()) };
-        let mut outgoing = Outgoing::new(message, request.map(|(_, body)| body), session.sent);
+        let refs = request.map(|(refs, _)| refs);
+        let Some(bug) = self.options.bug else {
+            return session.sink.send(&enveloped(&name, refs, &text(body)));
+        };
+        let mut outgoing =
+            Outgoing::new(envelope(&name, refs, value(body)), request.map(|(_, body)| body), session.sent);
         bug.apply(&mut outgoing);
         for text in outgoing.into_texts() {
             session.sink.send(&text);
@@ -451,26 +462,44 @@ impl Hub {
     }
 }
 
+/// Whether a request is answered without a login.
+fn is_open(request: &Request) -> bool {
+    matches!(
+        request,
+        Request::AuthInf(_)
+            | Request::AuthReq(_)
+            | Request::AuthWhoami(_)
+            | Request::SysPing(_)
+            | Request::SysVer(_)
+    )
+}
+
 /// The notification before a connection ends.
-fn farewell(reason: &str) -> Value {
-    json!({ "type": "SYS-CLOSE", "reason": reason })
+fn farewell(reason: &str) -> Notification {
+    sys_close::Notification { reason: Some(reason.to_owned()) }.into()
 }
 
 /// The notification about an operation.
-fn report_body(receipt: &str, report: Report) -> Value {
-    let progress = |percentage: u8| json!({ "percentage": percentage });
+fn report_body(receipt: &str, report: Report) -> Notification {
+    let id = ReceiptId::from(receipt);
+    let progress = |percentage: u8, message: Option<&str>| Progress {
+        percentage: Some(Some(Percentage(percentage.into()))),
+        message: message.map(|text| Some(text.to_owned())),
+        object: None,
+    };
     match report {
         Report::Progress(percentage) => {
-            json!({ "type": "ASYNC-ST", "id": receipt, "progress": progress(percentage) })
+            async_st::Notification { id, progress: progress(percentage, None), suspended: None }.into()
         }
         Report::Suspension(percentage) => {
-            let progress = json!({ "percentage": percentage, "message": "turn the UAV, and then resume" });
-            json!({ "type": "ASYNC-ST", "id": receipt, "progress": progress, "suspended": true })
+            let progress = progress(percentage, Some("turn the UAV, and then resume"));
+            async_st::Notification { id, progress, suspended: Some(true) }.into()
         }
-        Report::Result(result) => json!({ "type": "ASYNC-RESP", "id": receipt, "result": result }),
+        Report::Result(result) => async_resp::Notification { id, result: Some(result), error: None }.into(),
         Report::Cancellation => {
-            json!({ "type": "ASYNC-RESP", "id": receipt, "error": "cancelled by the client" })
+            let error = Some("cancelled by the client".to_owned());
+            async_resp::Notification { id, result: None, error }.into()
         }
-        Report::Timeout => json!({ "type": "ASYNC-TIMEOUT", "ids": [receipt] }),
+        Report::Timeout => async_timeout::Notification { ids: vec![id] }.into(),
     }
 }

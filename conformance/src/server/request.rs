@@ -1,12 +1,16 @@
 //! What a client sent: a request, something that is nearly one, or nothing that can be answered.
 
-use serde_json::{Map, Value};
+use std::collections::HashSet;
 
-/// The fields of a body.
-pub(super) type Body = Map<String, Value>;
+use serde::Deserialize;
+use serde_json::Value;
+use uavspec::flockwave::json::Request;
 
 /// How many things a request may ask for. Answers are many times as long as the ids that they are about.
 const LIST_LIMIT: usize = 10_000;
+
+/// The longest reason for which a body isn't read, in characters.
+const REASON_LIMIT: usize = 300;
 
 /// What came in.
 #[derive(Debug, PartialEq)]
@@ -17,8 +21,8 @@ pub(super) enum Incoming {
         id: String,
         /// The type of its body.
         kind: String,
-        /// Its body.
-        body: Body,
+        /// Its body: an object.
+        body: Value,
     },
     /// No proper request, but it has an id by which the answer can say so.
     Malformed {
@@ -53,7 +57,7 @@ impl Incoming {
         if message.contains_key("error") {
             return malformed("a request has a body, and no error");
         }
-        let Some(Value::Object(body)) = message.remove("body") else {
+        let Some(body) = message.remove("body").filter(Value::is_object) else {
             return malformed("the body is no object");
         };
         let Some(Value::String(kind)) = body.get("type") else {
@@ -69,56 +73,27 @@ fn is_version(text: &str) -> bool {
     text.split('.').count() <= 3 && text.split('.').all(is_number)
 }
 
-/// A list of strings that has to be there, each once.
-pub(super) fn strings(body: &Body, name: &str) -> Result<Vec<String>, String> {
-    optional_strings(body, name)?.ok_or_else(|| format!("{name} is missing"))
+/// Reads the body of a request.
+pub(super) fn read(body: &Value) -> Result<Request, String> {
+    // What is wrong with a body is told with words of it, which can be as long as a message.
+    Request::deserialize(body).map_err(|error| error.to_string().chars().take(REASON_LIMIT).collect())
 }
 
-/// A list of strings that may be absent, each once.
-pub(super) fn optional_strings(body: &Body, name: &str) -> Result<Option<Vec<String>>, String> {
-    let items = match body.get(name) {
-        None => return Ok(None),
-        Some(Value::Array(items)) if items.len() > LIST_LIMIT => {
-            return Err(format!("{name} has more than {LIST_LIMIT} elements: ask for less at once"));
-        }
-        Some(Value::Array(items)) => items,
-        Some(_) => return Err(format!("{name} is no list")),
-    };
-    let mut seen = std::collections::HashSet::new();
-    let mut found = Vec::new();
-    for item in items {
-        let Value::String(text) = item else {
-            return Err(format!("{name} holds something that is no string"));
-        };
-        if seen.insert(text.as_str()) {
-            found.push(text.clone());
-        }
-    }
-    Ok(Some(found))
-}
-
-/// A string that has to be there.
-pub(super) fn string<'b>(body: &'b Body, name: &str) -> Result<&'b str, String> {
-    body.get(name)
-        .ok_or_else(|| format!("{name} is missing"))?
-        .as_str()
-        .ok_or_else(|| format!("{name} is no string"))
-}
-
-/// A boolean; what it is where it is absent.
-pub(super) fn boolean(body: &Body, name: &str, otherwise: Option<bool>) -> Result<bool, String> {
-    match body.get(name) {
-        None => otherwise.ok_or_else(|| format!("{name} is missing")),
-        Some(value) => value.as_bool().ok_or_else(|| format!("{name} is no boolean")),
+/// A list that isn't too long.
+pub(super) fn limited<T>(list: Vec<T>) -> Result<Vec<T>, String> {
+    if list.len() <= LIST_LIMIT {
+        Ok(list)
+    } else {
+        Err(format!("a list has more than {LIST_LIMIT} elements: ask for less at once"))
     }
 }
 
-/// An object that may be absent.
-pub(super) fn object<'b>(body: &'b Body, name: &str) -> Result<Option<&'b Body>, String> {
-    match body.get(name) {
-        None => Ok(None),
-        Some(value) => value.as_object().map(Some).ok_or_else(|| format!("{name} is no object")),
-    }
+/// The elements of a list that isn't too long, each once.
+pub(super) fn each_once<T: Into<String>>(list: Vec<T>) -> Result<Vec<String>, String> {
+    let list = limited(list)?;
+    let mut seen = HashSet::new();
+    let texts = list.into_iter().map(T::into);
+    Ok(texts.filter(|text: &String| seen.insert(text.clone())).collect())
 }
 
 #[cfg(test)]

@@ -2,7 +2,10 @@
 
 mod state;
 
-use super::error_code::{CRASH, settle};
+use uavspec::flockwave::ErrorCode;
+use uavspec_runtime::ErrorClass;
+
+use super::error_code::settle;
 use super::random::Random;
 
 /// Where the fleet stands: a gliding airfield on a hill, in degrees.
@@ -90,7 +93,7 @@ pub(super) struct Uav {
     activity: Activity,
     charge: f64,
     /// Codes that were set from outside, or that stay until a restart.
-    errors: Vec<u16>,
+    errors: Vec<ErrorCode>,
     signal: f64,
     random: Random,
     /// When the server last heard of it, in milliseconds since 1970.
@@ -173,16 +176,17 @@ impl Uav {
         if self.is_flying() {
             return Err("it is in the air".to_owned());
         }
-        if let Some(code) = self.codes().into_iter().find(|code| (128..256).contains(code)) {
+        let is_grave = |code: &ErrorCode| matches!(code.class(), ErrorClass::Error | ErrorClass::Fatal);
+        if let Some(code) = self.codes().into_iter().find(is_grave) {
             return Err(format!("it has the error code {code}"));
         }
         self.activity = Activity::TakingOff;
         Ok(())
     }
 
-    /// Sets a code, which stays until all are cleared.
-    pub(super) fn set_error(&mut self, code: u16) {
-        self.errors.push(code);
+    /// Sets codes, which stay until all are cleared.
+    pub(super) fn set_errors(&mut self, codes: &[ErrorCode]) {
+        self.errors.extend_from_slice(codes);
         let is_flying = self.is_flying();
         settle(&mut self.errors, is_flying);
     }
@@ -227,8 +231,8 @@ impl Uav {
             Activity::TakingOff | Activity::Hovering | Activity::FlyingTo(_) | Activity::Returning
         );
         match self.battery_code() {
-            Some(199) if is_busy => self.activity = Activity::Landing,
-            Some(134) if is_busy => self.activity = Activity::Returning,
+            Some(ErrorCode::LOWBAT_FATAL) if is_busy => self.activity = Activity::Landing,
+            Some(ErrorCode::LOWBAT_ERROR) if is_busy => self.activity = Activity::Returning,
             _ => {}
         }
     }
@@ -257,7 +261,7 @@ impl Uav {
             Activity::Falling => {
                 self.sink(FALL * seconds);
                 if !self.is_flying() {
-                    self.set_error(CRASH);
+                    self.set_errors(&[ErrorCode::CRASH]);
                 }
             }
         }
@@ -299,8 +303,10 @@ impl Uav {
 
 #[cfg(test)]
 mod tests {
+    use uavspec::flockwave::json::FlightMode;
+
     use super::*;
-    use crate::server::error_code::{GROUND, RETURNING, TAKING_OFF};
+    use crate::server::error_code::BATTERY;
 
     fn flown(uav: &mut Uav, seconds: u64) {
         for step in 0..seconds * 10 {
@@ -308,21 +314,17 @@ mod tests {
         }
     }
 
-    fn errors(uav: &Uav) -> Vec<u16> {
-        uav.codes()
-    }
-
     #[test]
     fn a_flight_ends_where_it_began() {
         let mut uav = Uav::new(12, 100.0, 7, 0);
         let home = uav.coordinates();
-        assert_eq!((errors(&uav), uav.mode()), (vec![GROUND], "stab"));
+        assert_eq!((uav.codes(), uav.mode()), (vec![ErrorCode::GROUND], FlightMode::Stab));
         uav.command(Command::TakeOff).expect("it can");
         uav.advance(0.1, 1000);
-        assert_eq!((errors(&uav), uav.mode()), (vec![TAKING_OFF], "takeoff"));
-        assert!(uav.status()["velocity"][2].as_i64() < Some(0), "down is negative in climb");
+        assert_eq!((uav.codes(), uav.mode()), (vec![ErrorCode::TAKEOFF], FlightMode::Takeoff));
+        assert!(uav.status().velocity.is_some_and(|speed| speed.down < 0), "down is negative in climb");
         flown(&mut uav, 10);
-        assert_eq!((errors(&uav), uav.mode(), uav.coordinates()[3]), (vec![], "loiter", 10_000));
+        assert_eq!((uav.codes(), uav.mode(), uav.coordinates()[3]), (vec![], FlightMode::Loiter, 10_000));
         let target = Target {
             latitude: home[0] + 9000,
             longitude: home[1],
@@ -335,9 +337,9 @@ mod tests {
         assert_eq!(above_home, 20_000);
         uav.command(Command::ReturnHome).expect("it can");
         uav.advance(0.1, 1000);
-        assert_eq!(errors(&uav), [RETURNING]);
+        assert_eq!(uav.codes(), [ErrorCode::RTH]);
         flown(&mut uav, 60);
-        assert_eq!((errors(&uav), uav.mode()), (vec![GROUND], "stab"));
+        assert_eq!((uav.codes(), uav.mode()), (vec![ErrorCode::GROUND], FlightMode::Stab));
         assert!((uav.coordinates()[0] - home[0]).abs() < 10 && uav.coordinates()[3] == 0);
     }
 
@@ -348,15 +350,15 @@ mod tests {
         let mut seen = Vec::new();
         for step in 0..6000 {
             uav.advance(0.1, step * 100);
-            let code = uav.codes().into_iter().find(|code| [66, 134, 199].contains(code));
+            let code = uav.codes().into_iter().find(|code| BATTERY.iter().any(|(_, known)| known == code));
             if seen.last() != code.as_ref() {
                 seen.extend(code);
             }
         }
-        assert_eq!(seen, [66, 134]);
-        assert_eq!(uav.mode(), "stab", "it has flown home");
+        assert_eq!(seen, [ErrorCode::LOWBAT_WARNING, ErrorCode::LOWBAT_ERROR]);
+        assert_eq!(uav.mode(), FlightMode::Stab, "it has flown home");
         uav.set_charge(5.0);
-        assert_eq!(uav.codes(), [GROUND, 199]);
+        assert_eq!(uav.codes(), [ErrorCode::GROUND, ErrorCode::LOWBAT_FATAL]);
         assert!(uav.command(Command::TakeOff).is_err());
     }
 
@@ -368,9 +370,9 @@ mod tests {
         assert!(uav.command(Command::Motors { is_start: false, is_forced: false }).is_err());
         uav.command(Command::Halt).expect("it can");
         flown(&mut uav, 3);
-        assert_eq!(uav.codes(), [GROUND, CRASH]);
+        assert_eq!(uav.codes(), [ErrorCode::GROUND, ErrorCode::CRASH]);
         assert!(uav.command(Command::TakeOff).is_err());
         uav.command(Command::Restart).expect("it can");
-        assert_eq!(uav.codes(), [GROUND]);
+        assert_eq!(uav.codes(), [ErrorCode::GROUND]);
     }
 }

@@ -3,20 +3,24 @@
 use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
+use uavspec::flockwave::ErrorCode;
+use uavspec::flockwave::json::{
+    LogMessage, LogSeverity, ObjectType, RTKMessageFormat, RTKSurveySettings, Timestamp,
+};
+use uavspec_runtime::Severity;
 
 use super::Options;
-use super::request::Body;
 use super::uav::Uav;
 
 /// Everything that the server simulates or pretends to have.
 pub(super) struct World {
     pub(super) uavs: Vec<Uav>,
     /// The last code of each UAV that people were told about.
-    remarked: BTreeMap<String, u16>,
+    remarked: BTreeMap<String, ErrorCode>,
     /// The RTK preset in use.
     pub(super) preset: Option<&'static Preset>,
-    /// How the base station surveys.
-    pub(super) survey: Body,
+    /// How the base station surveys, once somebody has said it.
+    pub(super) survey: Option<RTKSurveySettings>,
     /// Extensions by id.
     pub(super) extensions: BTreeMap<&'static str, Extension>,
     /// Parameters of UAVs, by UAV and name, where they were changed.
@@ -28,29 +32,46 @@ pub(super) struct World {
 pub(super) struct Preset {
     pub(super) id: &'static str,
     pub(super) title: &'static str,
-    pub(super) format: &'static str,
+    pub(super) format: RTKMessageFormat,
     pub(super) source: &'static str,
 }
 
 /// The presets that there are.
 pub(super) const PRESETS: [Preset; 2] = [
-    Preset { id: "base", title: "Base station on the hill", format: "rtcm3", source: "serial:base" },
-    Preset { id: "network", title: "Network of stations", format: "auto", source: "ntrip:network" },
+    Preset {
+        id: "base",
+        title: "Base station on the hill",
+        format: RTKMessageFormat::Rtcm3,
+        source: "serial:base",
+    },
+    Preset {
+        id: "network",
+        title: "Network of stations",
+        format: RTKMessageFormat::Auto,
+        source: "ntrip:network",
+    },
 ];
 
 /// An extension.
 pub(super) struct Extension {
     pub(super) is_loaded: bool,
     pub(super) name: &'static str,
-    pub(super) configuration: Body,
+    pub(super) configuration: BTreeMap<String, Value>,
 }
 
-/// An object that is no UAV: its id, type and name.
-pub(super) const FIXTURES: [(&str, &str, &str); 4] = [
-    ("mark-1", "beacon", "Start of the runway"),
-    ("mark-2", "beacon", "End of the runway"),
-    ("hangar-1", "dock", "Hangar"),
-    ("wind-1", "weatherStation", "Windsock"),
+/// An object that is no UAV.
+pub(super) struct Fixture {
+    pub(super) id: &'static str,
+    pub(super) kind: ObjectType,
+    pub(super) name: &'static str,
+}
+
+/// The objects that are no UAVs.
+pub(super) const FIXTURES: [Fixture; 4] = [
+    Fixture { id: "mark-1", kind: ObjectType::Beacon, name: "Start of the runway" },
+    Fixture { id: "mark-2", kind: ObjectType::Beacon, name: "End of the runway" },
+    Fixture { id: "hangar-1", kind: ObjectType::Dock, name: "Hangar" },
+    Fixture { id: "wind-1", kind: ObjectType::WeatherStation, name: "Windsock" },
 ];
 
 /// Parameters that each UAV has, and their values where nobody has changed them.
@@ -60,19 +81,24 @@ pub(super) const PARAMETERS: [(&str, i64); 3] =
 /// Something that people should know of a UAV.
 pub(super) struct Remark {
     uav: String,
-    code: u16,
+    code: ErrorCode,
 }
 
 impl Remark {
     /// The item of a message to people.
-    pub(super) fn to_item(&self, now: u64) -> Value {
-        let severity = match (self.code & 0xFF) >> 6 {
-            1 => "warning",
-            2 => "error",
-            _ => "critical",
+    pub(super) fn to_item(&self, now: Timestamp) -> LogMessage {
+        let severity = match self.code.severity() {
+            Severity::Informational => LogSeverity::Info,
+            Severity::Warning => LogSeverity::Warning,
+            Severity::Error => LogSeverity::Error,
+            Severity::Fatal => LogSeverity::Critical,
         };
-        let message = format!("error code {}", self.code);
-        json!({ "message": message, "severity": severity, "sender": self.uav, "timestamp": now })
+        LogMessage {
+            message: format!("error code {}", self.code),
+            severity: Some(severity),
+            sender: Some(self.uav.as_str().into()),
+            timestamp: Some(now),
+        }
     }
 }
 
@@ -83,15 +109,15 @@ impl World {
             .collect();
         for (id, code) in &options.errors {
             if let Some(uav) = uavs.iter_mut().find(|uav| uav.id == *id) {
-                uav.set_error(*code);
+                uav.set_errors(&[ErrorCode((*code).into())]);
             }
         }
-        let extension = |is_loaded, name| Extension { is_loaded, name, configuration: Body::new() };
+        let extension = |is_loaded, name| Extension { is_loaded, name, configuration: BTreeMap::new() };
         Self {
             uavs,
             remarked: BTreeMap::new(),
             preset: None,
-            survey: Body::new(),
+            survey: None,
             extensions: BTreeMap::from([
                 ("simulation", extension(true, "Simulated fleet")),
                 ("weather", extension(true, "Windsock")),
@@ -102,9 +128,9 @@ impl World {
     }
 
     /// All objects, with their types.
-    pub(super) fn objects(&self) -> Vec<(&str, &str)> {
-        let uavs = self.uavs.iter().map(|uav| (uav.id.as_str(), "uav"));
-        uavs.chain(FIXTURES.iter().map(|(id, kind, _)| (*id, *kind))).collect()
+    pub(super) fn objects(&self) -> impl Iterator<Item = (&str, ObjectType)> {
+        let uavs = self.uavs.iter().map(|uav| (uav.id.as_str(), ObjectType::Uav));
+        uavs.chain(FIXTURES.map(|fixture| (fixture.id, fixture.kind)))
     }
 
     /// The values of the devices of a UAV.
@@ -115,7 +141,7 @@ impl World {
         json!({
             "battery": { "voltage": voltage, "percentage": uav.percentage() },
             "gps": {
-                "satellites": uav.gps().1,
+                "satellites": uav.satellites(),
                 "position": [latitude, longitude, above_sea, above_ground],
             },
         })
@@ -132,7 +158,7 @@ impl World {
         let id = parts.next().unwrap_or_default();
         let uav = self.uavs.iter().find(|uav| uav.id == id);
         let Some(uav) = uav else {
-            let is_fixture = FIXTURES.iter().any(|(known, ..)| *known == id) && parts.next().is_none();
+            let is_fixture = FIXTURES.iter().any(|fixture| fixture.id == id) && parts.next().is_none();
             return if is_fixture { Ok(json!({})) } else { Err("there is no such object".to_owned()) };
         };
         let mut value = Self::values(uav);
@@ -146,8 +172,8 @@ impl World {
     pub(super) fn remarks(&mut self) -> Vec<Remark> {
         let mut remarks = Vec::new();
         for uav in &self.uavs {
-            let worst =
-                uav.codes().into_iter().filter(|code| (code & 0xFF) >= 64).max_by_key(|code| code & 0xFF);
+            let codes = uav.codes().into_iter().filter(|code| code.severity() > Severity::Informational);
+            let worst = codes.max_by_key(|code| (code.severity(), *code));
             let before = match worst {
                 Some(code) => self.remarked.insert(uav.id.clone(), code),
                 None => self.remarked.remove(&uav.id),

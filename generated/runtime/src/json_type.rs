@@ -14,8 +14,8 @@ use alloc::string::String;
 use core::fmt;
 
 use serde::de::{DeserializeOwned, Error as _, IgnoredAny, MapAccess};
-use serde::ser::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Deserializer, Serializer};
 
 /// Any JSON value.
 pub use serde_json::Value as Json;
@@ -32,8 +32,13 @@ pub fn read<'de, T: Deserialize<'de>, A: MapAccess<'de>>(
     if field.is_some() {
         return Err(A::Error::duplicate_field(name));
     }
-    *field = Some(map.next_value()?);
+    *field = Some(map.next_value().map_err(|error| inside(name, &error))?);
     Ok(())
+}
+
+/// What is wrong with a value, and in which field it stands.
+fn inside<E: serde::de::Error>(name: &str, error: &E) -> E {
+    E::custom(format!("{name}: {error}"))
 }
 
 /// Passes over the value of a field that the page doesn't name, or refuses it where there are no others.
@@ -108,14 +113,22 @@ pub fn read_body<T: DeserializeOwned, E: serde::de::Error>(name: &str, value: Js
     T::deserialize(value).map_err(|error| E::custom(format!("{name}: {error}")))
 }
 
+/// An object that can write its fields beside others: a message has its type before those of its body.
+pub trait Object {
+    /// Writes the fields.
+    fn write_fields<M: SerializeMap>(&self, map: &mut M) -> Result<(), M::Error>;
+}
+
 /// Writes a body as a message.
-pub fn write_message<T: Serialize, S: Serializer>(
+pub fn write_message<T: Object, S: Serializer>(
     name: &str,
     body: &T,
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
-    let body = serde_json::to_value(body).map_err(S::Error::custom)?;
-    message_whole(String::from(name), body).serialize(serializer)
+    let mut map = serializer.serialize_map(None)?;
+    map.serialize_entry(TYPE, name)?;
+    body.write_fields(&mut map)?;
+    map.end()
 }
 
 /// Makes a struct a JSON object: `json_object! { Mark open; name "name" required; height "height" optional; }`.
@@ -123,14 +136,24 @@ pub fn write_message<T: Serialize, S: Serializer>(
 #[macro_export]
 macro_rules! json_object {
     ($type:ident $openness:ident; $($field:ident $name:literal $presence:ident;)*) => {
+        impl $crate::json_type::Object for $type {
+            #[allow(unused_variables)] // some objects have no fields
+            fn write_fields<M: $crate::serde::ser::SerializeMap>(
+                &self,
+                map: &mut M,
+            ) -> ::core::result::Result<(), M::Error> {
+                $($crate::__json_write!($presence map $name self.$field);)*
+                ::core::result::Result::Ok(())
+            }
+        }
+
         impl $crate::serde::Serialize for $type {
             fn serialize<S: $crate::serde::Serializer>(
                 &self,
                 serializer: S,
             ) -> ::core::result::Result<S::Ok, S::Error> {
-                #[allow(unused_mut)] // some objects have no fields
                 let mut map = $crate::serde::Serializer::serialize_map(serializer, ::core::option::Option::None)?;
-                $($crate::__json_write!($presence map $name self.$field);)*
+                $crate::json_type::Object::write_fields(self, &mut map)?;
                 $crate::serde::ser::SerializeMap::end(map)
             }
         }
@@ -182,11 +205,11 @@ macro_rules! json_object {
 #[macro_export]
 macro_rules! __json_write {
     (required $map:ident $name:literal $value:expr) => {
-        $crate::serde::ser::SerializeMap::serialize_entry(&mut $map, $name, &$value)?
+        $crate::serde::ser::SerializeMap::serialize_entry($map, $name, &$value)?
     };
     (optional $map:ident $name:literal $value:expr) => {
         if let ::core::option::Option::Some(value) = &$value {
-            $crate::serde::ser::SerializeMap::serialize_entry(&mut $map, $name, value)?;
+            $crate::serde::ser::SerializeMap::serialize_entry($map, $name, value)?;
         }
     };
 }
@@ -344,7 +367,7 @@ macro_rules! __json_next {
 }
 
 /// Makes an enum a set of strings: `json_strings! { Phase open; Towed "towed"; }`. An open one has the variant
-/// `Other` for all other strings.
+/// `Unnamed` for all other strings.
 #[macro_export]
 macro_rules! json_strings {
     ($type:ident open; $($variant:ident $value:literal;)*) => {
@@ -353,13 +376,13 @@ macro_rules! json_strings {
             pub fn as_str(&self) -> &str {
                 match self {
                     $(Self::$variant => $value,)*
-                    Self::Other(other) => other,
+                    Self::Unnamed(other) => other,
                 }
             }
 
             /// Whether the definition names it.
             pub fn is_known(&self) -> bool {
-                !matches!(self, Self::Other(_))
+                !matches!(self, Self::Unnamed(_))
             }
         }
 
@@ -367,7 +390,7 @@ macro_rules! json_strings {
             fn from(text: &str) -> Self {
                 match text {
                     $($value => Self::$variant,)*
-                    other => Self::Other($crate::alloc::string::String::from(other)),
+                    other => Self::Unnamed($crate::alloc::string::String::from(other)),
                 }
             }
         }
@@ -387,7 +410,7 @@ macro_rules! json_strings {
             }
         }
 
-        $crate::__json_strings!($type |text| Self::ALL.iter().find(|known| known.as_str() == text).cloned());
+        $crate::__json_strings!($type |text| Self::ALL.iter().find(|known| known.as_str() == text).copied());
     };
 }
 
@@ -430,7 +453,7 @@ macro_rules! __json_strings {
     };
 }
 
-/// Makes an enum a set of integers: `json_integers! { Fix closed; Value0 0; }`. An open one has the variant `Other`
+/// Makes an enum a set of integers: `json_integers! { Fix closed; Value0 0; }`. An open one has the variant `Unnamed`
 /// for all other integers.
 #[macro_export]
 macro_rules! json_integers {
@@ -440,13 +463,13 @@ macro_rules! json_integers {
             pub const fn value(self) -> i64 {
                 match self {
                     $(Self::$variant => $value,)*
-                    Self::Other(other) => other,
+                    Self::Unnamed(other) => other,
                 }
             }
 
             /// Whether the definition names it.
             pub const fn is_known(self) -> bool {
-                !matches!(self, Self::Other(_))
+                !matches!(self, Self::Unnamed(_))
             }
         }
 
@@ -454,7 +477,7 @@ macro_rules! json_integers {
             fn from(value: i64) -> Self {
                 match value {
                     $($value => Self::$variant,)*
-                    other => Self::Other(other),
+                    other => Self::Unnamed(other),
                 }
             }
         }
@@ -509,11 +532,27 @@ macro_rules! __json_integers {
     };
 }
 
-/// Makes a newtype the JSON of what it holds: `json_named! { Instant; }`.
+/// Makes a newtype the JSON of what it holds: `json_named! { Instant value; }`. One over a string, which is `text`, is
+/// made of any text, and gives it back.
 #[macro_export]
 macro_rules! json_named {
-    ($type:ident;) => {
+    ($type:ident value;) => {
         $crate::__json_number!($type);
+    };
+    ($type:ident text;) => {
+        $crate::__json_number!($type);
+
+        impl ::core::convert::From<&str> for $type {
+            fn from(text: &str) -> Self {
+                Self($crate::alloc::string::String::from(text))
+            }
+        }
+
+        impl ::core::convert::From<$type> for $crate::alloc::string::String {
+            fn from(value: $type) -> Self {
+                value.0
+            }
+        }
     };
 }
 
@@ -554,11 +593,19 @@ macro_rules! json_either {
 }
 
 /// Makes an enum the messages of a direction, told apart by their `type`:
-/// `json_messages! { Request; GliderInf "GLIDER-INF"; }`. Each variant holds a body; the variant `Other` holds the JSON
-/// of a message of any other type.
+/// `json_messages! { Request; GliderInf glider_inf "GLIDER-INF"; }`. Each variant holds a body, which is the type of the
+/// same name in the module that is given; the variant `Other` holds the JSON of a message of any other type.
 #[macro_export]
 macro_rules! json_messages {
-    ($type:ident; $($variant:ident $name:literal;)*) => {
+    ($type:ident; $($variant:ident $module:ident $name:literal;)*) => {
+        $(
+            impl ::core::convert::From<$module::$type> for $type {
+                fn from(body: $module::$type) -> Self {
+                    Self::$variant(body)
+                }
+            }
+        )*
+
         impl $type {
             /// The type of the message; empty where a message of another type was made without any.
             pub fn message_type(&self) -> &str {

@@ -33,8 +33,8 @@ pub enum Request {
 
 ::uavspec_runtime::json_messages! {
     Request;
-    FieldClose "FIELD-CLOSE";
-    GliderInf "GLIDER-INF";
+    FieldClose field_close "FIELD-CLOSE";
+    GliderInf glider_inf "GLIDER-INF";
 }
 
 /// The answer to a request.
@@ -50,8 +50,8 @@ pub enum Response {
 
 ::uavspec_runtime::json_messages! {
     Response;
-    GliderInf "GLIDER-INF";
-    TowerAck "TOWER-ACK";
+    GliderInf glider_inf "GLIDER-INF";
+    TowerAck tower_ack "TOWER-ACK";
 }
 
 /// A message from a server that wasn't asked.
@@ -65,5 +65,5 @@ pub enum Notification {
 
 ::uavspec_runtime::json_messages! {
     Notification;
-    GliderInf "GLIDER-INF";
+    GliderInf glider_inf "GLIDER-INF";
 }

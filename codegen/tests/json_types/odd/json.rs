@@ -27,7 +27,7 @@ pub enum Response {
 
 ::uavspec_runtime::json_messages! {
     Response;
-    MapList "MAP-LIST";
+    MapList map_list "MAP-LIST";
 }
 
 /// A message from a server that wasn't asked.
@@ -41,5 +41,5 @@ pub enum Notification {
 
 ::uavspec_runtime::json_messages! {
     Notification;
-    MapList2 "Map-List2";
+    MapList2 map_list2 "Map-List2";
 }

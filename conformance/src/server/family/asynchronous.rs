@@ -1,52 +1,42 @@
 //! ASYNC: operations that are under way (`definitions/flockwave/async.md`).
 
-use serde_json::json;
+use uavspec::flockwave::json::{Request, async_cancel, async_resume};
 
 use super::unknown;
-use crate::server::hub::{Answer, Call, Hub};
-use crate::server::message::{Outcome, Parts};
+use crate::server::hub::{Answer, Hub, SessionId};
+use crate::server::message::Outcomes;
 use crate::server::operation::Operation;
-use crate::server::request::{object, strings};
 
-pub(super) fn answer(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    match call.kind {
-        "ASYNC-CANCEL" => cancel(hub, call),
-        "ASYNC-RESUME" => resume(hub, call),
-        _ => Err(unknown(call)),
+pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Answer {
+    match request {
+        Request::AsyncCancel(request) => cancel(hub, session, request),
+        Request::AsyncResume(request) => resume(hub, session, request),
+        other => Err(unknown(&other)),
     }
 }
 
-fn cancel(hub: &mut Hub, call: &Call<'_>) -> Answer {
+fn cancel(hub: &mut Hub, session: SessionId, request: async_cancel::Request) -> Answer {
     let (is_forgetting, is_pretending) = (hub.breaks("FW-ASY-17"), hub.breaks("FW-ASY-18"));
-    let mut parts = Parts::new(call.kind, "success");
-    for receipt in strings(call.body, "ids")? {
-        let outcome = match hub.operation(call.session, &receipt) {
-            Some(operation) => {
-                if !is_forgetting {
-                    operation.cancel();
-                }
-                Ok(Outcome::Value(json!(true)))
-            }
-            None if is_pretending => Ok(Outcome::Value(json!(true))),
-            None => Err("no such operation is under way".to_owned()),
-        };
-        parts.put(&receipt, outcome);
-    }
-    Ok(parts.into_names())
+    let outcomes = Outcomes::of(request.ids, |receipt| {
+        match hub.operation(session, receipt) {
+            Some(operation) if !is_forgetting => operation.cancel(),
+            None if !is_pretending => return Err("no such operation is under way".to_owned()),
+            _ => {}
+        }
+        Ok(())
+    })?;
+    let (success, error) = outcomes.into_list();
+    Ok(async_cancel::Response { success, error }.into())
 }
 
-fn resume(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    object(call.body, "values")?;
+fn resume(hub: &mut Hub, session: SessionId, request: async_resume::Request) -> Answer {
     let is_lenient = hub.breaks("FW-ASY-19");
-    let mut parts = Parts::new(call.kind, "success");
-    for receipt in strings(call.body, "ids")? {
-        let was_suspended = hub.operation(call.session, &receipt).map(Operation::resume);
-        let outcome = match was_suspended {
-            Some(was_suspended) if was_suspended || is_lenient => Ok(Outcome::Value(json!(true))),
+    let outcomes =
+        Outcomes::of(request.ids, |receipt| match hub.operation(session, receipt).map(Operation::resume) {
+            Some(was_suspended) if was_suspended || is_lenient => Ok(()),
             Some(_) => Err("the operation isn't suspended".to_owned()),
             None => Err("no such operation is under way".to_owned()),
-        };
-        parts.put(&receipt, outcome);
-    }
-    Ok(parts.into_names())
+        })?;
+    let (success, error) = outcomes.into_list();
+    Ok(async_resume::Response { success, error }.into())
 }

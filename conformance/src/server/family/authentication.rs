@@ -1,45 +1,47 @@
 //! AUTH: who is at the other end (`definitions/flockwave/auth.md`).
 
 use data_encoding::BASE64;
-use serde_json::{Value, json};
+use uavspec::flockwave::json::{AuthenticationMethod, Request, auth_inf, auth_req, auth_resp, auth_whoami};
 
 use super::unknown;
-use crate::server::hub::{Answer, Call, Hub};
-use crate::server::request::string;
+use crate::server::hub::{Answer, Hub, SessionId};
 
-pub(super) fn answer(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    match call.kind {
-        "AUTH-INF" => Ok(information(hub)),
-        "AUTH-REQ" => log_in(hub, call),
-        "AUTH-WHOAMI" => {
-            let user = hub.session(call.session).and_then(|session| session.user.clone());
-            Ok(json!({ "type": call.kind, "user": user.unwrap_or_default() }))
+pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Answer {
+    match request {
+        Request::AuthInf(_) => Ok(information(hub).into()),
+        Request::AuthReq(request) => Ok(log_in(hub, session, &request).into()),
+        Request::AuthWhoami(_) => {
+            let user = hub.session(session).and_then(|session| session.user.clone());
+            Ok(auth_whoami::Response { user: user.unwrap_or_default() }.into())
         }
-        _ => Err(unknown(call)),
+        other => Err(unknown(&other)),
     }
 }
 
-fn information(hub: &Hub) -> Value {
-    let is_required = hub.options.login.is_some();
-    let methods: &[&str] = if is_required { &["basic"] } else { &[] };
-    json!({ "type": "AUTH-INF", "methods": methods, "required": is_required })
+fn information(hub: &Hub) -> auth_inf::Response {
+    let required = hub.options.login.is_some();
+    let methods = if required { vec![AuthenticationMethod::Basic] } else { Vec::new() };
+    auth_inf::Response { methods, required }
 }
 
-fn log_in(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    let (method, data) = (string(call.body, "method")?, string(call.body, "data")?);
-    let failed = |reason: &str| json!({ "type": "AUTH-RESP", "result": false, "reason": reason });
-    let Some((name, password)) = hub.options.login.clone() else {
-        return Ok(failed("nobody needs to log in here"));
+fn log_in(hub: &mut Hub, session: SessionId, request: &auth_req::Request) -> auth_resp::Response {
+    let failed = |reason: &str| auth_resp::Response {
+        result: Some(false),
+        reason: Some(reason.to_owned()),
+        ..auth_resp::Response::default()
     };
-    if method != "basic" {
-        return Ok(failed("the only method is basic"));
+    let Some((name, password)) = hub.options.login.clone() else {
+        return failed("nobody needs to log in here");
+    };
+    if request.method != AuthenticationMethod::Basic {
+        return failed("the only method is basic");
     }
-    let given = BASE64.decode(data.as_bytes()).unwrap_or_default();
+    let given = BASE64.decode(request.data.as_bytes()).unwrap_or_default();
     if given != format!("{name}:{password}").into_bytes() {
-        return Ok(failed("wrong name or password"));
+        return failed("wrong name or password");
     }
-    if let Some(session) = hub.session(call.session) {
+    if let Some(session) = hub.session(session) {
         session.user = Some(name.clone());
     }
-    Ok(json!({ "type": "AUTH-RESP", "result": true, "user": name }))
+    auth_resp::Response { result: Some(true), user: Some(name), ..auth_resp::Response::default() }
 }

@@ -1,41 +1,54 @@
 //! CLK: clocks (`definitions/flockwave/clk.md`).
 
-use serde_json::{Value, json};
+use uavspec::flockwave::json::{ClockId, ClockInfo, Request, clk_inf, clk_list};
 
 use super::unknown;
-use crate::server::hub::{Answer, Call, Hub};
-use crate::server::message::{Outcome, Parts};
-use crate::server::request::strings;
+use crate::server::hub::{Answer, Hub, SessionId};
+use crate::server::message::Outcomes;
+
+/// The clock of the server.
+pub(super) const SYSTEM: &str = "system";
 
 /// The clocks that there are: that of the server, and one that counts the seconds of the simulation.
-const CLOCKS: [&str; 2] = ["system", "simulation"];
+const CLOCKS: [&str; 2] = [SYSTEM, "simulation"];
 
-pub(super) fn answer(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    match call.kind {
-        "CLK-LIST" => Ok(json!({ "type": call.kind, "ids": CLOCKS })),
-        "CLK-INF" => {
-            let mut parts = Parts::new(call.kind, "status");
-            for id in strings(call.body, "ids")? {
-                let status = status(hub, &id).map(Outcome::Value);
-                parts.put(&id, status.ok_or_else(|| "there is no such clock".to_owned()));
-            }
-            Ok(parts.into_body())
+pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> Answer {
+    match request {
+        Request::ClkList(_) => Ok(clk_list::Response { ids: CLOCKS.map(ClockId::from).into() }.into()),
+        Request::ClkInf(request) => {
+            let outcomes = Outcomes::of(request.ids, |id| match id {
+                SYSTEM => Ok(system(hub)),
+                "simulation" => Ok(simulation(hub)),
+                _ => Err("there is no such clock".to_owned()),
+            })?;
+            let (status, error) = outcomes.into_maps();
+            Ok(clk_inf::Response { status, error }.into())
         }
-        _ => Err(unknown(call)),
+        other => Err(unknown(&other)),
     }
 }
 
-/// The state of a clock.
-pub(super) fn status(hub: &Hub, id: &str) -> Option<Value> {
-    let now = hub.now();
-    match id {
-        "system" => Some(json!({
-            "id": id, "retrievedAt": now, "running": true, "ticks": now, "ticksPerSecond": 1000, "epoch": "unix",
-        })),
-        "simulation" => {
-            let ticks = hub.elapsed.as_secs_f64() * hub.options.speed;
-            Some(json!({ "id": id, "retrievedAt": now, "running": true, "ticks": ticks }))
-        }
-        _ => None,
+/// The state of the server's clock.
+pub(super) fn system(hub: &Hub) -> ClockInfo {
+    let now = hub.timestamp();
+    #[expect(clippy::cast_precision_loss, reason = "the time fits for longer than the server runs")]
+    let ticks = now.0 as f64;
+    ClockInfo {
+        id: SYSTEM.into(),
+        retrieved_at: now,
+        running: true,
+        ticks,
+        ticks_per_second: Some(1000.0),
+        epoch: Some("unix".into()),
+    }
+}
+
+fn simulation(hub: &Hub) -> ClockInfo {
+    ClockInfo {
+        id: "simulation".into(),
+        retrieved_at: hub.timestamp(),
+        running: true,
+        ticks: hub.elapsed.as_secs_f64() * hub.options.speed,
+        ..ClockInfo::default()
     }
 }

@@ -1,42 +1,61 @@
 //! CONN: connections of the server to things other than clients (`definitions/flockwave/conn.md`).
 
-use serde_json::{Value, json};
+use uavspec::flockwave::json::{
+    ConnectionId, ConnectionInfo, ConnectionPurpose, ConnectionStatus, Request, conn_inf, conn_list,
+};
 
 use super::unknown;
-use crate::server::hub::{Answer, Call, Hub};
-use crate::server::message::{Outcome, Parts};
-use crate::server::request::strings;
+use crate::server::hub::{Answer, Hub, SessionId};
+use crate::server::message::Outcomes;
 
-/// The radio link to the UAVs, and the one that corrections come in by.
-const CONNECTIONS: [&str; 2] = ["radio-1", CORRECTIONS];
+/// The radio link to the UAVs.
+const RADIO: &str = "radio-1";
 
 /// The connection that corrections come in by.
 pub(super) const CORRECTIONS: &str = "base-1";
 
-pub(super) fn answer(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    match call.kind {
-        "CONN-LIST" => Ok(json!({ "type": call.kind, "ids": CONNECTIONS })),
-        "CONN-INF" => {
-            let mut parts = Parts::new(call.kind, "status");
-            for id in strings(call.body, "ids")? {
-                let status = status(hub, &id).map(Outcome::Value);
-                parts.put(&id, status.ok_or_else(|| "there is no such connection".to_owned()));
-            }
-            Ok(parts.into_body())
+pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> Answer {
+    match request {
+        Request::ConnList(_) => {
+            Ok(conn_list::Response { ids: [RADIO, CORRECTIONS].map(ConnectionId::from).into() }.into())
         }
-        _ => Err(unknown(call)),
+        Request::ConnInf(request) => {
+            let outcomes = Outcomes::of(request.ids, |id| match id {
+                RADIO => Ok(radio(hub)),
+                CORRECTIONS => Ok(corrections(hub)),
+                _ => Err("there is no such connection".to_owned()),
+            })?;
+            let (status, error) = outcomes.into_maps();
+            Ok(conn_inf::Response { status, error }.into())
+        }
+        other => Err(unknown(&other)),
     }
 }
 
-/// The state of a connection.
-pub(super) fn status(hub: &Hub, id: &str) -> Option<Value> {
-    let (purpose, status, description) = match id {
-        "radio-1" => ("uavRadioLink", "connected", "Simulated radio link"),
-        CORRECTIONS if hub.world.preset.is_some() => ("dgps", "connected", "Simulated base station"),
-        CORRECTIONS => ("dgps", "disconnected", "Simulated base station"),
-        _ => return None,
-    };
-    Some(json!({
-        "id": id, "purpose": purpose, "status": status, "description": description, "timestamp": hub.now(),
-    }))
+fn radio(hub: &Hub) -> ConnectionInfo {
+    connection(
+        hub,
+        RADIO,
+        ConnectionPurpose::UavRadioLink,
+        ConnectionStatus::Connected,
+        "Simulated radio link",
+    )
+}
+
+/// The state of the connection that corrections come in by.
+pub(super) fn corrections(hub: &Hub) -> ConnectionInfo {
+    let is_used = hub.world.preset.is_some();
+    let status = if is_used { ConnectionStatus::Connected } else { ConnectionStatus::Disconnected };
+    connection(hub, CORRECTIONS, ConnectionPurpose::Dgps, status, "Simulated base station")
+}
+
+fn connection(
+    hub: &Hub,
+    id: &str,
+    purpose: ConnectionPurpose,
+    status: ConnectionStatus,
+    description: &str,
+) -> ConnectionInfo {
+    let (description, timestamp) = (Some(description.to_owned()), Some(hub.timestamp()));
+    ConnectionInfo { id: id.into(), purpose, status, description, timestamp }
 }

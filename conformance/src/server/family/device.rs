@@ -1,79 +1,86 @@
 //! DEV: devices and channels of UAVs (`definitions/flockwave/dev.md`).
 
-use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+use uavspec::flockwave::json::{
+    ChannelOperation, ChannelType, DeviceClass, DeviceTreeNode, DeviceTreeNodeType, DeviceTreePath,
+    ObjectType, Request, dev_inf, dev_list, dev_listsub, dev_sub, dev_unsub,
+};
 
 use super::unknown;
-use crate::server::hub::{Answer, Call, Hub, SessionId};
-use crate::server::message::{Outcome, Parts};
-use crate::server::request::{boolean, optional_strings, strings};
+use crate::server::hub::{Answer, Hub, SessionId};
+use crate::server::message::Outcomes;
+use crate::server::request::each_once;
 
 /// How many subscriptions a client may have.
 const SUBSCRIPTION_LIMIT: usize = 10_000;
 
-pub(super) fn answer(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    match call.kind {
-        "DEV-INF" => values(hub, call),
-        "DEV-LIST" => trees(hub, call),
-        "DEV-LISTSUB" => subscriptions(hub, call),
-        "DEV-SUB" => subscribe(hub, call),
-        "DEV-UNSUB" => unsubscribe(hub, call),
-        _ => Err(unknown(call)),
+pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Answer {
+    match request {
+        Request::DevInf(request) => {
+            let outcomes = Outcomes::of(request.paths, |path| hub.world.values_at(path))?;
+            let (values, error) = outcomes.into_maps();
+            Ok(dev_inf::Response { values, error }.into())
+        }
+        Request::DevList(request) => {
+            let outcomes = Outcomes::of(request.ids, |id| tree(hub, id))?;
+            let (devices, error) = outcomes.into_maps();
+            Ok(dev_list::Response { devices, error }.into())
+        }
+        Request::DevListsub(request) => subscriptions(hub, session, request),
+        Request::DevSub(request) => {
+            let outcomes = Outcomes::of(request.paths, |path| subscribe(hub, session, path))?;
+            let (success, error) = outcomes.into_list();
+            Ok(dev_sub::Response { success, error }.into())
+        }
+        Request::DevUnsub(request) => unsubscribe(hub, session, request),
+        other => Err(unknown(&other)),
     }
 }
 
-fn values(hub: &Hub, call: &Call<'_>) -> Answer {
-    let mut parts = Parts::new(call.kind, "values");
-    for path in strings(call.body, "paths")? {
-        parts.put(&path, hub.world.values_at(&path).map(Outcome::Value));
-    }
-    Ok(parts.into_body())
-}
-
-fn trees(hub: &Hub, call: &Call<'_>) -> Answer {
-    let mut parts = Parts::new(call.kind, "devices");
-    for id in strings(call.body, "ids")? {
-        let kind = hub.world.objects().into_iter().find(|(known, _)| *known == id).map(|(_, kind)| kind);
-        let tree = match kind {
-            Some("uav") => Ok(Outcome::Value(tree())),
-            Some(_) => Ok(Outcome::Value(json!({ "type": "object" }))),
-            None => Err("there is no such object".to_owned()),
-        };
-        parts.put(&id, tree);
-    }
-    Ok(parts.into_body())
+/// The device tree of an object.
+fn tree(hub: &Hub, id: &str) -> Result<DeviceTreeNode, String> {
+    let kind = hub.world.objects().find(|(known, _)| *known == id).map(|(_, kind)| kind);
+    let children = (kind.ok_or("there is no such object")? == ObjectType::Uav).then(devices);
+    Ok(DeviceTreeNode { children, ..node(DeviceTreeNodeType::Object) })
 }
 
 /// The devices of a UAV. What values there are, [`World`](crate::server::world::World) says.
-fn tree() -> Value {
-    let channel = |kind: &str, unit: Option<&str>| {
-        let mut node = json!({ "type": "channel", "subType": kind, "operations": ["read"] });
-        if let Some(unit) = unit {
-            node["unit"] = json!(unit);
-        }
-        node
-    };
-    let device =
-        |class: &str, channels: Value| json!({ "type": "device", "class": class, "children": channels });
-    let battery =
-        json!({ "voltage": channel("number", Some("V")), "percentage": channel("number", Some("%")) });
-    let gps = json!({ "satellites": channel("number", None), "position": channel("gps", None) });
-    json!({
-        "type": "object",
-        "children": { "battery": device("battery", battery), "gps": device("gps", gps) },
-    })
+fn devices() -> BTreeMap<String, DeviceTreeNode> {
+    let battery = [
+        ("voltage", channel(ChannelType::Number, Some("V"))),
+        ("percentage", channel(ChannelType::Number, Some("%"))),
+    ];
+    let gps =
+        [("satellites", channel(ChannelType::Number, None)), ("position", channel(ChannelType::Gps, None))];
+    named([("battery", device(DeviceClass::Battery, battery)), ("gps", device(DeviceClass::Gps, gps))])
 }
 
-fn subscribe(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    boolean(call.body, "lazy", Some(false))?;
-    let mut parts = Parts::new(call.kind, "success");
-    for path in strings(call.body, "paths")? {
-        let outcome = hub.world.values_at(&path).and_then(|_| add(hub, call.session, &path));
-        parts.put(&path, outcome.map(|()| Outcome::Value(json!(true))));
+fn device(class: DeviceClass, channels: [(&str, DeviceTreeNode); 2]) -> DeviceTreeNode {
+    let children = Some(named(channels));
+    DeviceTreeNode { class: Some(class), children, ..node(DeviceTreeNodeType::Device) }
+}
+
+fn channel(kind: ChannelType, unit: Option<&str>) -> DeviceTreeNode {
+    DeviceTreeNode {
+        sub_type: Some(kind),
+        operations: Some(vec![ChannelOperation::Read]),
+        unit: unit.map(str::to_owned),
+        ..node(DeviceTreeNodeType::Channel)
     }
-    Ok(parts.into_names())
 }
 
-fn add(hub: &mut Hub, session: SessionId, path: &str) -> Result<(), String> {
+/// A node that says no more than what it stands for.
+fn node(kind: DeviceTreeNodeType) -> DeviceTreeNode {
+    DeviceTreeNode { r#type: kind, sub_type: None, class: None, children: None, operations: None, unit: None }
+}
+
+fn named(nodes: [(&str, DeviceTreeNode); 2]) -> BTreeMap<String, DeviceTreeNode> {
+    nodes.into_iter().map(|(name, node)| (name.to_owned(), node)).collect()
+}
+
+fn subscribe(hub: &mut Hub, session: SessionId, path: &str) -> Result<(), String> {
+    hub.world.values_at(path)?;
     let session = hub.session(session).ok_or("the connection has ended")?;
     if session.subscriptions.values().sum::<usize>() >= SUBSCRIPTION_LIMIT {
         return Err("too many subscriptions".to_owned());
@@ -82,17 +89,16 @@ fn add(hub: &mut Hub, session: SessionId, path: &str) -> Result<(), String> {
     Ok(())
 }
 
-fn unsubscribe(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    let paths = strings(call.body, "paths")?;
-    let is_for_all = boolean(call.body, "removeAll", Some(false))?;
-    let has_subtrees = boolean(call.body, "includeSubtrees", Some(false))?;
-    let session = hub.session(call.session).ok_or("the connection has ended")?;
-    let mut parts = Parts::new(call.kind, "success");
-    for path in paths {
+fn unsubscribe(hub: &mut Hub, session: SessionId, request: dev_unsub::Request) -> Answer {
+    let is_for_all = request.remove_all.unwrap_or_default();
+    let has_subtrees = request.include_subtrees.unwrap_or_default();
+    let session = hub.session(session).ok_or("the connection has ended")?;
+    let mut outcomes = Outcomes::new();
+    for path in each_once(request.paths)? {
         let is_meant = |known: &&String| **known == path || has_subtrees && is_below(known, &path);
         let found: Vec<String> = session.subscriptions.keys().filter(is_meant).cloned().collect();
         if found.is_empty() {
-            parts.put(&path, Err("there is no such subscription".to_owned()));
+            outcomes.put(path, Err("there is no such subscription".to_owned()));
         }
         for path in found {
             let left = session.subscriptions.get_mut(&path).map_or(0, |count| {
@@ -103,26 +109,27 @@ fn unsubscribe(hub: &mut Hub, call: &Call<'_>) -> Answer {
                 session.subscriptions.remove(&path);
                 session.told.remove(&path);
             }
-            parts.put(&path, Ok(Outcome::Value(json!(true))));
+            outcomes.put(path, Ok(()));
         }
     }
-    Ok(parts.into_names())
+    let (success, error) = outcomes.into_list();
+    Ok(dev_unsub::Response { success, error }.into())
 }
 
-fn subscriptions(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    let filters = optional_strings(call.body, "pathFilter")?;
-    let session = hub.session(call.session).ok_or("the connection has ended")?;
+fn subscriptions(hub: &mut Hub, session: SessionId, request: dev_listsub::Request) -> Answer {
+    let filters = request.path_filter.map(each_once).transpose()?;
+    let session = hub.session(session).ok_or("the connection has ended")?;
     let mut paths = Vec::new();
     for (path, count) in &session.subscriptions {
         let fits = filters.as_ref().map_or(1, |filters| {
             filters.iter().filter(|filter| path == *filter || is_below(path, filter)).count()
         });
-        paths.extend(std::iter::repeat_n(path, count * fits));
+        paths.extend(std::iter::repeat_n(DeviceTreePath::from(path.as_str()), count * fits));
         if paths.len() > SUBSCRIPTION_LIMIT {
             return Err("the filters fit too many subscriptions".to_owned());
         }
     }
-    Ok(json!({ "type": call.kind, "paths": paths }))
+    Ok(dev_listsub::Response { paths: Some(paths) }.into())
 }
 
 /// Whether a path lies below another.

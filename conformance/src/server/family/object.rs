@@ -1,66 +1,65 @@
 //! OBJ: whatever the server keeps track of (`definitions/flockwave/obj.md`).
 
 use serde_json::{Value, json};
+use uavspec::flockwave::ErrorCode;
+use uavspec::flockwave::json::obj_cmd::ResponseResult;
+use uavspec::flockwave::json::{
+    CommandResponse, CommandResponseType, ObjectId, ObjectType, Request, obj_cmd, obj_list,
+};
 
 use super::unknown;
 use crate::server::error_code::settable;
-use crate::server::hub::{Answer, Call, Hub};
-use crate::server::message::{Outcome, Parts};
-use crate::server::request::{object, optional_strings, string, strings};
+use crate::server::hub::{Answer, Hub, SessionId};
+use crate::server::message::{Outcome, Outcomes};
+use crate::server::request::limited;
 use crate::server::uav::Uav;
 use crate::server::world::FIXTURES;
 
-pub(super) fn answer(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    match call.kind {
-        "OBJ-CMD" => command(hub, call),
-        "OBJ-LIST" => list(hub, call),
-        _ => Err(unknown(call)),
+pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> Answer {
+    match request {
+        Request::ObjCmd(request) => command(hub, request),
+        Request::ObjList(request) => list(hub, request.filter.map(limited).transpose()?.as_deref()),
+        other => Err(unknown(&other)),
     }
 }
 
-fn list(hub: &Hub, call: &Call<'_>) -> Answer {
-    let filter = optional_strings(call.body, "filter")?;
-    let known = ["beacon", "dock", "other", "uav", "weatherStation"];
-    let is_unknown = |kind: &String| !known.contains(&kind.as_str());
-    if hub.breaks("FW-OBJ-LIST-03") && filter.as_ref().is_some_and(|kinds| kinds.iter().any(is_unknown)) {
+fn list(hub: &Hub, filter: Option<&[ObjectType]>) -> Answer {
+    let has_unknown = filter.is_some_and(|kinds| kinds.iter().any(|kind| !kind.is_known()));
+    if has_unknown && hub.breaks("FW-OBJ-LIST-03") {
         return Err("there is no such type".to_owned());
     }
-    let is_wanted = |kind: &str| match &filter {
-        None => kind == "uav" || !hub.breaks("FW-OBJ-LIST-04"),
+    let is_wanted = |kind: &ObjectType| match filter {
+        None => *kind == ObjectType::Uav || !hub.breaks("FW-OBJ-LIST-04"),
         Some(_) if hub.breaks("FW-OBJ-LIST-02") => true,
-        Some(kinds) => kinds.iter().any(|wanted| wanted == kind),
+        Some(kinds) => kinds.contains(kind),
     };
-    let objects = hub.world.objects();
-    let ids: Vec<&str> = objects.into_iter().filter(|(_, kind)| is_wanted(kind)).map(|(id, _)| id).collect();
-    Ok(json!({ "type": call.kind, "ids": ids }))
+    let wanted = hub.world.objects().filter(|(_, kind)| is_wanted(kind));
+    Ok(obj_list::Response { ids: wanted.map(|(id, _)| ObjectId::from(id)).collect() }.into())
 }
 
-fn command(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    let ids = strings(call.body, "ids")?;
-    let command = string(call.body, "command")?;
-    object(call.body, "kwds")?;
-    let arguments = match call.body.get("args") {
-        None => &[][..],
-        Some(Value::Array(arguments)) => arguments,
-        Some(_) => return Err("args is no list".to_owned()),
-    };
-    let mut parts = Parts::new(call.kind, "result");
+fn command(hub: &mut Hub, request: obj_cmd::Request) -> Answer {
+    let command = request.command.as_str();
+    let arguments = limited(request.args.unwrap_or_default())?;
     let mut lost = Vec::new();
-    for id in &ids {
-        let is_fixture = FIXTURES.iter().any(|(known, ..)| known == id);
-        let outcome = match hub.uav(id) {
+    let outcomes = Outcomes::of(request.ids, |id| {
+        let is_fixture = FIXTURES.iter().any(|fixture| fixture.id == id);
+        let said = match hub.uav(id) {
             Some(_) if command == "lose" => {
-                lost.push(id.clone());
-                Ok("nothing will be heard of it".to_owned())
+                lost.push(id.to_owned());
+                "nothing will be heard of it".to_owned()
             }
-            Some(uav) => obey(uav, command, arguments),
-            None if is_fixture => Err("it takes no commands".to_owned()),
-            None => Err("there is no such object".to_owned()),
+            Some(uav) => obey(uav, command, &arguments)?,
+            None if is_fixture => return Err("it takes no commands".to_owned()),
+            None => return Err("there is no such object".to_owned()),
         };
-        parts.put(id, outcome.map(|text| Outcome::Value(json!({ "type": "plain", "data": text }))));
-    }
+        Ok(Outcome::Value(ResponseResult::CommandResponse(CommandResponse {
+            r#type: CommandResponseType::Plain,
+            data: json!(said),
+        })))
+    })?;
     hub.lose(&lost);
-    Ok(parts.into_body())
+    let (result, error, receipt) = outcomes.into_maps_with_receipts();
+    Ok(obj_cmd::Response { result, error, receipt }.into())
 }
 
 fn obey(uav: &mut Uav, command: &str, arguments: &[Value]) -> Result<String, String> {
@@ -74,10 +73,10 @@ fn obey(uav: &mut Uav, command: &str, arguments: &[Value]) -> Result<String, Str
             let codes =
                 arguments.iter().map(|value| code(value).ok_or("an error code is a number up to 65535"));
             let codes: Vec<u16> = codes.collect::<Result<_, _>>()?;
-            for code in codes.into_iter().map(settable).collect::<Result<Vec<u16>, String>>()? {
-                uav.set_error(code);
-            }
-            Ok(format!("error codes {:?}", uav.codes()))
+            let codes: Vec<ErrorCode> = codes.into_iter().map(settable).collect::<Result<_, _>>()?;
+            uav.set_errors(&codes);
+            let codes: Vec<String> = uav.codes().iter().map(ErrorCode::to_string).collect();
+            Ok(format!("error codes: {}", codes.join(", ")))
         }
         "battery" => {
             let percent = arguments.first().and_then(Value::as_f64).ok_or("say the charge in percent")?;

@@ -1,29 +1,37 @@
 //! PRM: parameters of UAVs (`definitions/flockwave/prm.md`).
 
+use std::collections::BTreeMap;
+
 use serde_json::{Value, json};
+use uavspec::flockwave::json::{ParameterOutcome, Request, prm_get, prm_set, prm_set_many};
 
 use super::unknown;
-use crate::server::hub::{Answer, Call, Hub};
-use crate::server::message::{Outcome, Parts};
-use crate::server::request::{object, string, strings};
+use crate::server::hub::{Answer, Hub, SessionId};
+use crate::server::message::{Outcome, Outcomes};
 use crate::server::world::PARAMETERS;
 
-pub(super) fn answer(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    let ids = strings(call.body, "ids")?;
-    let mut parts = Parts::new(call.kind, "result");
-    for id in &ids {
-        let outcome = match call.kind {
-            "PRM-GET" => get(hub, id, string(call.body, "name")?),
-            "PRM-SET" => {
-                let value = call.body.get("value").ok_or("value is missing")?;
-                set(hub, id, string(call.body, "name")?, value).map(|()| json!(true))
-            }
-            "PRM-SET-MANY" => set_many(hub, id, call),
-            _ => return Err(unknown(call)),
-        };
-        parts.put(id, outcome.map(Outcome::Value));
+pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> Answer {
+    match request {
+        Request::PrmGet(request) => {
+            let outcomes = Outcomes::of(request.ids, |id| get(hub, id, &request.name).map(Outcome::Value))?;
+            let (result, error, receipt) = outcomes.into_maps_with_receipts();
+            Ok(prm_get::Response { result, error, receipt }.into())
+        }
+        Request::PrmSet(request) => {
+            let outcomes = Outcomes::of(request.ids, |id| {
+                set(hub, id, &request.name, &request.value).map(|()| Outcome::Value(true))
+            })?;
+            let (result, error, receipt) = outcomes.into_maps_with_receipts();
+            Ok(prm_set::Response { result, error, receipt }.into())
+        }
+        Request::PrmSetMany(request) => {
+            let outcomes =
+                Outcomes::of(request.ids, |id| set_many(hub, id, &request.parameters).map(Outcome::Value))?;
+            let (result, error, receipt) = outcomes.into_maps_with_receipts();
+            Ok(prm_set_many::Response { result, error, receipt }.into())
+        }
+        other => Err(unknown(&other)),
     }
-    Ok(parts.into_body())
 }
 
 /// The name and the usual value of a parameter of a UAV.
@@ -52,19 +60,14 @@ fn set(hub: &mut Hub, id: &str, name: &str, value: &Value) -> Result<(), String>
     Ok(())
 }
 
-fn set_many(hub: &mut Hub, id: &str, call: &Call<'_>) -> Result<Value, String> {
-    let values = object(call.body, "parameters")?.ok_or("parameters is missing")?;
+fn set_many(hub: &mut Hub, id: &str, values: &BTreeMap<String, Value>) -> Result<ParameterOutcome, String> {
     if hub.uav(id).is_none() {
         return Err("there is no such UAV".to_owned());
     }
-    let failed: Vec<&String> = values
-        .iter()
-        .filter(|(name, value)| set(hub, id, name, value).is_err())
-        .map(|(name, _)| name)
-        .collect();
-    if failed.is_empty() {
-        Ok(json!({ "success": true }))
-    } else {
-        Ok(json!({ "success": false, "failed": failed }))
-    }
+    let is_refused = |(name, value): &(&String, &Value)| set(hub, id, name, value).is_err();
+    let failed: Vec<String> = values.iter().filter(is_refused).map(|(name, _)| name.clone()).collect();
+    Ok(ParameterOutcome {
+        success: failed.is_empty(),
+        failed: Some(failed).filter(|names| !names.is_empty()),
+    })
 }

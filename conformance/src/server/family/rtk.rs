@@ -1,99 +1,110 @@
 //! RTK: corrections (`definitions/flockwave/rtk.md`).
 
-use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
-use super::connection::{CORRECTIONS, status};
+use uavspec::flockwave::json::{
+    CarrierToNoiseRatio, GPSCoordinate, Latitude, Longitude, RTKAntennaInfo, RTKConfigurationPreset,
+    RTKMessageObservations, RTKPresetId, RTKPresetType, RTKSurveyStatus, Request, conn_inf, rtk_inf,
+    rtk_list, rtk_source, rtk_stat, rtk_survey,
+};
+
+use super::connection::{CORRECTIONS, corrections};
 use super::unknown;
-use crate::server::hub::{Answer, Call, Hub};
-use crate::server::message::{Outcome, Parts, acknowledgment};
-use crate::server::request::{Body, object, strings};
-use crate::server::world::PRESETS;
+use crate::server::hub::{Answer, Hub, SessionId};
+use crate::server::message::{Outcomes, acknowledgment};
+use crate::server::world::{PRESETS, Preset};
 
-pub(super) fn answer(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    match call.kind {
-        "RTK-LIST" => Ok(json!({ "type": call.kind, "ids": PRESETS.map(|preset| preset.id) })),
-        "RTK-INF" => presets(call),
-        "RTK-SOURCE" => source(hub, call),
-        "RTK-STAT" => Ok(statistics(hub)),
-        "RTK-SURVEY" => survey(hub, call),
-        _ => Err(unknown(call)),
-    }
-}
+/// What the observations of messages of a type are: how old the last is in milliseconds, and bits a second.
+type Observations = (&'static str, i64, f64);
 
-fn presets(call: &Call<'_>) -> Answer {
-    let mut parts = Parts::new(call.kind, "preset");
-    for id in strings(call.body, "ids")? {
-        let preset = PRESETS.iter().find(|preset| preset.id == id).map(|preset| {
-            let (title, format) = (preset.title, preset.format);
-            Outcome::Value(
-                json!({ "title": title, "format": format, "sources": [preset.source], "type": "builtin" }),
-            )
-        });
-        parts.put(&id, preset.ok_or_else(|| "there is no such preset".to_owned()));
-    }
-    Ok(parts.into_body())
-}
+/// What comes in.
+const RECEIVED: [Observations; 2] = [("rtcm3/1005", 480, 160.0), ("rtcm3/1077", 120, 2400.0)];
 
-fn source(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    let chosen = match call.body.get("id") {
-        None => return Ok(json!({ "type": call.kind, "id": hub.world.preset.map(|preset| preset.id) })),
-        Some(Value::Null) => None,
-        Some(Value::String(id)) => {
-            Some(PRESETS.iter().find(|preset| preset.id == id).ok_or("there is no such preset")?)
+/// What goes out to the UAVs.
+const SENT: [Observations; 1] = [("rtcm3/1077", 150, 2400.0)];
+
+/// How well satellites are heard.
+const RATIOS: [(&str, f64); 3] = [("G04", 44.5), ("G17", 39.0), ("E11", 41.0)];
+
+pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> Answer {
+    match request {
+        Request::RtkList(_) => {
+            let ids = PRESETS.map(|preset| RTKPresetId::from(preset.id)).into();
+            Ok(rtk_list::Response { ids }.into())
         }
-        Some(_) => return Err("id is neither a string nor null".to_owned()),
-    };
-    if hub.world.preset.is_some() != chosen.is_some() {
-        hub.world.preset = chosen;
-        let status = status(hub, CORRECTIONS);
-        hub.notify_all(&json!({ "type": "CONN-INF", "status": { CORRECTIONS: status } }));
+        Request::RtkInf(request) => {
+            let (preset, error) = Outcomes::of(request.ids, |id| find(id).map(describe))?.into_maps();
+            Ok(rtk_inf::Response { preset, error }.into())
+        }
+        Request::RtkSource(request) => match request.id {
+            Some(chosen) => choose(hub, chosen.as_deref()),
+            None => {
+                Ok(rtk_source::Response { id: hub.world.preset.map(|preset| preset.id.to_owned()) }.into())
+            }
+        },
+        Request::RtkStat(_) => Ok(statistics(hub).into()),
+        Request::RtkSurvey(request) => {
+            if request.settings.is_some() {
+                hub.world.survey = request.settings;
+            }
+            Ok(rtk_survey::Response { settings: hub.world.survey.clone() }.into())
+        }
+        other => Err(unknown(&other)),
     }
+}
+
+fn find(id: &str) -> Result<&'static Preset, String> {
+    PRESETS.iter().find(|preset| preset.id == id).ok_or_else(|| "there is no such preset".to_owned())
+}
+
+fn describe(preset: &Preset) -> RTKConfigurationPreset {
+    RTKConfigurationPreset {
+        title: preset.title.to_owned(),
+        format: preset.format,
+        sources: vec![preset.source.into()],
+        r#type: Some(RTKPresetType::Builtin),
+    }
+}
+
+/// Takes a preset into use, or none.
+fn choose(hub: &mut Hub, id: Option<&str>) -> Answer {
+    let chosen = id.map(find).transpose()?;
+    let has_changed = hub.world.preset.is_some() != chosen.is_some();
     hub.world.preset = chosen;
+    if has_changed {
+        let status = BTreeMap::from([(CORRECTIONS.to_owned(), corrections(hub))]);
+        hub.notify_all(&conn_inf::Notification { status: Some(status) }.into());
+    }
     Ok(acknowledgment())
 }
 
-fn statistics(hub: &Hub) -> Value {
+fn statistics(hub: &Hub) -> rtk_stat::Response {
     if hub.world.preset.is_none() {
-        let survey = json!({ "accuracy": 0, "flags": 0 });
-        return json!({
-            "type": "RTK-STAT", "antenna": {}, "messages": {}, "messages_tx": {}, "cnr": {}, "survey": survey,
-        });
+        return rtk_stat::Response { messages_tx: Some(BTreeMap::new()), ..rtk_stat::Response::default() };
     }
-    json!({
-        "type": "RTK-STAT",
-        "antenna": { "stationId": 7, "descriptor": "Mast", "position": [504_980_500, 99_525_000, 908_000] },
-        "messages": { "rtcm3/1005": [480, 160], "rtcm3/1077": [120, 2400] },
-        "messages_tx": { "rtcm3/1077": [150, 2400] },
-        "cnr": { "G04": 44.5, "G17": 39, "E11": 41 },
-        "survey": { "accuracy": 0.8, "flags": 5 },
-    })
+    let position = GPSCoordinate {
+        latitude: Latitude(504_980_500),
+        longitude: Longitude(99_525_000),
+        amsl: Some(908_000),
+        ..GPSCoordinate::default()
+    };
+    rtk_stat::Response {
+        antenna: RTKAntennaInfo {
+            station_id: Some(Some(7.0)),
+            descriptor: Some(Some("Mast".to_owned())),
+            position: Some(Some(position)),
+            ..RTKAntennaInfo::default()
+        },
+        messages: observations(&RECEIVED),
+        messages_tx: Some(observations(&SENT)),
+        cnr: RATIOS.map(|(satellite, ratio)| (satellite.to_owned(), CarrierToNoiseRatio(ratio))).into(),
+        survey: RTKSurveyStatus { accuracy: 0.8, flags: 5 },
+    }
 }
 
-fn survey(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    if let Some(settings) = object(call.body, "settings")? {
-        hub.world.survey = checked(settings)?;
-    }
-    let mut body = json!({ "type": call.kind });
-    if !hub.world.survey.is_empty() {
-        body["settings"] = Value::Object(hub.world.survey.clone());
-    }
-    Ok(body)
-}
-
-/// The settings of a survey that the server keeps: those of the definition.
-fn checked(settings: &Body) -> Result<Body, String> {
-    let mut kept = Body::new();
-    for name in ["duration", "accuracy"] {
-        let value = settings.get(name).filter(|value| value.is_number());
-        let value = value.ok_or_else(|| format!("settings must have a number {name}"))?;
-        kept.insert(name.to_owned(), value.clone());
-    }
-    match settings.get("messageSet").map(Value::as_str) {
-        None => {}
-        Some(Some(set @ ("msm4" | "msm7"))) => {
-            kept.insert("messageSet".to_owned(), json!(set));
-        }
-        Some(_) => return Err("messageSet is neither msm4 nor msm7".to_owned()),
-    }
-    Ok(kept)
+fn observations(known: &[Observations]) -> BTreeMap<String, RTKMessageObservations> {
+    let observed = |(kind, age, bitrate): &Observations| {
+        (kind.to_string(), RTKMessageObservations { age: *age, bitrate: *bitrate })
+    };
+    known.iter().map(observed).collect()
 }

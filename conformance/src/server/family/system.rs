@@ -1,32 +1,35 @@
 //! SYS: the server itself (`definitions/flockwave/sys.md`).
 
-use serde_json::json;
+use std::collections::BTreeMap;
+
+use uavspec::flockwave::json::{PortNumber, Request, clk_inf, sys_ports, sys_time, sys_ver};
 
 use super::{clock, unknown};
-use crate::server::hub::{Answer, Call, Hub};
+use crate::server::hub::{Answer, Hub, SessionId};
 use crate::server::message::acknowledgment;
 
 /// The furthest that the clock can be put forward in all, in milliseconds: a hundred years.
 const ADJUSTMENT_LIMIT: u64 = 100 * 365 * 86_400_000;
 
-pub(super) fn answer(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    match call.kind {
-        "SYS-PING" => Ok(acknowledgment()),
-        "SYS-PORTS" => Ok(json!({ "type": call.kind, "ports": hub.ports })),
-        "SYS-TIME" => time(hub, call),
-        "SYS-VER" => {
-            Ok(json!({ "type": call.kind, "software": "uavspec", "version": env!("CARGO_PKG_VERSION") }))
+pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> Answer {
+    match request {
+        Request::SysPing(_) => Ok(acknowledgment()),
+        Request::SysPorts(_) => {
+            let ports = hub.ports.iter().map(|(name, port)| ((*name).to_owned(), PortNumber((*port).into())));
+            Ok(sys_ports::Response { ports: ports.collect() }.into())
         }
-        _ => Err(unknown(call)),
+        Request::SysTime(request) => {
+            request.adjustment.map(|adjustment| adjust(hub, adjustment)).transpose()?;
+            Ok(sys_time::Response { timestamp: hub.timestamp() }.into())
+        }
+        Request::SysVer(_) => Ok(sys_ver::Response {
+            software: "uavspec".to_owned(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            ..sys_ver::Response::default()
+        }
+        .into()),
+        other => Err(unknown(&other)),
     }
-}
-
-fn time(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    if let Some(adjustment) = call.body.get("adjustment") {
-        let adjustment = adjustment.as_f64().ok_or("adjustment is no number")?;
-        adjust(hub, adjustment)?;
-    }
-    Ok(json!({ "type": call.kind, "timestamp": hub.now() }))
 }
 
 fn adjust(hub: &mut Hub, adjustment: f64) -> Result<(), String> {
@@ -48,8 +51,8 @@ fn adjust(hub: &mut Hub, adjustment: f64) -> Result<(), String> {
     }
     if adjusted != hub.adjustment {
         hub.adjustment = adjusted;
-        let status = clock::status(hub, "system");
-        hub.notify_all(&json!({ "type": "CLK-INF", "status": { "system": status } }));
+        let status = BTreeMap::from([(clock::SYSTEM.to_owned(), clock::system(hub))]);
+        hub.notify_all(&clk_inf::Notification { status: Some(status) }.into());
     }
     Ok(())
 }

@@ -1,12 +1,21 @@
 //! UAV: the fleet (`definitions/flockwave/uav.md`).
 
-use serde_json::{Value, json};
+use std::collections::BTreeMap;
+
+use serde_json::json;
+use uavspec::flockwave::json::{
+    CalibrationComponent, GPSCoordinate, ObjectId, PreflightCheckInfo, PreflightCheckItem,
+    PreflightCheckResult, Request, uav_calib, uav_fly, uav_halt, uav_hover, uav_inf, uav_land, uav_list,
+    uav_motor, uav_preflt, uav_rst, uav_rth, uav_signal, uav_sleep, uav_takeoff, uav_test, uav_ver,
+    uav_wakeup,
+};
+use uavspec_runtime::ErrorClass;
 
 use super::unknown;
-use crate::server::hub::{Answer, Call, Hub};
-use crate::server::message::{Outcome, Parts};
+use crate::server::hub::{Answer, Hub, SessionId};
+use crate::server::message::{Outcome, Outcomes};
 use crate::server::operation::Operation;
-use crate::server::request::{boolean, object, strings};
+use crate::server::request::each_once;
 use crate::server::uav::{Altitude, Command, Target, Uav};
 
 /// How long operations take, in seconds.
@@ -17,216 +26,217 @@ const RESTART: f64 = 3.0;
 /// How long a UAV draws attention where nobody says it, in seconds.
 const USUAL_SIGNAL: f64 = 5.0;
 
-pub(super) fn answer(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    match call.kind {
-        "UAV-LIST" => Ok(list(hub)),
-        "UAV-INF" => state(hub, call),
-        "UAV-PREFLT" => checks(hub, call),
-        "UAV-VER" => versions(hub, call),
-        "UAV-CALIB" => examine(hub, call, CALIBRATION, &["baro", "compass", "esc", "gyro", "rc"]),
-        "UAV-TEST" => examine(hub, call, TEST, &["led", "motor"]),
-        "UAV-RST" => restart(hub, call),
-        _ => command(hub, call),
+/// What becomes of a request for each UAV; mostly whether it has done what it was told.
+type Obeyed<T = bool> = Result<Outcomes<Outcome<T>>, String>;
+
+/// The response to a command: all have the same three maps.
+macro_rules! respond {
+    ($body:ident, $outcomes:expr) => {{
+        let (result, error, receipt) = $outcomes?.into_maps_with_receipts();
+        Ok($body::Response { result, error, receipt }.into())
+    }};
+}
+
+pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Answer {
+    match request {
+        Request::UavTakeoff(asked) => respond!(uav_takeoff, obey(hub, session, asked.ids, Command::TakeOff)),
+        Request::UavLand(asked) => respond!(uav_land, obey(hub, session, asked.ids, Command::Land)),
+        Request::UavRth(asked) => respond!(uav_rth, obey(hub, session, asked.ids, Command::ReturnHome)),
+        Request::UavHover(asked) => respond!(uav_hover, obey(hub, session, asked.ids, Command::Hover)),
+        Request::UavHalt(asked) => respond!(uav_halt, obey(hub, session, asked.ids, Command::Halt)),
+        Request::UavSleep(asked) => respond!(uav_sleep, obey(hub, session, asked.ids, Command::Sleep)),
+        Request::UavWakeup(asked) => respond!(uav_wakeup, obey(hub, session, asked.ids, Command::WakeUp)),
+        Request::UavFly(asked) => {
+            respond!(uav_fly, obey(hub, session, asked.ids, Command::FlyTo(target(&asked.target)?)))
+        }
+        Request::UavMotor(asked) => {
+            let is_forced = asked.force.unwrap_or_default();
+            respond!(
+                uav_motor,
+                obey(hub, session, asked.ids, Command::Motors { is_start: asked.start, is_forced })
+            )
+        }
+        Request::UavSignal(asked) => {
+            respond!(
+                uav_signal,
+                obey(hub, session, asked.ids, Command::Signal { seconds: signal(asked.duration)? })
+            )
+        }
+        Request::UavCalib(asked) => {
+            let component = asked.component.as_ref();
+            let is_there = component.is_none_or(CalibrationComponent::is_known);
+            // Somebody has to turn the UAV while its compass is calibrated.
+            let is_suspending = component == Some(&CalibrationComponent::Compass);
+            let kind = if is_suspending { Operation::suspending } else { Operation::lasting };
+            respond!(
+                uav_calib,
+                examine(hub, session, asked.ids, is_there, |receipt| {
+                    kind(receipt, CALIBRATION, json!(true))
+                })
+            )
+        }
+        Request::UavTest(asked) => {
+            let is_there = asked.component.is_none_or(|component| component.is_known());
+            respond!(
+                uav_test,
+                examine(hub, session, asked.ids, is_there, |receipt| {
+                    Operation::lasting(receipt, TEST, json!(true))
+                })
+            )
+        }
+        Request::UavRst(asked) => {
+            let is_whole = asked.component.is_none_or(|component| component.is_empty());
+            respond!(uav_rst, restart(hub, session, asked.ids, is_whole))
+        }
+        Request::UavVer(asked) => respond!(uav_ver, versions(hub, session, asked.ids)),
+        Request::UavInf(asked) => state(hub, asked.ids),
+        Request::UavList(_) => Ok(list(hub).into()),
+        Request::UavPreflt(asked) => {
+            let outcomes =
+                Outcomes::of(asked.ids, |id| hub.uav(id).map(|uav| checks(uav)).ok_or_else(no_such))?;
+            let (status, error) = outcomes.into_maps();
+            Ok(uav_preflt::Response { status, error }.into())
+        }
+        other => Err(unknown(&other)),
     }
 }
 
-fn list(hub: &Hub) -> Value {
-    let ids: Vec<&String> = hub.world.uavs.iter().map(|uav| &uav.id).collect();
-    json!({ "type": "UAV-LIST", "ids": ids })
+fn list(hub: &Hub) -> uav_list::Response {
+    uav_list::Response { ids: hub.world.uavs.iter().map(|uav| ObjectId::from(uav.id.as_str())).collect() }
 }
 
 fn no_such() -> String {
     "there is no such UAV".to_owned()
 }
 
-fn state(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    let ids = strings(call.body, "ids")?;
-    let given = call.body["ids"].as_array().map_or(0, Vec::len);
-    if hub.breaks("FW-UAV-INF-07") && (given != ids.len() || given == 0) {
+fn state(hub: &mut Hub, ids: Vec<ObjectId>) -> Answer {
+    if hub.breaks("FW-UAV-INF-07") && (ids.is_empty() || each_once(ids.clone())?.len() != ids.len()) {
         return Err("the ids are empty or not unique".to_owned());
     }
-    let mut parts = Parts::new(call.kind, "status");
-    for id in ids {
-        if hub.uav(&id).is_none() && hub.breaks("FW-UAV-INF-06") {
-            return Err(no_such());
-        }
-        parts.put(&id, hub.uav(&id).map(|uav| Outcome::Value(uav.status())).ok_or_else(no_such));
+    if hub.breaks("FW-UAV-INF-06") && ids.iter().any(|id| hub.uav(&id.0).is_none()) {
+        return Err(no_such());
     }
-    Ok(parts.into_body())
+    let outcomes = Outcomes::of(ids, |id| hub.uav(id).map(|uav| uav.status()).ok_or_else(no_such))?;
+    let (status, error) = outcomes.into_maps();
+    Ok(uav_inf::Response { status, error }.into())
 }
 
-fn checks(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    let mut parts = Parts::new(call.kind, "status");
-    for id in strings(call.body, "ids")? {
-        let info = hub.uav(&id).map(|uav| Outcome::Value(checks_of(uav)));
-        parts.put(&id, info.ok_or_else(no_such));
-    }
-    Ok(parts.into_body())
-}
-
-fn checks_of(uav: &Uav) -> Value {
-    let worst = |low: u16, high: u16| uav.codes().iter().any(|code| (low..=high).contains(code));
-    let battery = match () {
-        () if uav.percentage() < 20 => "failure",
-        () if uav.percentage() < 30 => "warning",
-        () => "pass",
+/// The checks of a UAV before flight.
+fn checks(uav: &Uav) -> PreflightCheckInfo {
+    use PreflightCheckResult::{Failure, Pass, Warning};
+    let has_code = |class| uav.codes().iter().any(|code| code.class() == class);
+    let battery = match uav.percentage() {
+        ..20 => Failure,
+        20..30 => Warning,
+        _ => Pass,
     };
     let errors = match () {
-        () if worst(128, 255) => "failure",
-        () if worst(64, 127) => "warning",
-        () => "pass",
+        () if has_code(ErrorClass::Error) || has_code(ErrorClass::Fatal) => Failure,
+        () if has_code(ErrorClass::Warning) => Warning,
+        () => Pass,
     };
-    let both = [battery, errors];
-    let result = ["failure", "warning", "pass"].into_iter().find(|result| both.contains(result));
-    json!({
-        "result": result.unwrap_or("pass"),
-        "items": [
-            { "id": "battery", "result": battery, "label": "Battery" },
-            { "id": "errors", "result": errors, "label": "Error codes" },
-        ],
-    })
-}
-
-fn versions(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    let version = json!({ "simulation": env!("CARGO_PKG_VERSION") });
-    each(hub, call, |hub, id| {
-        reach(hub, call, id, |_| Ok(()))?.map_or_else(|| Ok(Outcome::Value(version.clone())), Ok)
-    })
-}
-
-/// Asks each UAV of a request.
-fn each(
-    hub: &mut Hub,
-    call: &Call<'_>,
-    mut ask: impl FnMut(&mut Hub, &str) -> Result<Outcome, String>,
-) -> Answer {
-    let mut parts = Parts::new(call.kind, "result");
-    for id in strings(call.body, "ids")? {
-        let outcome = ask(hub, &id);
-        parts.put(&id, outcome);
+    let item = |id: &str, label: &str, result| PreflightCheckItem {
+        id: id.into(),
+        result,
+        label: Some(label.to_owned()),
+        message: None,
+    };
+    let worst = [Failure, Warning].into_iter().find(|result| [battery, errors].contains(result));
+    PreflightCheckInfo {
+        result: worst.unwrap_or(Pass),
+        items: vec![item("battery", "Battery", battery), item("errors", "Error codes", errors)],
+        message: None,
     }
-    Ok(parts.into_body())
 }
 
-/// Tells a UAV something. Nothing is heard of one that sleeps: then this is the receipt under which that will show.
-fn reach(
+fn versions(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>) -> Obeyed<BTreeMap<String, String>> {
+    let version = BTreeMap::from([("simulation".to_owned(), env!("CARGO_PKG_VERSION").to_owned())]);
+    Outcomes::of(ids, |id| reach(hub, session, id, |_| Ok(version.clone())))
+}
+
+/// Tells a UAV something, or asks it. Nothing is heard of one that sleeps: then this is the receipt under which that
+/// will show.
+fn reach<T>(
     hub: &mut Hub,
-    call: &Call<'_>,
+    session: SessionId,
     id: &str,
-    tell: impl FnOnce(&mut Uav) -> Result<(), String>,
-) -> Result<Option<Outcome>, String> {
+    tell: impl FnOnce(&mut Uav) -> Result<T, String>,
+) -> Result<Outcome<T>, String> {
     let uav = hub.uav(id).ok_or_else(no_such)?;
-    if uav.is_sleeping() && !["UAV-WAKEUP", "UAV-SLEEP"].contains(&call.kind) {
-        return hub.start(call.session, Operation::unanswered).map(Outcome::Receipt).map(Some);
+    if uav.is_sleeping() {
+        return hub.start(session, Operation::unanswered).map(Outcome::Receipt);
     }
-    tell(uav).map(|()| None)
+    tell(uav).map(Outcome::Value)
+}
+
+/// Starts an operation of each UAV that can be told to.
+fn start_each(
+    hub: &mut Hub,
+    session: SessionId,
+    ids: Vec<ObjectId>,
+    tell: impl Fn(&mut Uav) -> Result<(), String>,
+    operation: impl Fn(String) -> Operation,
+) -> Obeyed {
+    Outcomes::of(ids, |id| match reach(hub, session, id, &tell)? {
+        Outcome::Value(()) => hub.start(session, &operation).map(Outcome::Receipt),
+        Outcome::Receipt(receipt) => Ok(Outcome::Receipt(receipt)),
+    })
 }
 
 /// Calibrates or tests a component.
-fn examine(hub: &mut Hub, call: &Call<'_>, seconds: f64, components: &[&str]) -> Answer {
-    object(call.body, "parameters")?;
-    let component = match call.body.get("component") {
-        None => "",
-        Some(component) => component.as_str().ok_or("component is no string")?,
-    };
-    each(hub, call, |hub, id| {
-        let can = |_: &mut Uav| match component {
-            "" => Ok(()),
-            known if components.contains(&known) => Ok(()),
-            _ => Err(format!("it has no such component: there are {}", components.join(", "))),
-        };
-        if let Some(outcome) = reach(hub, call, id, can)? {
-            return Ok(outcome);
+fn examine(
+    hub: &mut Hub,
+    session: SessionId,
+    ids: Vec<ObjectId>,
+    is_there: bool,
+    operation: impl Fn(String) -> Operation,
+) -> Obeyed {
+    let can = |_: &mut Uav| if is_there { Ok(()) } else { Err("it has no such component".to_owned()) };
+    start_each(hub, session, ids, can, operation)
+}
+
+fn restart(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>, is_whole: bool) -> Obeyed {
+    let tell = |uav: &mut Uav| {
+        if is_whole {
+            uav.command(Command::Restart)
+        } else {
+            Err("it has no components that can be restarted".to_owned())
         }
-        // Somebody has to turn the UAV while its compass is calibrated.
-        let kind = if component == "compass" { Operation::suspending } else { Operation::lasting };
-        hub.start(call.session, |receipt| kind(receipt, seconds, json!(true))).map(Outcome::Receipt)
-    })
-}
-
-fn restart(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    transport(call)?;
-    let is_whole = match call.body.get("component") {
-        None => true,
-        Some(component) => component.as_str().ok_or("component is no string")?.is_empty(),
     };
-    each(hub, call, |hub, id| {
-        let tell = |uav: &mut Uav| {
-            if is_whole {
-                uav.command(Command::Restart)
-            } else {
-                Err("it has no components that can be restarted".to_owned())
-            }
-        };
-        if let Some(outcome) = reach(hub, call, id, tell)? {
-            return Ok(outcome);
-        }
-        hub.start(call.session, |receipt| Operation::lasting(receipt, RESTART, json!(true)))
-            .map(Outcome::Receipt)
+    start_each(hub, session, ids, tell, |receipt| Operation::lasting(receipt, RESTART, json!(true)))
+}
+
+/// Gives a command that UAVs confirm at once.
+fn obey(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>, command: Command) -> Obeyed {
+    // A UAV that sleeps hears these all the same.
+    let is_always_heard = matches!(command, Command::Sleep | Command::WakeUp);
+    let tell = |uav: &mut Uav| uav.command(command).map(|()| true);
+    Outcomes::of(ids, |id| match hub.uav(id) {
+        Some(uav) if is_always_heard => tell(uav).map(Outcome::Value),
+        _ => reach(hub, session, id, tell),
     })
 }
 
-/// All commands that a UAV confirms at once.
-fn command(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    transport(call)?;
-    let command = match call.kind {
-        "UAV-TAKEOFF" => Command::TakeOff,
-        "UAV-LAND" => Command::Land,
-        "UAV-RTH" => Command::ReturnHome,
-        "UAV-HOVER" => Command::Hover,
-        "UAV-HALT" => Command::Halt,
-        "UAV-SLEEP" => Command::Sleep,
-        "UAV-WAKEUP" => Command::WakeUp,
-        "UAV-FLY" => Command::FlyTo(target(call)?),
-        "UAV-MOTOR" => Command::Motors {
-            is_start: boolean(call.body, "start", None)?,
-            is_forced: boolean(call.body, "force", Some(false))?,
-        },
-        "UAV-SIGNAL" => Command::Signal { seconds: signal(call)? },
-        _ => return Err(unknown(call)),
-    };
-    each(hub, call, |hub, id| {
-        let outcome = reach(hub, call, id, |uav| uav.command(command))?;
-        Ok(outcome.unwrap_or_else(|| Outcome::Value(json!(true))))
-    })
-}
-
-fn transport(call: &Call<'_>) -> Result<(), String> {
-    let Some(options) = object(call.body, "transport")? else { return Ok(()) };
-    boolean(options, "broadcast", Some(false))?;
-    boolean(options, "ignoreIds", Some(false))?;
-    let is_channel = options.get("channel").is_none_or(Value::is_i64);
-    if is_channel { Ok(()) } else { Err("channel is no integer".to_owned()) }
-}
-
-fn signal(call: &Call<'_>) -> Result<f64, String> {
-    if call.body.contains_key("signals") {
-        strings(call.body, "signals")?;
+/// How many seconds a UAV is to draw attention for.
+fn signal(milliseconds: Option<f64>) -> Result<f64, String> {
+    let Some(duration) = milliseconds else { return Ok(USUAL_SIGNAL) };
+    let is_possible = (0.0..=3_600_000.0).contains(&duration);
+    if is_possible {
+        Ok(duration / 1000.0)
+    } else {
+        Err("duration is no number from 0 to 3600000".to_owned())
     }
-    let Some(duration) = call.body.get("duration") else { return Ok(USUAL_SIGNAL) };
-    let duration = duration.as_f64().filter(|duration| (0.0..=3_600_000.0).contains(duration));
-    Ok(duration.ok_or("duration is no number from 0 to 3600000")? / 1000.0)
 }
 
-fn target(call: &Call<'_>) -> Result<Target, String> {
-    let target = call.body.get("target").and_then(Value::as_array).ok_or("target is no list")?;
-    if !(2..=5).contains(&target.len()) {
-        return Err("target has from two to five elements".to_owned());
+fn target(target: &GPSCoordinate) -> Result<Target, String> {
+    if !target.latitude.is_in_range() || !target.longitude.is_in_range() {
+        return Err("target is no place on Earth".to_owned());
     }
-    let degrees = |index: usize, limit: i64| {
-        let value = target.get(index).and_then(Value::as_i64);
-        value.filter(|value| (-limit..=limit).contains(value)).ok_or("target is no place on Earth")
-    };
-    let altitude = |index: usize| match target.get(index) {
-        None | Some(Value::Null) => Ok(None),
-        Some(value) => value.as_i64().map(Some).ok_or("an altitude is neither an integer nor null"),
-    };
-    let [above_sea, above_home, above_ground] = [altitude(2)?, altitude(3)?, altitude(4)?];
     // The ground is flat where the fleet flies.
-    let above_home = above_home.or(above_ground).map(Altitude::AboveHome);
+    let above_home = target.ahl.or(target.agl).map(Altitude::AboveHome);
     Ok(Target {
-        latitude: degrees(0, 900_000_000)?,
-        longitude: degrees(1, 1_800_000_000)?,
-        altitude: above_home.or(above_sea.map(Altitude::AboveSeaLevel)),
+        latitude: target.latitude.0,
+        longitude: target.longitude.0,
+        altitude: above_home.or(target.amsl.map(Altitude::AboveSeaLevel)),
     })
 }

@@ -1,48 +1,51 @@
 //! WTH: the weather (`definitions/flockwave/wth.md`).
 
-use serde_json::{Value, json};
+use uavspec::flockwave::json::{
+    GPSCoordinate, Heading, Latitude, Longitude, ObjectId, Percentage, Request, Temperature, Weather, wth_at,
+    wth_inf, wth_list,
+};
 
 use super::unknown;
-use crate::server::hub::{Answer, Call, Hub};
-use crate::server::message::{Outcome, Parts};
-use crate::server::request::strings;
+use crate::server::hub::{Answer, Hub, SessionId};
+use crate::server::message::Outcomes;
 
 /// The one station that there is.
 const STATION: &str = "wind-1";
 
-pub(super) fn answer(hub: &mut Hub, call: &Call<'_>) -> Answer {
-    match call.kind {
-        "WTH-LIST" => Ok(json!({ "type": call.kind, "ids": [STATION] })),
-        "WTH-AT" => {
-            let position = call.body.get("position").and_then(Value::as_array);
-            let is_place = |place: &&Vec<Value>| place.len() >= 2 && place[..2].iter().all(Value::is_i64);
-            position.filter(is_place).ok_or("position is no list of integers")?;
-            Ok(json!({ "type": call.kind, "weather": weather(hub) }))
+pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> Answer {
+    match request {
+        Request::WthList(_) => Ok(wth_list::Response { ids: vec![ObjectId::from(STATION)] }.into()),
+        Request::WthAt(_) => Ok(wth_at::Response { weather: Some(weather(hub)) }.into()),
+        Request::WthInf(request) => {
+            let outcomes = Outcomes::of(request.ids, |id| match id {
+                STATION => Ok(weather(hub)),
+                _ => Err("there is no such station".to_owned()),
+            })?;
+            let (status, error) = outcomes.into_maps();
+            Ok(wth_inf::Response { status, error }.into())
         }
-        "WTH-INF" => {
-            let mut parts = Parts::new(call.kind, "status");
-            for id in strings(call.body, "ids")? {
-                let weather = (id == STATION).then(|| Outcome::Value(weather(hub)));
-                parts.put(&id, weather.ok_or_else(|| "there is no such station".to_owned()));
-            }
-            Ok(parts.into_body())
-        }
-        _ => Err(unknown(call)),
+        other => Err(unknown(&other)),
     }
 }
 
 /// The weather, which is always fine.
-fn weather(hub: &Hub) -> Value {
-    json!({
-        "position": [504_977_000, 99_512_000, 905_000],
-        "timestamp": hub.now(),
-        "stationId": STATION,
-        "code": 801,
-        "temperature": 2902,
-        "pressure": 101_800,
-        "humidity": 54,
-        "windDirection": 2350,
-        "windSpeed": 3400,
-        "windGust": 5200,
-    })
+fn weather(hub: &Hub) -> Weather {
+    Weather {
+        position: GPSCoordinate {
+            latitude: Latitude(504_977_000),
+            longitude: Longitude(99_512_000),
+            amsl: Some(905_000),
+            ..GPSCoordinate::default()
+        },
+        timestamp: hub.timestamp(),
+        station_id: Some(STATION.into()),
+        code: Some(801),
+        temperature: Some(Temperature(2902)),
+        pressure: Some(101_800),
+        humidity: Some(Percentage(54)),
+        wind_direction: Some(Heading(2350)),
+        wind_speed: Some(3400),
+        wind_gust: Some(5200),
+        ..Weather::default()
+    }
 }

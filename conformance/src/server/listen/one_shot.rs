@@ -9,11 +9,12 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
+use uavspec::flockwave::json as flockwave;
 
 use super::Shared;
 use crate::live::http::{Request, Response};
 use crate::server::hub::{Manner, SessionId, Sink};
-use crate::server::message::envelope;
+use crate::server::message::{envelope, value};
 use crate::server::outbox::{Outbox, Taken};
 use crate::server::request::Incoming;
 
@@ -90,8 +91,12 @@ fn exchange(
 
 fn is_logged_in(shared: &Shared, session: SessionId, outbox: &Outbox, credentials: &str) -> bool {
     let Some(data) = credentials.strip_prefix("Basic ") else { return false };
-    let body = json!({ "type": "AUTH-REQ", "method": "basic", "data": data.trim() });
-    shared.hub().take(session, Incoming::of(envelope("login", None, body)));
+    let request = flockwave::Request::from(flockwave::auth_req::Request {
+        method: flockwave::AuthenticationMethod::Basic,
+        data: data.trim().to_owned(),
+        session: None,
+    });
+    shared.hub().take(session, Incoming::of(envelope("login", None, value(&request))));
     next(outbox, Instant::now()).is_some_and(|answer| answer.message["body"]["result"] == json!(true))
 }
 

@@ -13,7 +13,7 @@ use serde_json::Value;
 use super::{LOOK, Shared};
 use crate::live::http::is_silence;
 use crate::server::hub::{Manner, SessionId, Sink};
-use crate::server::message::{envelope, refusal};
+use crate::server::message::{enveloped, refusal, text};
 
 /// The longest message that fits into a datagram.
 const DATAGRAM_LIMIT: usize = 65_507;
@@ -48,12 +48,12 @@ impl Sink for DatagramSink {
 }
 
 /// What is said instead of an answer that doesn't fit into a datagram.
-fn shortened(text: &str) -> Option<String> {
-    let message: Value = serde_json::from_str(text).ok()?;
+fn shortened(long: &str) -> Option<String> {
+    let message: Value = serde_json::from_str(long).ok()?;
     let (id, refs) = (message["id"].as_str()?, message["refs"].as_str()?);
-    let answer =
-        envelope(id, Some(refs), refusal("the answer doesn't fit into a datagram: ask for less at once"));
-    Some(answer.to_string()).filter(|text| text.len() <= DATAGRAM_LIMIT)
+    let why = "the answer doesn't fit into a datagram: ask for less at once";
+    let answer = enveloped(id, Some(refs), &text(&refusal(why.to_owned())));
+    Some(answer).filter(|text| text.len() <= DATAGRAM_LIMIT)
 }
 
 struct Peer {

@@ -32,7 +32,7 @@ pub enum AuthenticationMethod {
     /// `jwt`: A JSON Web Token.
     Jwt,
     /// A value that the definition doesn't name.
-    Other(::uavspec_runtime::alloc::string::String),
+    Unnamed(::uavspec_runtime::alloc::string::String),
 }
 
 ::uavspec_runtime::json_strings! {
@@ -44,7 +44,7 @@ pub enum AuthenticationMethod {
 /// A closed set: what the start of a show is allowed for.
 ///
 /// Closed: there are no other values.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum AuthorizationScope {
     /// `none`: Nothing: it may not start.
     None,
@@ -80,7 +80,7 @@ impl ::core::convert::From<::uavspec_runtime::alloc::string::String> for Base64 
 }
 
 ::uavspec_runtime::json_named! {
-    Base64;
+    Base64 text;
 }
 
 /// The state of a UAV's battery.
@@ -162,7 +162,7 @@ impl ::core::convert::From<::uavspec_runtime::alloc::string::String> for Calenda
 }
 
 ::uavspec_runtime::json_named! {
-    CalendarDate;
+    CalendarDate text;
 }
 
 /// An open set: what can be calibrated. No UAV has to support them all.
@@ -181,7 +181,7 @@ pub enum CalibrationComponent {
     /// `rc`: The remote control.
     Rc,
     /// A value that the definition doesn't name.
-    Other(::uavspec_runtime::alloc::string::String),
+    Unnamed(::uavspec_runtime::alloc::string::String),
 }
 
 ::uavspec_runtime::json_strings! {
@@ -209,13 +209,13 @@ impl ::core::convert::From<f64> for CarrierToNoiseRatio {
 }
 
 ::uavspec_runtime::json_named! {
-    CarrierToNoiseRatio;
+    CarrierToNoiseRatio value;
 }
 
 /// A closed set: what may be done with a channel.
 ///
 /// Closed: there are no other values.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ChannelOperation {
     /// `read`: Its value can be asked for.
     Read,
@@ -234,7 +234,7 @@ pub enum ChannelOperation {
 /// Disputed: the list of types in the text lacks cartesian and gps, which its chapter on devices and the schema have.
 ///
 /// Closed: there are no other values.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ChannelType {
     /// `audio`: The URL of a stream of sound.
     Audio,
@@ -292,7 +292,7 @@ impl ::core::convert::From<::uavspec_runtime::alloc::string::String> for ClockEp
 }
 
 ::uavspec_runtime::json_named! {
-    ClockEpoch;
+    ClockEpoch text;
 }
 
 /// Names a clock. Three ids have a fixed meaning: system is the server's own clock, gps the time of a GPS receiver, mtc a MIDI time code.
@@ -311,7 +311,7 @@ impl ::core::convert::From<::uavspec_runtime::alloc::string::String> for ClockId
 }
 
 ::uavspec_runtime::json_named! {
-    ClockId;
+    ClockId text;
 }
 
 /// The state of one clock.
@@ -394,7 +394,7 @@ impl ::core::convert::From<f64> for ColorComponent {
 }
 
 ::uavspec_runtime::json_named! {
-    ColorComponent;
+    ColorComponent value;
 }
 
 /// A colour in 16 bits: red in the upper 5, green in the middle 6, blue in the lower 5.
@@ -422,7 +422,7 @@ impl ::core::convert::From<i64> for ColorRGB565 {
 }
 
 ::uavspec_runtime::json_named! {
-    ColorRGB565;
+    ColorRGB565 value;
 }
 
 /// What a command gave back.
@@ -454,7 +454,7 @@ pub enum CommandResponseType {
     /// `markdown`: Text in Markdown.
     Markdown,
     /// A value that the definition doesn't name.
-    Other(::uavspec_runtime::alloc::string::String),
+    Unnamed(::uavspec_runtime::alloc::string::String),
 }
 
 ::uavspec_runtime::json_strings! {
@@ -480,7 +480,7 @@ impl ::core::convert::From<::uavspec_runtime::alloc::string::String> for Connect
 }
 
 ::uavspec_runtime::json_named! {
-    ConnectionId;
+    ConnectionId text;
 }
 
 /// What the server knows of one connection.
@@ -510,7 +510,7 @@ pub struct ConnectionInfo {
 /// A closed set: what a connection is for.
 ///
 /// Closed: there are no other values.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ConnectionPurpose {
     /// `debug`: Finding mistakes, and nothing else.
     Debug,
@@ -545,7 +545,7 @@ pub enum ConnectionPurpose {
 /// A closed set: the state of a connection.
 ///
 /// Closed: there are no other values.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ConnectionStatus {
     /// `disconnected`: Down, and nobody is trying to get it up.
     Disconnected,
@@ -573,7 +573,7 @@ pub enum ConnectionStatus {
 /// Disputed: rangefinder and sprayer are in the schema only.
 ///
 /// Closed: there are no other values.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum DeviceClass {
     /// `accelerometer`: An accelerometer.
     Accelerometer,
@@ -688,7 +688,7 @@ pub struct DeviceTreeNode {
 /// Disputed: the text once speaks of nodes of type uav. Neither its list of types nor the schema has that one; object is meant.
 ///
 /// Closed: there are no other values.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum DeviceTreeNodeType {
     /// `root`: The root, above all objects.
     Root,
@@ -724,7 +724,7 @@ impl ::core::convert::From<::uavspec_runtime::alloc::string::String> for DeviceT
 }
 
 ::uavspec_runtime::json_named! {
-    DeviceTreePath;
+    DeviceTreePath text;
 }
 
 /// The state of one docking station.
@@ -871,7 +871,7 @@ impl ::core::convert::From<::uavspec_runtime::alloc::string::String> for Extensi
 }
 
 ::uavspec_runtime::json_named! {
-    ExtensionId;
+    ExtensionId text;
 }
 
 /// What the server says of one of its extensions.
@@ -927,7 +927,7 @@ for FirmwareUpdateTargetId {
 }
 
 ::uavspec_runtime::json_named! {
-    FirmwareUpdateTargetId;
+    FirmwareUpdateTargetId text;
 }
 
 /// A log with what is in it.
@@ -990,7 +990,7 @@ impl ::core::convert::From<::uavspec_runtime::alloc::string::String> for FlightL
 }
 
 ::uavspec_runtime::json_named! {
-    FlightLogId;
+    FlightLogId text;
 }
 
 /// What is known of a log.
@@ -1042,7 +1042,7 @@ pub enum FlightMode {
     /// `mission`: Flying a mission that was prepared beforehand.
     Mission,
     /// `other`: None of the modes of this list.
-    Other2,
+    Other,
     /// `pos`: Staying in place and at altitude by GPS; sticks off centre give roll and pitch.
     Pos,
     /// `precland`: Landing on a precise spot, mostly with the help of a beacon or sensor.
@@ -1058,7 +1058,7 @@ pub enum FlightMode {
     /// `unknown`: Nobody knows.
     Unknown,
     /// A value that the definition doesn't name.
-    Other(::uavspec_runtime::alloc::string::String),
+    Unnamed(::uavspec_runtime::alloc::string::String),
 }
 
 ::uavspec_runtime::json_strings! {
@@ -1073,7 +1073,7 @@ pub enum FlightMode {
     Land "land";
     Loiter "loiter";
     Mission "mission";
-    Other2 "other";
+    Other "other";
     Pos "pos";
     Precland "precland";
     Rth "rth";
@@ -1086,7 +1086,7 @@ pub enum FlightMode {
 /// A closed set: satellite systems.
 ///
 /// Closed: there are no other values.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum GNSSType {
     /// `gps`: GPS.
     Gps,
@@ -1230,7 +1230,7 @@ impl ::core::convert::From<i64> for Heading {
 }
 
 ::uavspec_runtime::json_named! {
-    Heading;
+    Heading value;
 }
 
 /// Geographic latitude by WGS 84, north positive.
@@ -1260,7 +1260,7 @@ impl ::core::convert::From<i64> for Latitude {
 }
 
 ::uavspec_runtime::json_named! {
-    Latitude;
+    Latitude value;
 }
 
 /// A licence. The id is empty where the server runs without.
@@ -1366,7 +1366,7 @@ pub enum LicenseRestrictionType {
     /// `drones`: More UAVs at a time than the parameter maxCount.
     Drones,
     /// A value that the definition doesn't name.
-    Other(::uavspec_runtime::alloc::string::String),
+    Unnamed(::uavspec_runtime::alloc::string::String),
 }
 
 ::uavspec_runtime::json_strings! {
@@ -1388,7 +1388,7 @@ pub enum LightEffect {
     /// `solid`: Shine steadily in one colour.
     Solid,
     /// A value that the definition doesn't name.
-    Other(::uavspec_runtime::alloc::string::String),
+    Unnamed(::uavspec_runtime::alloc::string::String),
 }
 
 ::uavspec_runtime::json_strings! {
@@ -1421,7 +1421,7 @@ pub struct LogMessage {
 /// A closed set: how serious a message to people is.
 ///
 /// Closed: there are no other values.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum LogSeverity {
     /// `debug`: For developers.
     Debug,
@@ -1471,7 +1471,7 @@ impl ::core::convert::From<i64> for Longitude {
 }
 
 ::uavspec_runtime::json_named! {
-    Longitude;
+    Longitude value;
 }
 
 /// A magnetic field, in nanoteslas.
@@ -1524,7 +1524,7 @@ impl ::core::convert::From<::uavspec_runtime::alloc::string::String> for Message
 }
 
 ::uavspec_runtime::json_named! {
-    MessageId;
+    MessageId text;
 }
 
 /// Names a UAV, beacon, docking station or any other object that the server knows. No two objects have the same id, whatever their types.
@@ -1545,7 +1545,7 @@ impl ::core::convert::From<::uavspec_runtime::alloc::string::String> for ObjectI
 }
 
 ::uavspec_runtime::json_named! {
-    ObjectId;
+    ObjectId text;
 }
 
 /// An open set: extensions of a server may bring types of their own. A server that is asked for objects of a type that it doesn't know should answer with an empty list.
@@ -1558,20 +1558,20 @@ pub enum ObjectType {
     /// `dock`: A docking station.
     Dock,
     /// `other`: None of the others.
-    Other2,
+    Other,
     /// `uav`: An unmanned aerial vehicle.
     Uav,
     /// `weatherStation`: A weather station.
     WeatherStation,
     /// A value that the definition doesn't name.
-    Other(::uavspec_runtime::alloc::string::String),
+    Unnamed(::uavspec_runtime::alloc::string::String),
 }
 
 ::uavspec_runtime::json_strings! {
     ObjectType open;
     Beacon "beacon";
     Dock "dock";
-    Other2 "other";
+    Other "other";
     Uav "uav";
     WeatherStation "weatherStation";
 }
@@ -1618,7 +1618,7 @@ impl ::core::convert::From<i64> for Percentage {
 }
 
 ::uavspec_runtime::json_named! {
-    Percentage;
+    Percentage value;
 }
 
 /// A TCP or UDP port.
@@ -1646,7 +1646,7 @@ impl ::core::convert::From<i64> for PortNumber {
 }
 
 ::uavspec_runtime::json_named! {
-    PortNumber;
+    PortNumber value;
 }
 
 /// A position in a flat right-handed frame of the UAV's own: where it starts and where X points is up to the UAV, Z points up.
@@ -1717,7 +1717,7 @@ pub struct PreflightCheckItem {
 /// A closed set: how a check before flight, or all of them together, turned out.
 ///
 /// Closed: there are no other values.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum PreflightCheckResult {
     /// `off`: Not checked: the check is switched off.
     Off,
@@ -1829,7 +1829,7 @@ pub struct RTKConfigurationPreset {
 /// A closed set: formats of corrections.
 ///
 /// Closed: there are no other values.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum RTKMessageFormat {
     /// `auto`: Found out by the server.
     Auto,
@@ -1873,7 +1873,7 @@ pub struct RTKMessageObservations {
 /// A closed set: sets of RTCM messages with observations.
 ///
 /// Closed: there are no other values.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum RTKMessageSet {
     /// `msm4`: The compact one.
     Msm4,
@@ -1903,13 +1903,13 @@ impl ::core::convert::From<::uavspec_runtime::alloc::string::String> for RTKPres
 }
 
 ::uavspec_runtime::json_named! {
-    RTKPresetId;
+    RTKPresetId text;
 }
 
 /// A closed set: where a preset comes from.
 ///
 /// Closed: there are no other values.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum RTKPresetType {
     /// `builtin`: From the configuration of the server; users can't change it.
     Builtin,
@@ -1942,7 +1942,7 @@ impl ::core::convert::From<::uavspec_runtime::alloc::string::String> for RTKSour
 }
 
 ::uavspec_runtime::json_named! {
-    RTKSource;
+    RTKSource text;
 }
 
 /// How a base station finds its own position.
@@ -2010,7 +2010,7 @@ impl ::core::convert::From<::uavspec_runtime::alloc::string::String> for Receipt
 }
 
 ::uavspec_runtime::json_named! {
-    ReceiptId;
+    ReceiptId text;
 }
 
 /// Strength of the received signal, from 0 to 100 without a unit; -1 where there is no reading.
@@ -2038,7 +2038,7 @@ impl ::core::convert::From<i64> for Rssi {
 }
 
 ::uavspec_runtime::json_named! {
-    Rssi;
+    Rssi value;
 }
 
 /// An angle that is 0 in level flight.
@@ -2066,7 +2066,7 @@ impl ::core::convert::From<i64> for SignedAngle {
 }
 
 ::uavspec_runtime::json_named! {
-    SignedAngle;
+    SignedAngle value;
 }
 
 /// How a show starts.
@@ -2101,7 +2101,7 @@ pub struct StartConditions {
 /// A closed set: what makes a show start.
 ///
 /// Closed: there are no other values.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum StartMethod {
     /// `auto`: The time of the start.
     Auto,
@@ -2142,7 +2142,7 @@ impl ::core::convert::From<i64> for Temperature {
 }
 
 ::uavspec_runtime::json_named! {
-    Temperature;
+    Temperature value;
 }
 
 /// An open set: what can be tested. No UAV has to support them all.
@@ -2155,7 +2155,7 @@ pub enum TestComponent {
     /// `motor`: The motors.
     Motor,
     /// A value that the definition doesn't name.
-    Other(::uavspec_runtime::alloc::string::String),
+    Unnamed(::uavspec_runtime::alloc::string::String),
 }
 
 ::uavspec_runtime::json_strings! {
@@ -2193,7 +2193,7 @@ pub struct TimeAxisScheduleSegment {
 }
 
 /// The values that this field may have. Closed: there are no others.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum TimeAxisScheduleSegmentEndMsConstant {
     /// `auto`.
     Auto,
@@ -2227,7 +2227,7 @@ pub enum TimeAxisScheduleSegmentEndMs {
 /// Not stated: what the values mean. The descriptions go by their names.
 ///
 /// Closed: there are no other values.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum TimeAxisSegmentType {
     /// `preparation`: The UAVs are made ready.
     Preparation,
@@ -2278,7 +2278,7 @@ pub struct TimeSyncSnapshot {
 /// A closed set: whether a clock is right.
 ///
 /// Closed: there are no other values.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum TimeSyncState {
     /// `unknown`: Nobody knows.
     Unknown,
@@ -2316,7 +2316,7 @@ impl ::core::convert::From<i64> for Timestamp {
 }
 
 ::uavspec_runtime::json_named! {
-    Timestamp;
+    Timestamp value;
 }
 
 /// How commands should reach the UAVs. These are wishes: what takes the command may be unable to grant them.
@@ -2349,7 +2349,7 @@ pub enum UAVSignal {
     /// `sound`: By sound.
     Sound,
     /// A value that the definition doesn't name.
-    Other(::uavspec_runtime::alloc::string::String),
+    Unnamed(::uavspec_runtime::alloc::string::String),
 }
 
 ::uavspec_runtime::json_strings! {
@@ -2480,7 +2480,7 @@ impl ::core::convert::From<::uavspec_runtime::alloc::string::String> for Version
 }
 
 ::uavspec_runtime::json_named! {
-    Version;
+    Version text;
 }
 
 /// The weather at a place and time.

@@ -5,11 +5,14 @@ use quote::quote;
 
 use super::super::identifier::{Scope, ident, module_name, pascal_case};
 use super::super::{Context, documentation, header, inner_documentation, layout_file};
-use super::types::{Definitions, OTHER};
+use super::types::Definitions;
 use super::{MODULE, Names, TYPES, is_own, text};
 use crate::emit::{OutputFile, prose};
 use crate::schema::json_type::{Direction, JsonMessage, JsonPart, Member, Object};
 use crate::schema::{JsonMessageId, Package};
+
+/// The variant of messages that no page defines.
+const OTHER: &str = "Other";
 
 /// A message and what it is called.
 struct Place<'s> {
@@ -76,9 +79,9 @@ fn direction_tokens(places: &[Place<'_>], direction: Direction) -> Option<TokenS
         let doc = documentation(&summary);
         quote!(#doc #variant(#module::#name))
     });
-    let entries = places.iter().map(|Place { variant, message, .. }| {
-        let name = &message.name;
-        quote!(#variant #name;)
+    let entries = places.iter().map(|Place { variant, message, module }| {
+        let (module, name) = (ident(module), &message.name);
+        quote!(#variant #module #name;)
     });
     let doc = documentation(match direction {
         Direction::Request => "A message from a client, which expects an answer.",

@@ -15,8 +15,8 @@ use crate::schema::{JsonTypeId, Range};
 use crate::unit;
 use crate::value::Value;
 
-/// The variant of what a definition doesn't name.
-pub(super) const OTHER: &str = "Other";
+/// The variant of what a definition doesn't name. Definitions do name values `other`.
+const UNNAMED: &str = "Unnamed";
 
 /// Writes definitions into a module.
 pub(super) struct Definitions<'c> {
@@ -189,6 +189,7 @@ impl<'c> Definitions<'c> {
             Expression::Number => quote!(PartialOrd),
             _ => TokenStream::new(),
         };
+        let kind = ident(if matches!(typed.ty, Expression::String) { "text" } else { "value" });
         let range = typed.limits.range.as_ref().and_then(|range| range_tokens(name, &typed.ty, range));
         quote! {
             #doc
@@ -206,7 +207,7 @@ impl<'c> Definitions<'c> {
                 }
             }
 
-            ::uavspec_runtime::json_named! { #name; }
+            ::uavspec_runtime::json_named! { #name #kind; }
         }
     }
 
@@ -336,7 +337,7 @@ fn set_body(doc: &TokenStream, name: &Ident, set: &Set) -> TokenStream {
     match &set.values {
         SetValues::Integers(values) => {
             let names = variant_names(values.iter().map(|found| number_name(found.value)), set.is_open);
-            let other = set.is_open.then(|| quote!(#other_doc Other(i64)));
+            let other = set.is_open.then(|| quote!(#other_doc Unnamed(i64)));
             let declarations =
                 declarations(&names, values.iter().map(|found| (&found.description, found.value)));
             let entries = names.iter().zip(values).map(|(variant, found)| {
@@ -357,16 +358,17 @@ fn set_body(doc: &TokenStream, name: &Ident, set: &Set) -> TokenStream {
         SetValues::Strings(values) => {
             let names = variant_names(values.iter().map(|found| pascal_case(&found.value)), set.is_open);
             let other =
-                set.is_open.then(|| quote!(#other_doc Other(::uavspec_runtime::alloc::string::String)));
+                set.is_open.then(|| quote!(#other_doc Unnamed(::uavspec_runtime::alloc::string::String)));
             let declarations =
                 declarations(&names, values.iter().map(|found| (&found.description, &found.value)));
             let entries = names.iter().zip(values).map(|(variant, found)| {
                 let value = &found.value;
                 quote!(#variant #value;)
             });
+            let copy = (!set.is_open).then(|| quote!(Copy,));
             quote! {
                 #doc
-                #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+                #[derive(Clone, #copy Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
                 pub enum #name {
                     #(#declarations,)*
                     #other
@@ -398,7 +400,7 @@ fn declarations<'v, T: ToString>(
 fn variant_names(names: impl Iterator<Item = String>, is_open: bool) -> Vec<Ident> {
     let mut scope = Scope::default();
     if is_open {
-        scope.unique_type(OTHER);
+        scope.unique_type(UNNAMED);
     }
     let name = |name: String| {
         let name = if name.is_empty() { "Empty".to_owned() } else { name };

@@ -18,7 +18,7 @@ impl ::core::convert::From<::uavspec_runtime::alloc::string::String> for Callsig
 }
 
 ::uavspec_runtime::json_named! {
-    Callsign;
+    Callsign text;
 }
 
 /// How good the position is. A closed set.
@@ -97,7 +97,7 @@ pub struct Glider {
 }
 
 /// The values that this field may have. Closed: there are no others.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum GliderWinch {
     /// `north`.
     North,
@@ -139,7 +139,7 @@ impl ::core::convert::From<i64> for Instant {
 }
 
 ::uavspec_runtime::json_named! {
-    Instant;
+    Instant value;
 }
 
 /// A turning point.
@@ -187,7 +187,7 @@ impl ::core::convert::From<::uavspec_runtime::alloc::vec::Vec<MarksValue>> for M
 }
 
 ::uavspec_runtime::json_named! {
-    Marks;
+    Marks value;
 }
 
 /// One of several types; the first that can read a value has it.
@@ -217,7 +217,7 @@ pub enum Phase {
     /// `final glide`: On the way home
     FinalGlide,
     /// A value that the definition doesn't name.
-    Other(::uavspec_runtime::alloc::string::String),
+    Unnamed(::uavspec_runtime::alloc::string::String),
 }
 
 ::uavspec_runtime::json_strings! {

@@ -20,7 +20,7 @@ pub struct Response {
 }
 
 /// The values that this field may have. Closed: there are no others.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ResponseRequest {
     /// `Request`.
     Request,

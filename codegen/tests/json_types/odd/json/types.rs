@@ -46,7 +46,7 @@ pub struct A {
 }
 
 /// The values that this field may have. Closed: there are no others.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum A2 {
     /// `x`.
     X,
@@ -85,7 +85,7 @@ pub enum AMap {
 }
 
 /// The values that this field may have. Closed: there are no others.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum AMany {
     /// `Other`.
     Other,
@@ -126,7 +126,7 @@ pub enum D {
     /// `9007199254740993`: Beyond what doubles tell apart
     Value9007199254740993,
     /// A value that the definition doesn't name.
-    Other(i64),
+    Unnamed(i64),
 }
 
 ::uavspec_runtime::json_integers! {
@@ -161,7 +161,7 @@ impl ::core::convert::From<f64> for Option {
 }
 
 ::uavspec_runtime::json_named! {
-    Option;
+    Option value;
 }
 
 /// and so on
@@ -181,7 +181,7 @@ for Result {
 }
 
 ::uavspec_runtime::json_named! {
-    Result;
+    Result value;
 }
 
 /// The type `S`, which its page says no more of.
@@ -198,7 +198,7 @@ impl ::core::convert::From<::uavspec_runtime::alloc::string::String> for S {
 }
 
 ::uavspec_runtime::json_named! {
-    S;
+    S text;
 }
 
 /// The type `Vec`, which its page says no more of.
@@ -215,7 +215,7 @@ impl ::core::convert::From<bool> for Vec {
 }
 
 ::uavspec_runtime::json_named! {
-    Vec;
+    Vec value;
 }
 
 /// An open set.
@@ -224,7 +224,7 @@ impl ::core::convert::From<bool> for Vec {
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Visitor {
     /// `Other`: Not the others
-    Other2,
+    Other,
     /// `Self`: Not itself
     Self_,
     /// ``: Nothing
@@ -236,12 +236,12 @@ pub enum Visitor {
     /// `A-B`: With a hyphen
     AB2,
     /// A value that the definition doesn't name.
-    Other(::uavspec_runtime::alloc::string::String),
+    Unnamed(::uavspec_runtime::alloc::string::String),
 }
 
 ::uavspec_runtime::json_strings! {
     Visitor open;
-    Other2 "Other";
+    Other "Other";
     Self_ "Self";
     Empty "";
     Value2nd "2nd";
