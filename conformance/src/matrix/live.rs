@@ -25,7 +25,7 @@ const OBSERVE: Duration = Duration::from_millis(1_500);
 const LOSS: Duration = Duration::from_millis(700);
 
 /// How long a client may stay at the server that says farewell: longer than any trial on a connection of its own takes.
-const STAY: Duration = Duration::from_millis(2_000);
+const STAY: Duration = Duration::from_secs(2);
 
 /// How many times as fast as life the simulation goes.
 const SPEED: f64 = 10.0;
