@@ -7,6 +7,8 @@
 //! - JSON Lines of `FailsafeFlags` against `serde_json` passing over the values (`IgnoredAny`), the practical limit
 //!   of whoever reads with it, and against `serde_json` to a tree plus the crate `jsonschema` with the published
 //!   schema.
+//! - Reports of Flockwave on a fleet, with one UAV each and with fifty, against the same two, where the schema is that of
+//!   their bodies.
 //! - Logs of PX4, where the corpus is, against pyulog, where Python has it; and two at a time on two cores.
 
 use std::fmt::Write as _;
@@ -18,7 +20,7 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use serde::de::IgnoredAny;
-use serde_json::Value;
+use serde_json::{Value, json};
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::judge::judge;
 use uavspec_conformance::parallel;
@@ -31,6 +33,15 @@ const ROUNDS: usize = 31;
 
 /// The schema that is published.
 const SCHEMA: &str = include_str!("../../generated/schemas/px4/FailsafeFlags.schema.json");
+
+/// The schemas of Flockwave, all in one.
+const SCHEMAS: &str = include_str!("../../generated/schemas/flockwave.bundle.schema.json");
+
+/// How many UAVs a fleet has.
+const FLEET: usize = 1_000;
+
+/// How many states the reports on a fleet have together.
+const STATES: usize = 30_000;
 
 const LOGS: [&str; 3] = ["sample", "sample_log_small", "sample_logging_tagged_and_default_params"];
 
@@ -48,6 +59,7 @@ print(sorted(times)[len(times) // 2])
 
 fn main() {
     json();
+    flockwave();
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/corpus");
     let corpus = std::env::var_os("UAVSPEC_CORPUS").map_or(corpus, PathBuf::from);
     if corpus.join("ulog").is_dir() {
@@ -155,6 +167,68 @@ fn json() {
         Contestant::new("serde_json to a tree, jsonschema", tree),
     ];
     compare("JSON Lines of FailsafeFlags", text.len(), contestants);
+}
+
+/// A recording of reports on a fleet, each on so many UAVs, that conforms.
+fn reports(each: usize) -> String {
+    let mut text = String::new();
+    for (number, first) in (0..STATES).step_by(each).enumerate() {
+        let time = 1_790_000_000_000 + first / 5;
+        let states = (first..first + each).map(|at| {
+            let uav = format!("glider-{:03}", at % FLEET);
+            #[allow(clippy::cast_possible_wrap)] // it is small
+            let value = (at * 7_919 % 100_000) as i64;
+            let state = json!({
+                "id": uav, "timestamp": time, "mode": "mission", "heading": value % 3_600,
+                "position": [465_410_000 + value, 115_520_000 - value, 812_000 + value, value % 900],
+                "velocity": [value % 900, 400 - value % 800, -(value % 90)], "gps": [4, 8 + value % 12],
+                "battery": [110 + value % 16, value % 101], "light": value % 65_536, "rssi": [value % 101],
+                "errors": [], "debug": "",
+            });
+            (uav, state)
+        });
+        let body = json!({ "type": "UAV-INF", "status": states.collect::<serde_json::Map<_, _>>() });
+        let message = json!({ "$fw.version": "1.0", "id": format!("say-{number}"), "body": body });
+        #[allow(clippy::cast_precision_loss)] // times fit well
+        let time = time as f64 / 1e3;
+        let line = json!({ "t": time, "conn": "tcp#1", "dir": "in", "msg": message });
+        writeln!(text, "{line}").expect("a string");
+    }
+    text
+}
+
+fn flockwave() {
+    let definitions = Definitions::built_in();
+    let mut schema: Value = serde_json::from_str(SCHEMAS).expect("JSON");
+    schema["anyOf"] = json!([{ "$ref": "#/$defs/UAV-INF.notification" }]);
+    let validator = jsonschema::validator_for(&schema).expect("a schema");
+    for each in [1, 50] {
+        let text = reports(each);
+        let lines = (STATES / each) as u64;
+        let uavspec = || {
+            let judgement = judge(text.as_bytes(), None, &definitions).expect("memory");
+            let findings = judgement.findings.groups().count();
+            assert_eq!((judgement.judged, judgement.damage.len(), findings), (lines, 0, 0));
+        };
+        let skip = || {
+            for line in text.lines() {
+                serde_json::from_str::<IgnoredAny>(line).expect("JSON");
+            }
+        };
+        let tree = || {
+            for line in text.lines() {
+                let line: Value = serde_json::from_str(line).expect("JSON");
+                assert!(validator.is_valid(&line["msg"]["body"]));
+            }
+        };
+        let contestants = vec![
+            Contestant::new("uavspec", uavspec),
+            Contestant::new("serde_json, skipping", skip),
+            Contestant::new("serde_json to a tree, jsonschema", tree),
+        ];
+        let of = if each == 1 { "one UAV".to_owned() } else { format!("{each} UAVs") };
+        compare(&format!("Reports of Flockwave on {of} each"), text.len(), contestants);
+    }
 }
 
 fn logs(corpus: &Path) {

@@ -84,7 +84,9 @@ fn checked_by(check: Check) -> &'static str {
     match check {
         Check::Value => "value by value, by a plan that is made once for each format",
         Check::Source => "reading: what breaks it can't be read as anything",
-        Check::Exchange(_) => "message by message, with what went over the connection before",
+        Check::Exchange(_) | Check::Context(_) => {
+            "message by message, with what went over the connection before"
+        }
         Check::State(_) => "following the records of a source with a small state for each topic",
     }
 }

@@ -8,6 +8,7 @@
 //! - Where time goes back, times say nothing any more.
 //! - All memories have a bound; what was forgotten for lack of room is unknown, not absent.
 
+pub(crate) mod ids;
 mod operation;
 pub(crate) mod remembered;
 mod turn;
@@ -15,6 +16,7 @@ mod vocabulary;
 
 use std::collections::BTreeSet;
 
+use self::ids::Ids;
 pub use self::operation::{Named, Operation, Stage};
 use self::remembered::Remembered;
 pub(crate) use self::turn::seconds;
@@ -105,9 +107,6 @@ struct State {
     adjusted_by_nothing: Option<Place>,
 }
 
-/// A key of what belongs to a connection.
-type Key = (u64, String);
-
 /// All connections of a source.
 #[derive(Debug)]
 pub struct Conversations {
@@ -119,9 +118,9 @@ pub struct Conversations {
     /// Ids of requests that were answered.
     answered: Remembered<(u64, Side, String), ()>,
     /// Ids of messages of servers, and whether each was a notification.
-    sent: Remembered<Key, bool>,
+    sent: Ids<bool>,
     /// By receipt.
-    operations: Remembered<Key, Operation>,
+    operations: Ids<Operation>,
 }
 
 impl Default for Conversations {
@@ -131,8 +130,8 @@ impl Default for Conversations {
             serials: 0,
             open: Remembered::new(LIMIT),
             answered: Remembered::new(LIMIT),
-            sent: Remembered::new(LIMIT),
-            operations: Remembered::new(LIMIT),
+            sent: Ids::new(LIMIT),
+            operations: Ids::new(LIMIT),
         }
     }
 }
@@ -141,11 +140,23 @@ impl Conversations {
     /// What an exchange means after all that went before it, where bodies have the shapes of these definitions.
     pub fn follow<'t>(&mut self, exchange: &'t Exchange<'t>, definitions: &Definitions) -> Turn<'t> {
         let time = self.at(exchange);
-        let mut turn = Turn::new(exchange, time);
+        let turn = Turn::new(exchange, time);
+        let deviations = turn.deviations_from(definitions);
+        self.placed(Turn { deviations, ..turn })
+    }
+
+    /// The same, where what deviates from the shape of the body was told already.
+    pub(crate) fn follow_told<'t>(&mut self, exchange: &'t Exchange<'t>) -> Turn<'t> {
+        let time = self.at(exchange);
+        self.placed(Turn { deviations: Some(Vec::new()), ..Turn::new(exchange, time) })
+    }
+
+    /// A turn with its place in the conversation.
+    fn placed<'t>(&mut self, mut turn: Turn<'t>) -> Turn<'t> {
+        let exchange = turn.exchange;
         let state = &self.states[exchange.connection.index];
         turn.clock = state.clock;
         turn.serial = state.serial;
-        turn.deviations = turn.deviations_from(definitions);
         match turn.role {
             Role::Event | Role::Unanswered => {}
             Role::Unreadable => {
@@ -312,7 +323,7 @@ impl Conversations {
         } else if self.answered.contains(&key) {
             turn.reference = if connection.is_told { Reference::Answered } else { Reference::Unclear };
         } else {
-            let named = self.sent.get_mut(&(state.serial, refs.to_owned())).copied();
+            let named = self.sent.get_mut(state.serial, refs).copied();
             turn.reference = match named {
                 // A message can't be about itself either, but that is no notification.
                 Some(true) if is_certain => Reference::Notification,
@@ -342,8 +353,7 @@ impl Conversations {
         // That a message names one twice is another matter.
         let receipts = receipts.into_iter().filter(|receipt| seen.insert(receipt.clone()));
         for receipt in receipts.take(MAX_RECEIPTS).filter(|receipt| receipt.len() <= MAX_ID) {
-            let key = (serial, receipt.clone());
-            let before = self.operations.remove(&key);
+            let before = self.operations.remove(serial, &receipt);
             let stage = match &before {
                 None if is_known => Stage::Early,
                 Some(Operation { stage: Stage::Early, .. }) => Stage::Early,
@@ -356,7 +366,7 @@ impl Conversations {
             let of = before.clone().unwrap_or_default();
             let was_suspended = of.was_suspended || is_suspended || !is_known;
             let size = receipt.len() + of.type_name.as_ref().map_or(0, String::len);
-            self.operations.insert(key, Operation { stage, was_suspended, ..of }, size);
+            self.operations.insert(serial, &receipt, Operation { stage, was_suspended, ..of }, size);
             turn.operations.push(Named { receipt, before, is_known });
         }
     }
@@ -365,10 +375,10 @@ impl Conversations {
     fn send(&mut self, turn: &mut Turn<'_>, is_notification: bool) {
         let connection = turn.exchange.connection;
         let Some(id) = turn.id.filter(|id| id.len() <= MAX_ID) else { return };
-        let key = (self.states[connection.index].serial, id.to_owned());
-        turn.is_id_in_use = connection.is_told && self.sent.contains(&key);
+        let serial = self.states[connection.index].serial;
+        turn.is_id_in_use = connection.is_told && self.sent.contains(serial, id);
         if !turn.is_id_in_use {
-            self.sent.insert(key, is_notification, id.len());
+            self.sent.insert(serial, id, is_notification, id.len());
         }
     }
 
@@ -383,12 +393,11 @@ impl Conversations {
         };
         let serial = self.states[turn.exchange.connection.index].serial;
         for receipt in receipts.into_iter().take(MAX_RECEIPTS).filter(|receipt| receipt.len() <= MAX_ID) {
-            let key = (serial, receipt.clone());
-            let before = self.operations.remove(&key);
+            let before = self.operations.remove(serial, &receipt);
             let type_name = turn.type_name.map(str::to_owned);
             let size = receipt.len() + type_name.as_ref().map_or(0, String::len);
             let operation = Operation { type_name, stage: Stage::Open, was_suspended: false };
-            self.operations.insert(key, operation, size);
+            self.operations.insert(serial, &receipt, operation, size);
             turn.opened.push(Named { receipt, before, is_known: turn.exchange.connection.is_told });
         }
     }
@@ -400,7 +409,7 @@ impl Conversations {
         }
         let serial = self.states[turn.exchange.connection.index].serial;
         for receipt in strings(turn.field("success")).unwrap_or_default() {
-            let operation = self.operations.get_mut(&(serial, receipt.clone()));
+            let operation = self.operations.get_mut(serial, &receipt);
             let before = operation.as_deref().cloned();
             // It may have been suspended only after it was asked.
             if let Some(operation) = operation.filter(|known| known.stage == Stage::Suspended) {
@@ -427,12 +436,12 @@ impl Conversations {
 }
 
 /// What a client resumes or cancels needn't wait any more.
-fn release(operations: &mut Remembered<Key, Operation>, serial: u64, asked: &Asked) {
+fn release(operations: &mut Ids<Operation>, serial: u64, asked: &Asked) {
     if !matches!(asked.type_name.as_deref(), Some("ASYNC-RESUME" | "ASYNC-CANCEL")) {
         return;
     }
     for receipt in asked.objects.iter().flatten() {
-        if let Some(operation) = operations.get_mut(&(serial, receipt.clone()))
+        if let Some(operation) = operations.get_mut(serial, receipt)
             && operation.stage == Stage::Suspended
         {
             operation.stage = Stage::Released;

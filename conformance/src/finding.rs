@@ -115,6 +115,19 @@ impl Findings {
         }
     }
 
+    /// Whether a further finding of a rule in `subject` would only be counted: there are examples enough.
+    pub(crate) fn has_examples(&self, rule: &Rule, subject: &str) -> bool {
+        let group = self.groups.get(&(rule.id, subject.to_owned()));
+        group.is_some_and(|group| group.examples.len() == MAX_EXAMPLES)
+    }
+
+    /// Counts so many more findings of a rule in `subject`, of which there are examples enough.
+    pub(crate) fn count(&mut self, rule: &Rule, subject: &str, times: u64) {
+        if let Some(group) = self.groups.get_mut(&(rule.id, subject.to_owned())) {
+            group.count += times;
+        }
+    }
+
     /// All groups, by rule and subject.
     pub fn groups(&self) -> impl Iterator<Item = &Group> {
         self.groups.values()

@@ -8,6 +8,7 @@
 //! disagree, and a test with random damage holds them to it.
 
 mod clean;
+mod cursor;
 mod dialect;
 mod explain;
 mod plan;
@@ -18,6 +19,7 @@ mod tree;
 mod value;
 
 pub(crate) use self::clean::{Clean, MessageSeed};
+pub(crate) use self::cursor::{Cursor, Key, Token};
 pub use self::dialect::{Dialect, Dialects};
 pub use self::explain::Told;
 pub use self::plan::Plans;

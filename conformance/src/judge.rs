@@ -88,6 +88,8 @@ struct Course<'d> {
     definitions: &'d Definitions,
     findings: Findings,
     followers: Vec<Follower>,
+    /// Indices of those that don't judge reports on UAVs by what these say alone.
+    around: Vec<usize>,
     /// By the index of a channel.
     channels: Vec<Followed>,
     conversations: Conversations,
@@ -140,15 +142,21 @@ impl<'d> Course<'d> {
         let followers = RULES.iter().filter_map(|rule| {
             let checker: Box<dyn Checker> = match rule.check {
                 Check::State(start) => start(),
-                Check::Exchange(judge) => Box::new(EachExchange(judge)),
+                Check::Exchange(judge) | Check::Context(judge) => Box::new(EachExchange(judge)),
                 Check::Value | Check::Source => return None,
             };
             Some(Follower { rule, checker, exercised: 0 })
         });
+        let followers: Vec<Follower> = followers.collect();
+        let looks_around = |follower: &Follower| {
+            follower.rule.is_on_flockwave() && !matches!(follower.rule.check, Check::Exchange(_))
+        };
+        let around = (0..followers.len()).filter(|at| looks_around(&followers[*at])).collect();
         Self {
             definitions,
             findings: Findings::default(),
-            followers: followers.collect(),
+            followers,
+            around,
             channels: Vec::new(),
             conversations: Conversations::default(),
             records: 0,
@@ -214,6 +222,16 @@ impl<'d> Course<'d> {
     fn exchanged(&mut self, exchange: &Exchange<'_>) {
         let turn = self.conversations.follow(exchange, self.definitions);
         self.tell(&turn);
+    }
+
+    /// The same, of a report on UAVs that rules have judged already which go by what it says alone.
+    fn reported(&mut self, exchange: &Exchange<'_>) {
+        let turn = self.conversations.follow_told(exchange);
+        for at in &self.around {
+            self.followers[*at].judge(self.definitions, &mut self.findings, |checker, judged| {
+                checker.exchanged(&turn, judged);
+            });
+        }
     }
 
     /// A connection, or all that is known of it, comes to its end, and perhaps it is known why.

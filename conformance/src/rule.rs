@@ -393,10 +393,15 @@ pub enum Check {
     Value,
     /// Whoever reads the source, since what breaks it can't be read as anything.
     Source,
-    /// A state that follows the records of a source.
+    /// A state that follows the records of a source. Of the states in reports on UAVs it is but the ids and timestamps that it
+    /// looks at.
     State(fn() -> Box<dyn Checker>),
-    /// What a conversation knows of each exchange.
+    /// What a conversation knows of each exchange. A report on UAVs, which is about no other message, is judged by what it
+    /// says alone.
     Exchange(fn(&Turn<'_>, &mut Judged<'_>)),
+    /// The same; and of reports on UAVs it counts when they come, over which connection, and after what. Of the states in
+    /// them it is but the ids and timestamps that count.
+    Context(fn(&Turn<'_>, &mut Judged<'_>)),
 }
 
 /// A source that breaks a rule: a small change of one that conforms.

@@ -8,6 +8,7 @@ mod bodies;
 mod check;
 mod compile;
 mod defined;
+mod plain;
 mod schemas;
 mod told;
 
@@ -16,6 +17,7 @@ use std::fmt::Write as _;
 use uavspec_codegen::source::Span;
 
 pub use self::bodies::Shapes;
+pub(crate) use self::plain::Members;
 pub use self::schemas::{SchemaError, Schemas};
 use crate::json::Tree;
 

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, VecDeque};
 
 /// What an entry takes beside its contents, in bytes; a rough guess.
-const OVERHEAD: usize = 128;
+pub(super) const OVERHEAD: usize = 128;
 
 /// Values by key, of which the oldest are forgotten where they would take too much room.
 #[derive(Debug)]
@@ -40,10 +40,6 @@ impl<K: Clone + Ord, V> Remembered<K, V> {
     /// Whether something was forgotten for lack of room.
     pub(crate) fn has_forgotten(&self) -> bool {
         self.has_forgotten
-    }
-
-    pub(crate) fn get_mut(&mut self, key: &K) -> Option<&mut V> {
-        self.values.get_mut(key).map(|entry| &mut entry.value)
     }
 
     pub(crate) fn contains(&self, key: &K) -> bool {

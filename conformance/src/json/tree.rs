@@ -103,6 +103,19 @@ pub(super) fn shortened(text: &str) -> Cow<'_, str> {
     }
 }
 
+/// An integer that fits in 64 bits for certain, by how many digits it has.
+fn plain_integer(written: &[u8]) -> Option<i64> {
+    let digits = written.strip_prefix(b"-").unwrap_or(written);
+    // -0 is a float, and nothing may stand behind a leading 0.
+    let is_plain = match digits {
+        [b'0'] => written.len() == 1,
+        [b'1'..=b'9', rest @ ..] => rest.len() < 18 && rest.iter().all(u8::is_ascii_digit),
+        _ => false,
+    };
+    let value = || digits.iter().fold(0, |value, digit| value * 10 + i64::from(digit - b'0'));
+    is_plain.then(|| if written.len() > digits.len() { -value() } else { value() })
+}
+
 struct Parser<'t> {
     text: &'t str,
     at: usize,
@@ -197,6 +210,7 @@ impl<'t> Parser<'t> {
     fn string(&mut self) -> Result<Cow<'t, str>, SyntaxError> {
         let start = self.at;
         let mut end = start + 1;
+        let mut is_escaped = false;
         loop {
             let Some(found) = memchr::memchr2(b'"', b'\\', &self.text.as_bytes()[end.min(self.text.len())..])
             else {
@@ -208,9 +222,15 @@ impl<'t> Parser<'t> {
                 break;
             }
             // What is escaped, which may be a quotation mark.
+            is_escaped = true;
             end += 1;
         }
         let written = &self.text[start..end];
+        let is_control = |byte: u8| byte < b' ';
+        if !is_escaped && !written.bytes().any(is_control) {
+            self.at = end;
+            return Ok(Cow::Borrowed(&written[1..written.len() - 1]));
+        }
         let read = serde_json::from_str::<&str>(written).map(Cow::Borrowed);
         let read = read.or_else(|_| serde_json::from_str::<String>(written).map(Cow::Owned));
         let read = read.map_err(|_| self.error("a string with a control character or a wrong escape"))?;
@@ -222,6 +242,10 @@ impl<'t> Parser<'t> {
         let is_part = |byte: &&u8| matches!(byte, b'-' | b'+' | b'.' | b'0'..=b'9' | b'e' | b'E');
         let length = self.rest().iter().take_while(is_part).count();
         let written = &self.text[self.at..self.at + length];
+        if let Some(value) = plain_integer(written.as_bytes()) {
+            self.at += length;
+            return Ok(Tree::Int(value.into()));
+        }
         let tree = match serde_json::from_str::<serde_json::Number>(written) {
             Ok(number) => match (number.as_u64(), number.as_i64(), number.as_f64()) {
                 (Some(value), ..) => Tree::Int(value.into()),

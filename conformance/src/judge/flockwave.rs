@@ -8,8 +8,11 @@
 //! beginning of a connection `"url"`; and at its end `"why"`, which is `"client"` where that ended it. Other members say
 //! nothing here.
 
+mod reports;
+
 use std::collections::{BTreeMap, HashMap};
 
+use self::reports::{Report, Reports};
 use super::{Course, Judgement, Source};
 use uavspec_codegen::schema::json_type;
 
@@ -83,10 +86,13 @@ fn is_message(tree: &Tree<'_>) -> bool {
 pub struct FlockwaveJudge<'d> {
     pub(super) course: Course<'d>,
     source: FlockwaveSource,
+    reports: Reports<'d>,
     /// The number of each connection, by its name.
     connections: HashMap<String, usize>,
     /// The names, by number.
     names: Vec<String>,
+    /// The number of the one that something went over last.
+    latest: usize,
 }
 
 /// Something that goes over a connection, or happens to it.
@@ -106,6 +112,8 @@ struct Happening<'h> {
 #[derive(Clone, Copy)]
 enum Content<'c> {
     Message(&'c Tree<'c>),
+    /// What is left to follow of a report of which there is nothing new to be told.
+    Report(&'c Tree<'c>),
     /// What is no JSON.
     Raw,
     Event,
@@ -118,16 +126,48 @@ impl<'d> FlockwaveJudge<'d> {
     }
 
     pub(super) fn new(course: Course<'d>) -> Self {
-        let source = FlockwaveSource::default();
-        Self { course, source, connections: HashMap::new(), names: Vec::new() }
+        let (source, reports) = (FlockwaveSource::default(), Reports::of(course.definitions));
+        Self { course, source, reports, connections: HashMap::new(), names: Vec::new(), latest: 0 }
+    }
+
+    /// The same, which shows each line to each rule. It takes several times as long and comes to the same, which tests see
+    /// by it.
+    #[must_use]
+    pub fn thorough(self) -> Self {
+        Self { reports: Reports::none(self.course.definitions), ..self }
+    }
+
+    /// How many lines were seen at once to be reports on UAVs of which there is nothing new to be told.
+    pub fn seen_at_once(&self) -> u64 {
+        self.reports.seen()
     }
 
     /// Judges a line of a recording, or a bare message.
     pub fn line(&mut self, bytes: &[u8], line: u64, is_last: bool) {
         let place = Place::Line(line);
-        if let Err(problem) = self.read(bytes, place, is_last) {
+        let done = match self.reports.read(bytes, &self.course.findings) {
+            Some(report) => self.report(&report, place),
+            None => self.read(bytes, place, is_last),
+        };
+        if let Err(problem) = done {
             self.course.damage(place, problem);
         }
+    }
+
+    /// A line that is a report of which there is nothing new to be told.
+    fn report(&mut self, report: &Report<'_>, place: Place) -> Result<(), String> {
+        let happening = Happening {
+            name: Some(report.name),
+            direction: Direction::In,
+            time: Some(report.time).filter(|time| is_believed(*time)),
+            content: Content::Report(&report.message),
+            text: report.text,
+            trial: None,
+            note: None,
+        };
+        self.exchange(&happening, place)?;
+        self.reports.count(report);
+        Ok(())
     }
 
     fn read(&mut self, bytes: &[u8], place: Place, is_last: bool) -> Result<(), String> {
@@ -168,8 +208,7 @@ impl<'d> FlockwaveJudge<'d> {
             Some(Tree::Float(value, _)) => Some(*value),
             _ => None,
         };
-        // What lies far beyond isn't in seconds, and may be in anything.
-        let time = time.filter(|time| (0.0..MAX_TIME).contains(time));
+        let time = time.filter(|time| is_believed(*time));
         let direction = match tree.get("dir").and_then(Tree::as_str) {
             Some("in") => Direction::In,
             Some("out") => Direction::Out,
@@ -214,18 +253,30 @@ impl<'d> FlockwaveJudge<'d> {
         let index = self.connection(name.unwrap_or_default())?;
         let name_kept = std::mem::take(&mut self.names[index]);
         let connection = Connection { index, name: &name_kept, is_told: name.is_some_and(is_ordered) };
-        let value = if let Content::Message(value) = content { Some(value) } else { None };
+        let value = match content {
+            Content::Message(value) | Content::Report(value) => Some(value),
+            Content::Raw | Content::Event => None,
+        };
         let exchange = Exchange { connection, direction, time, text, value, trial, note, place };
         self.happen(&exchange);
         self.count(&exchange);
-        self.course.exchanged(&exchange);
+        if matches!(content, Content::Report(_)) {
+            self.course.reported(&exchange);
+        } else {
+            self.course.exchanged(&exchange);
+        }
         self.names[index] = name_kept;
         Ok(())
     }
 
     /// The number of a connection.
     fn connection(&mut self, name: &str) -> Result<usize, String> {
+        // Most messages go over the connection that the one before went over.
+        if self.names.get(self.latest).is_some_and(|latest| latest == name) {
+            return Ok(self.latest);
+        }
         if let Some(index) = self.connections.get(name) {
+            self.latest = *index;
             return Ok(*index);
         }
         if name.len() > MAX_NAME {
@@ -279,10 +330,13 @@ impl<'d> FlockwaveJudge<'d> {
         let is_known = self.course.definitions.is_message_known(name);
         self.course.judged += u64::from(is_of_server && is_known);
         let types = if is_known { &mut source.types } else { &mut source.unknown };
-        if name.len() > MAX_NAME || (types.len() >= MAX_TYPES && !types.contains_key(name)) {
-            return source.uncounted += 1;
+        if !types.contains_key(name) {
+            if name.len() > MAX_NAME || types.len() >= MAX_TYPES {
+                return source.uncounted += 1;
+            }
+            types.insert(name.to_owned(), TypeCount::default());
         }
-        let count = types.entry(name.to_owned()).or_default();
+        let Some(count) = types.get_mut(name) else { return };
         *(if is_of_server { &mut count.incoming } else { &mut count.out }) += 1;
     }
 
@@ -292,8 +346,14 @@ impl<'d> FlockwaveJudge<'d> {
             let is_told = !name.is_empty() && is_ordered(name);
             self.course.disconnected(Connection { index, name, is_told }, None);
         }
+        self.reports.tell(&mut self.course.findings);
         self.course.finish(bytes, Source::Flockwave(self.source))
     }
+}
+
+/// Whether a time can be one. What lies far beyond isn't in seconds, and may be in anything.
+fn is_believed(time: f64) -> bool {
+    (0.0..MAX_TIME).contains(&time)
 }
 
 /// Whether messages come as they were sent over a connection of this name. Those of UDP are called `udp` or begin so; and

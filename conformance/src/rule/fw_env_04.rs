@@ -10,7 +10,7 @@ pub(super) static RULE: Rule = Rule {
     statement: "No two responses and notifications of a connection have the same id.",
     source: fw::GENERAL,
     applies_to: "messages of the server over time",
-    check: Check::Exchange(judge),
+    check: Check::Context(judge),
     mutants: &[Mutant {
         name: "a response has the id of the one before",
         make: |_| fw::reply_message("ACK-ACK", |message| message["id"] = "say-1".into()),

@@ -38,6 +38,9 @@ pub(super) static RULE: Rule = Rule {
     ],
 };
 
+/// How many keys are few.
+const FEW: usize = 16;
+
 fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
     let Some(message) = turn.message() else { return };
     judged.exercise();
@@ -56,8 +59,14 @@ fn loose(value: &Tree<'_>) -> Option<(String, String)> {
         }
         Tree::Object(members) => {
             let mut seen = HashSet::new();
-            members.iter().find_map(|(key, value)| {
-                if !seen.insert(key.as_ref()) {
+            members.iter().enumerate().find_map(|(at, (key, value))| {
+                // A few keys are sooner compared with each other than put into a set.
+                let is_repeated = if members.len() <= FEW {
+                    members[..at].iter().any(|(other, _)| other == key)
+                } else {
+                    !seen.insert(key.as_ref())
+                };
+                if is_repeated {
                     return Some((String::new(), format!("the key {} stands there twice", fw::quoted(key))));
                 }
                 Some(below(key, loose(value)?))

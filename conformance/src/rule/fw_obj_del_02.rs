@@ -4,7 +4,7 @@ use serde_json::json;
 
 use super::fw::{self, Tree, Turn};
 use super::{Check, Checker, Detail, Judged, Level, Mutant, Place, Rule, Status};
-use crate::conversation::remembered::Remembered;
+use crate::conversation::ids::Ids;
 
 pub(super) static RULE: Rule = Rule {
     id: "FW-OBJ-DEL-02",
@@ -32,11 +32,11 @@ const LIMIT: usize = 1 << 20;
 const MAX_ID: usize = 256;
 
 /// The objects that are gone, each by its connection and id.
-struct Gone(Remembered<(u64, String), ()>);
+struct Gone(Ids<()>);
 
 impl Default for Gone {
     fn default() -> Self {
-        Self(Remembered::new(LIMIT))
+        Self(Ids::new(LIMIT))
     }
 }
 
@@ -46,18 +46,18 @@ impl Checker for Gone {
             return;
         }
         for (id, _) in fw::members(turn, "status") {
-            self.0.remove(&(turn.serial, id.to_string()));
+            self.0.remove(turn.serial, id);
         }
         let ids = match turn.field("ids") {
             Some(Tree::List(ids)) => ids.iter().filter_map(Tree::as_str).filter(|id| id.len() <= MAX_ID),
             _ => return,
         };
         match turn.type_name {
-            Some("OBJ-DEL") => ids.for_each(|id| self.0.insert((turn.serial, id.to_owned()), (), id.len())),
+            Some("OBJ-DEL") => ids.for_each(|id| self.0.insert(turn.serial, id, (), id.len())),
             Some("OBJ-LIST" | "UAV-LIST") => {
                 judged.exercise();
                 let mut ids = ids;
-                if let Some(id) = ids.find(|id| self.0.contains(&(turn.serial, (*id).to_owned()))) {
+                if let Some(id) = ids.find(|id| self.0.contains(turn.serial, id)) {
                     turn.breaks(judged, || {
                         Detail::new(format!(
                             "{} is listed, and OBJ-DEL has said that it is gone",

@@ -2,7 +2,7 @@
 
 use super::fw::{self, Tree, Turn};
 use super::{Check, Checker, Detail, Judged, Level, Mutant, Rule, Status};
-use crate::conversation::remembered::Remembered;
+use crate::conversation::ids::Ids;
 use crate::shape::pointer;
 
 pub(super) static RULE: Rule = Rule {
@@ -27,11 +27,11 @@ const LIMIT: usize = 4 << 20;
 const MAX_ID: usize = 256;
 
 /// The latest timestamp of each UAV, by its connection and id.
-struct Latest(Remembered<(u64, String), i128>);
+struct Latest(Ids<i128>);
 
 impl Default for Latest {
     fn default() -> Self {
-        Self(Remembered::new(LIMIT))
+        Self(Ids::new(LIMIT))
     }
 }
 
@@ -45,10 +45,9 @@ impl Checker for Latest {
             if uav.len() > MAX_ID {
                 continue;
             }
-            let key = (turn.serial, uav.to_string());
             judged.exercise();
-            match self.0.get_mut(&key) {
-                None => self.0.insert(key, *now, uav.len()),
+            match self.0.get_mut(turn.serial, uav) {
+                None => self.0.insert(turn.serial, uav, *now, uav.len()),
                 Some(latest) => {
                     let before = std::mem::replace(latest, *now);
                     if *now < before {

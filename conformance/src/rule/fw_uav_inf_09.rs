@@ -14,7 +14,7 @@ pub(super) static RULE: Rule = Rule {
     statement: "The timestamp of a UAV isn't after the time of the server.",
     source: fw::DERIVED,
     applies_to: "UAV-INF over time",
-    check: Check::Exchange(judge),
+    check: Check::Context(judge),
     mutants: &[Mutant {
         name: "a state of tomorrow",
         make: |_| fw::state(|kite| kite["timestamp"] = 1_790_086_400_000_u64.into()),

@@ -10,7 +10,7 @@ pub(super) static RULE: Rule = Rule {
     statement: "Over UDP each datagram holds one message.",
     source: fw::TRANSPORT,
     applies_to: "messages of the server on connections whose name begins with `udp`",
-    check: Check::Exchange(judge),
+    check: Check::Context(judge),
     mutants: &[Mutant {
         name: "two messages in a datagram",
         make: |_| {

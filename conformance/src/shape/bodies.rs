@@ -81,7 +81,7 @@ impl Shapes {
         Some(check::first(self, self.named.get(name)?, value))
     }
 
-    fn body(&self, type_name: &str, direction: Direction) -> Option<&Body> {
+    pub(super) fn body(&self, type_name: &str, direction: Direction) -> Option<&Body> {
         self.messages.get(type_name)?[direction as usize].as_ref()
     }
 }

@@ -322,7 +322,8 @@ fn others(object: &Object) -> String {
     format!("no field but {names}{more}")
 }
 
-fn fits(shape: &Text, text: &str) -> bool {
+/// Whether a string has a shape.
+pub(super) fn fits(shape: &Text, text: &str) -> bool {
     let is_any = shape.length == super::defined::Length::ANY;
     (is_any || shape.length.holds(text.chars().count()))
         && shape.patterns.iter().all(|pattern| pattern.is_match(text))

@@ -180,7 +180,7 @@ impl Pattern {
     /// Whether a text matches.
     pub(super) fn is_match(&self, text: &str) -> bool {
         match &self.test {
-            Test::Without(excluded) => !text.is_empty() && !text.contains(&excluded[..]),
+            Test::Without(excluded) => !text.is_empty() && !excluded.iter().any(|one| text.contains(*one)),
             Test::Regex(regex) => regex.is_match(text),
         }
     }
