@@ -340,7 +340,7 @@ fn any_number_of_kinds_comes_to_the_same() {
         let message =
             json!({ "$fw.version": format!("1.{}", code / 2), "id": format!("say-{code}"), "body": body });
         let line = json!({ "t": 1_790_000_000.5, "conn": "tcp#1", "dir": "in", "msg": message });
-        text += &format!("{line}\n");
+        text.extend([line.to_string().as_str(), "\n"]);
     }
     assert!(compare(text.as_bytes(), &definitions) > 0);
 }
