@@ -349,26 +349,37 @@ impl Probe<'_, '_> {
         let Some(session) = session else { return false };
         self.session = Some(session);
         self.log_in();
-        let patience = self.patience();
         let Some(mut session) = self.session.take() else { return false };
+        self.carry_out(&mut session, steps, trial);
+        let is_answered = !session.is_waiting();
+        session.close(&mut self.tape);
+        // What comes next would say nothing of a server that is dead already.
+        if is_answered || self.is_alive() {
+            return true;
+        }
+        self.fail(format!("it answers nothing any more, after a trial of {}: {how}", rule.id));
+        false
+    }
+
+    /// Does what an attempt consists of, and waits for all answers.
+    fn carry_out(&mut self, session: &mut Session, steps: &[Step], trial: Trial<'_>) {
+        let grace = GRACE.max(self.slowest * 4);
         for (at, step) in steps.iter().enumerate() {
-            if at > 0 {
-                // What goes before has its effect, and its answer, before the next message comes.
-                if session.is_waiting() {
-                    session.settle(&mut self.tape, Instant::now() + GRACE.max(self.slowest * 4));
-                } else {
-                    thread::sleep(APART);
-                }
+            // What goes before has its effect, and its answer, before the next message comes.
+            match at {
+                0 => {}
+                _ if session.is_waiting() => session.settle(&mut self.tape, Instant::now() + grace),
+                _ => thread::sleep(APART),
             }
-            perform(&mut session, &mut self.tape, step, trial);
+            perform(session, &mut self.tape, step, trial);
         }
         let last = steps.last().and_then(Step::id);
-        let mut until = (Instant::now() + patience).min(self.end + patience);
+        let mut until = Instant::now() + self.patience();
         let mut is_last_answered = false;
-        while session.is_waiting() && !session.is_over() && session.hear(&mut self.tape, until).is_some() {
+        while session.is_waiting() && session.hear(&mut self.tape, until).is_some() {
             if !is_last_answered && last.is_some_and(|id| !session.waits_for(id)) {
                 is_last_answered = true;
-                until = until.min(Instant::now() + GRACE.max(self.slowest * 4));
+                until = until.min(Instant::now() + grace);
             }
             if Instant::now() >= until {
                 break;
@@ -377,8 +388,17 @@ impl Probe<'_, '_> {
         if session.is_waiting() && !session.is_over() && !is_last_answered {
             self.silences += 1;
         }
-        session.close(&mut self.tape);
-        true
+    }
+
+    /// Whether the server still serves others.
+    fn is_alive(&mut self) -> bool {
+        self.session = self.reopen(None);
+        self.log_in();
+        let answer = self.post(&json!({ "type": "SYS-VER" }), None, Instant::now() + PATIENCE);
+        if let Some(session) = self.session.take() {
+            session.close(&mut self.tape);
+        }
+        answer.is_some()
     }
 
     /// How long an answer is waited for.

@@ -262,6 +262,28 @@ fn each_weakness_of_a_server_over_tcp_is_named_once() {
     assert_eq!(of("FW-TCP-04"), []);
 }
 
+#[test]
+fn a_server_that_a_trial_kills_is_accused_of_that_alone() {
+    let is_dead = Arc::new(Mutex::new(false));
+    let url = served(move |stream, _| {
+        let mut number = 0;
+        segments(&stream, |segment| {
+            let mut is_dead = is_dead.lock().unwrap_or_else(PoisonError::into_inner);
+            *is_dead |= segment.starts_with(b"the wind turns");
+            let answers = segment.split(|byte| *byte == b'\n').filter_map(|line| answer(line, &mut number));
+            let answers: String = answers.collect();
+            *is_dead || (&stream).write_all(answers.as_bytes()).is_ok()
+        });
+    });
+    let probed = probed(&url, &Options { limit: Duration::from_secs(45), ..brief() });
+    let failure = probed.failure.as_deref().expect("a reason");
+    assert!(failure.starts_with("it answers nothing any more, after a trial of FW-TCP-03"), "{failure}");
+    let of_trials = trials(&probed).into_iter().filter(|found| found.0.starts_with("FW-TCP"));
+    // This server doesn't wait for the rest of a message either.
+    let rules: BTreeSet<&str> = of_trials.map(|found| found.0).collect();
+    assert_eq!(rules, BTreeSet::from(["FW-TCP-02", "FW-TCP-03", "FW-TCP-04"]));
+}
+
 /// Runs the program; its exit status, what it printed, and what it said besides.
 fn uavspec(arguments: &[&str]) -> (Option<i32>, String, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_uavspec")).args(arguments).output().expect("it runs");
