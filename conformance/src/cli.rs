@@ -17,7 +17,7 @@ mod test;
 mod testee;
 mod watch;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand, ValueEnum};
@@ -25,6 +25,7 @@ use clap::{Parser, Subcommand, ValueEnum};
 use self::report::ReportArgs;
 use crate::definitions::Definitions;
 use crate::report::{Outcome, Report, command_line};
+use crate::shape::Schemas;
 
 /// Judges outputs of drone software by the specification.
 #[derive(Debug, Parser)]
@@ -140,4 +141,14 @@ fn definitions(path: Option<&Path>) -> Result<Definitions, Status> {
         anstream::eprintln!("{failure}");
         Status::Usage
     })
+}
+
+/// The same, with JSON Schemas for bodies of Flockwave that they don't have.
+fn definitions_with(path: Option<&Path>, schemas: &[PathBuf]) -> Result<Definitions, Status> {
+    let definitions = definitions(path)?;
+    let schemas = Schemas::load(schemas).map_err(|error| {
+        anstream::eprintln!("error: {error}");
+        Status::Usage
+    })?;
+    Ok(definitions.with_schemas(schemas))
 }

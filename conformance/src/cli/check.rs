@@ -19,7 +19,6 @@ use crate::input;
 use crate::judge;
 use crate::parallel;
 use crate::report::{Action, Judged, Kind, Report, Settings, Subject, Unreadable, subject_text};
-use crate::shape::Schemas;
 
 /// Arguments of `check`.
 #[derive(Args, Debug)]
@@ -94,16 +93,9 @@ pub(super) fn check(args: &CheckArgs) -> Status {
         anstream::eprintln!("error: {problem}");
         return Status::Usage;
     }
-    let definitions = match super::definitions(args.definitions.as_deref()) {
+    let definitions = match super::definitions_with(args.definitions.as_deref(), &args.schemas) {
         Ok(definitions) => definitions,
         Err(status) => return status,
-    };
-    let definitions = match Schemas::load(&args.schemas) {
-        Ok(schemas) => definitions.with_schemas(schemas),
-        Err(error) => {
-            anstream::eprintln!("error: {error}");
-            return Status::Usage;
-        }
     };
     let required = match args.require.rules() {
         Ok(rules) => rules,

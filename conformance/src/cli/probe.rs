@@ -62,6 +62,9 @@ pub(super) struct ProbeArgs {
     /// What to judge by: a uavspec.toml, or a folder with one; the definitions of this program, where nothing is said.
     #[arg(long, value_name = "PATH")]
     definitions: Option<PathBuf>,
+    /// A folder of JSON Schemas for bodies whose types the definitions don't have, as `check` takes them.
+    #[arg(long = "schema", value_name = "DIR")]
+    schemas: Vec<PathBuf>,
     #[command(flatten)]
     require: RequireArgs,
     #[command(flatten)]
@@ -81,7 +84,7 @@ fn prepared(args: &ProbeArgs) -> Result<Status, Status> {
         anstream::eprintln!("error: {problem}");
         return Err(Status::Usage);
     }
-    let definitions = super::definitions(args.definitions.as_deref())?;
+    let definitions = super::definitions_with(args.definitions.as_deref(), &args.schemas)?;
     let required = args.require.rules()?;
     let mut known = args.known.read()?;
     let record = recording(args)?;
