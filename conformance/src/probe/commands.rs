@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use super::Probe;
+use super::survey::{NOBODY, with_nobody};
 
 /// How many steps there are, more or less.
 pub(super) const STEPS: usize = 25;
@@ -27,9 +28,6 @@ const FLIGHT: Duration = Duration::from_secs(1);
 
 /// The height at which UAVs fly to where they are, in mm above home.
 const HEIGHT: u32 = 10_000;
-
-/// The receipt of no operation.
-const NOBODY: &str = "nobody-knows-this";
 
 impl Probe<'_, '_> {
     /// Sends commands to those of these UAVs that the caller named.
@@ -132,21 +130,8 @@ impl Probe<'_, '_> {
     /// Waits for a message.
     fn wait(&mut self, time: Duration, is_wanted: impl Fn(&Value) -> bool) -> Option<Value> {
         let until = Instant::now() + time.min(self.left());
-        let session = self.session.as_mut()?;
-        while let Some(message) = session.hear(&mut self.tape, until) {
-            if is_wanted(&message) {
-                return Some(message);
-            }
-            if Instant::now() >= until {
-                break;
-            }
-        }
-        None
+        self.session.as_mut()?.find(&mut self.tape, until, is_wanted)
     }
-}
-
-fn with_nobody(uavs: &[String]) -> Vec<&str> {
-    uavs.iter().map(String::as_str).chain([NOBODY]).collect()
 }
 
 /// The first receipt of an answer.

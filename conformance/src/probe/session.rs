@@ -160,8 +160,18 @@ impl Session {
 
     /// Waits for the answer to a request.
     pub(super) fn answer(&mut self, tape: &mut Tape<'_>, id: &str, until: Instant) -> Option<Value> {
+        self.find(tape, until, |message| message["refs"] == id)
+    }
+
+    /// Waits for a message that is wanted.
+    pub(super) fn find(
+        &mut self,
+        tape: &mut Tape<'_>,
+        until: Instant,
+        is_wanted: impl Fn(&Value) -> bool,
+    ) -> Option<Value> {
         while let Some(message) = self.hear(tape, until) {
-            if message["refs"] == id {
+            if is_wanted(&message) {
                 return Some(message);
             }
             // Who says enough else must not keep anybody waiting.

@@ -13,7 +13,7 @@ use crate::rule::rule;
 pub(super) const STEPS: usize = 70;
 
 /// An id that no object has.
-const NOBODY: &str = "nobody-knows-this";
+pub(super) const NOBODY: &str = "nobody-knows-this";
 
 /// A type that no message has.
 const NOTHING: &str = "PROBE-NONE";
@@ -204,7 +204,7 @@ fn strings(list: Option<&Value>) -> Vec<String> {
 }
 
 /// Some of these ids, and one that nobody has.
-fn with_nobody(ids: &[String]) -> Vec<&str> {
+pub(super) fn with_nobody(ids: &[String]) -> Vec<&str> {
     ids.iter().take(MAX_OBJECTS).map(String::as_str).chain([NOBODY]).collect()
 }
 
