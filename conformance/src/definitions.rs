@@ -5,7 +5,6 @@ use std::fmt;
 use std::path::Path;
 use std::sync::OnceLock;
 
-use include_dir::{Dir, include_dir};
 use uavspec_codegen::cli::{Failure, read_definitions};
 use uavspec_codegen::dynamic::Types;
 use uavspec_codegen::msg::Dialect;
@@ -13,12 +12,10 @@ use uavspec_codegen::schema::json_type::Direction;
 use uavspec_codegen::schema::{Form, MessageId, Schema};
 use uavspec_codegen::source::Span;
 use uavspec_codegen::{PackageInput, SourceMap, read};
+use uavspec_definitions::{Dir, FLOCKWAVE, PX4};
 
 use crate::json::Tree;
 use crate::shape::{Deviation, Schemas, Shapes};
-
-/// The definitions of this repository, which the program carries along.
-static BUILT_IN: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../definitions");
 
 /// Definitions, with what is looked up in them for each record.
 #[derive(Debug)]
@@ -55,16 +52,17 @@ impl Definitions {
     /// Those that the program carries along.
     pub fn built_in() -> Self {
         let mut sources = SourceMap::default();
-        let mut package = |name: &str, form| {
-            let mut files: Vec<_> = BUILT_IN.get_dir(name).into_iter().flat_map(Dir::files).collect();
+        let mut package = |name: &str, form, folder: &Dir<'_>| {
+            let mut files: Vec<_> = folder.files().collect();
             files.sort_by_key(|file| file.path());
             let ids = files.into_iter().filter_map(|file| {
-                let path = format!("definitions/{}", file.path().display());
+                let path = format!("definitions/{name}/{}", file.path().display());
                 sources.add(path, file.contents().to_vec()).ok()
             });
             PackageInput::new(name, form, ids.collect())
         };
-        let packages = [package("px4", Form::Msg(Dialect::Px4)), package("flockwave", Form::Table)];
+        let packages =
+            [package("px4", Form::Msg(Dialect::Px4), &PX4), package("flockwave", Form::Table, &FLOCKWAVE)];
         // They are read without a mistake whenever this repository is tested.
         let (schema, _) = read(&sources, &packages);
         Self::new(format!("the definitions of uavspec {}", env!("CARGO_PKG_VERSION")), sources, schema)

@@ -1,0 +1,20 @@
+//! The definitions of uavspec as files that a program carries along, so that it needs none beside it.
+//!
+//! ```
+//! use uavspec_definitions::PX4;
+//!
+//! let flags = PX4.get_file("FailsafeFlags.msg").and_then(|file| file.contents_utf8());
+//! assert!(flags.is_some_and(|text| text.contains("bool geofence_breached")));
+//! ```
+
+#![no_std]
+
+pub use include_dir::{Dir, File};
+
+use include_dir::include_dir;
+
+/// PX4's messages, a `.msg` file each.
+pub static PX4: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/px4");
+
+/// The pages of the Flockwave protocol, as Markdown.
+pub static FLOCKWAVE: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/flockwave");
