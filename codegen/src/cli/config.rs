@@ -286,6 +286,7 @@ impl Config {
         let outputs = self.file.output;
         let mut planned = Vec::new();
         let mut schema_base = None;
+        let (mut schemas, mut vectors) = (None, None);
         let mut plan = |path: &Path, emitter| {
             planned.push(PlannedOutput { path: normalise(&folder.join(path)), emitter });
         };
@@ -297,19 +298,25 @@ impl Config {
         if let Some(output) = outputs.json_schema {
             let JsonSchemaTable { path, base } = output.table(|path| JsonSchemaTable { path, base: None });
             schema_base.clone_from(&base);
+            schemas = Some(path.clone());
             plan(&path, EmitterOptions::JsonSchema(json_schema_options(base)));
+        }
+        if let Some(output) = outputs.vectors {
+            let VectorsTable { path, base } = output.table(|path| VectorsTable { path, base: None });
+            vectors = Some(path.clone());
+            // They refer to the schemas that are emitted beside them.
+            plan(&path, EmitterOptions::Vectors(vectors_options(base.or(schema_base))));
         }
         if let Some(output) = outputs.docs {
             let DocsTable { path, title, rules, contents } =
                 output.table(|path| DocsTable { path, title: None, rules: false, contents: None });
             let contents = contents.map(|path| folder.join(path));
-            let options = docs::Options { rules, ..docs_options(title) };
+            let beside = docs::Beside {
+                schemas: schemas.map(|folder| seen_from(&path, &folder)),
+                vectors: vectors.map(|folder| seen_from(&path, &folder)),
+            };
+            let options = docs::Options { rules, beside, ..docs_options(title) };
             plan(&path, EmitterOptions::Docs(DocsOptions { options, contents }));
-        }
-        if let Some(output) = outputs.vectors {
-            let VectorsTable { path, base } = output.table(|path| VectorsTable { path, base: None });
-            // They refer to the schemas that are emitted beside them.
-            plan(&path, EmitterOptions::Vectors(vectors_options(base.or(schema_base))));
         }
         let packages = self
             .file
@@ -411,6 +418,15 @@ impl Plan {
     }
 }
 
+/// The path of the folder `to` as an address in a page of the folder `from`, by their texts alone.
+fn seen_from(from: &Path, to: &Path) -> String {
+    let (from, to) = (normalise(from), normalise(to));
+    let shared = from.components().zip(to.components()).take_while(|(left, right)| left == right).count();
+    let up = from.components().skip(shared).map(|_| "..".to_owned());
+    let down = to.components().skip(shared).map(|part| part.as_os_str().to_string_lossy().into_owned());
+    up.chain(down).collect::<Vec<_>>().join("/")
+}
+
 /// Takes `.` and `a/..` out of a path, by its text alone.
 pub(super) fn normalise(path: &Path) -> PathBuf {
     let mut normal = PathBuf::new();
@@ -424,4 +440,20 @@ pub(super) fn normalise(path: &Path) -> PathBuf {
         }
     }
     normal
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_are_seen_from_each_other() {
+        for (from, to, expected) in [
+            ("../generated/docs", "../generated/schemas", "../schemas"),
+            ("docs/messages", "./schemas", "../../schemas"),
+            ("docs", "docs/schemas", "schemas"),
+        ] {
+            assert_eq!(seen_from(Path::new(from), Path::new(to)), expected);
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! Documentation: Markdown pages that an mdBook takes as they are and that read well on GitHub.
 //!
 //! ```text
-//! README.md  SUMMARY.md  book.toml  book.css
+//! README.md  SUMMARY.md  book.toml  book.css  composer.js  error-codes.js
 //! <package>/README.md  <Message>.md  <Message>.svg  <Service>.srv.md  <Action>.action.md
 //! <package>/error-codes.md  error-codes/<table>.md  types/<Type>.md  messages/<MESSAGE>.md
 //! rules/README.md  reading.md  <rule>.md
@@ -13,6 +13,7 @@
 
 mod book;
 mod commands;
+mod composer;
 mod constants;
 mod enums;
 mod error_codes;
@@ -44,17 +45,33 @@ pub struct Options {
     pub rules: bool,
     /// What stands at the end of the table of contents: a Markdown list of pages that others write.
     pub more_contents: String,
+    /// The folders of what is generated beside the documentation, as seen from its own.
+    pub beside: Beside,
+}
+
+/// Folders of other output, with `/` between the parts of their paths; none where there is no such output.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Beside {
+    /// Of the JSON Schemas.
+    pub schemas: Option<String>,
+    /// Of the test vectors.
+    pub vectors: Option<String>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { title: "Interface definitions".to_owned(), rules: false, more_contents: String::new() }
+        Self {
+            title: "Interface definitions".to_owned(),
+            rules: false,
+            more_contents: String::new(),
+            beside: Beside::default(),
+        }
     }
 }
 
 /// Describes all that `schema` lists. The order of the files is that of the schema.
 pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<OutputFile> {
-    let site = Site::new(schema, sources);
+    let site = Site::new(schema, sources, &options.beside);
     let rules = options.rules.then(Rules::new);
     let mut files = vec![
         book::config(options),
@@ -62,6 +79,7 @@ pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<Outp
         book::summary(&site, rules.as_ref(), &options.more_contents),
         index::overview(&site, options),
     ];
+    files.extend(book::scripts());
     for package in site.packages() {
         files.push(index::package(&site, package));
         for id in &package.messages {

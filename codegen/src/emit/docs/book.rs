@@ -31,6 +31,7 @@ use-default-preprocessors = false
 
 [output.html]
 additional-css = [\"book.css\"]
+additional-js = [{scripts}]
 no-section-label = true
 smart-punctuation = false
 
@@ -40,6 +41,7 @@ level = 1
 ",
         notice = notice(),
         title = toml_string(&options.title),
+        scripts = SCRIPTS.map(|(path, _)| toml_string(path)).join(", "),
     );
     OutputFile { path: "book.toml".to_owned(), text }
 }
@@ -59,31 +61,26 @@ fn toml_string(text: &str) -> String {
     quoted + "\""
 }
 
-/// `book.css`: tables of fields are wide, and need more room than mdBook leaves them.
+/// What makes pages answer: programs without libraries, which ask for nothing beyond their page.
+const SCRIPTS: [(&str, &str); 2] = [
+    ("composer.js", include_str!("book/composer.js")),
+    ("error-codes.js", include_str!("book/error-codes.js")),
+];
+
+/// The scripts.
+pub(super) fn scripts() -> impl Iterator<Item = OutputFile> {
+    SCRIPTS
+        .iter()
+        .map(|(path, text)| OutputFile { path: (*path).to_owned(), text: format!("// {}\n{text}", notice()) })
+}
+
+/// `book.css`: tables of fields are wide, and need more room than mdBook leaves them; and how what the scripts make
+/// looks.
 pub(super) fn style() -> OutputFile {
-    let text = format!(
-        "/* {} */
-
-:root {{
-    --content-max-width: 1100px;
-}}
-
-.content table {{
-    margin-inline: 0;
-}}
-
-.content td,
-.content th {{
-    padding: 3px 10px;
-}}
-
-.content td {{
-    vertical-align: top;
-}}
-",
-        notice()
-    );
-    OutputFile { path: "book.css".to_owned(), text }
+    OutputFile {
+        path: "book.css".to_owned(),
+        text: format!("/* {} */\n{}", notice(), include_str!("book/book.css")),
+    }
 }
 
 /// `SUMMARY.md`: every page, package by package, after them the rules, and what others write.

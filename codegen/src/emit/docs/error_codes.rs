@@ -130,6 +130,8 @@ impl<'s> Codes<'s> {
         );
         page.table(&list(&path, self.package));
         page.heading(2, "All codes");
+        // Filled by a script; the table next to it says all without one.
+        page.block("<div class=\"error-code-filter\"></div>");
         let columns = [
             number_column("Code"),
             text_column("Abbreviation"),

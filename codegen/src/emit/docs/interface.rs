@@ -8,6 +8,7 @@ use super::message::{cdr_size, package_cell};
 use super::scope::Scope;
 use super::site::{Site, interface_path, part_names};
 use crate::emit::OutputFile;
+use crate::emit::json_schema::Target;
 use crate::schema::{Interface, Kind, MessageId, Package};
 
 /// What a kind is called in running text.
@@ -43,6 +44,9 @@ fn facts(site: &Site<'_>, package: &Package, interface: &Interface, path: &str) 
     for (id, part) in interface.parts.iter().zip(part_names(interface.kind)) {
         let name = format!("CDR size of the {}", part.to_ascii_lowercase());
         table.row([unbroken(&name), cdr_size(site.schema.message(*id).cdr)]);
+        for (name, file) in site.files(path, Target::Message(*id)) {
+            table.row([unbroken(&format!("{name} of the {}", part.to_ascii_lowercase())), file]);
+        }
     }
     table
 }

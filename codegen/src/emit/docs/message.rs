@@ -1,6 +1,7 @@
 //! The page of a message.
 
 use super::commands;
+use super::composer;
 use super::constants::{self, Anchored, Constants};
 use super::enums::{self, field_link};
 use super::fields;
@@ -9,6 +10,7 @@ use super::picture;
 use super::scope::Scope;
 use super::site::Site;
 use crate::emit::OutputFile;
+use crate::emit::json_schema::Target;
 use crate::schema::{CdrSize, Message, MessageId, Package, UorbLayout};
 
 /// The page of a message.
@@ -22,6 +24,7 @@ pub(super) fn page(site: &Site<'_>, id: MessageId) -> OutputFile {
     page.heading(2, "Fields");
     fields::write(&mut page, scope, id, 3);
     layout(&mut page, scope, message);
+    composer::write(&mut page, site, id);
     values(&mut page, scope, id);
     users(&mut page, scope, id);
     page.finish()
@@ -48,6 +51,9 @@ fn facts(scope: Scope<'_, '_>, id: MessageId) -> Table {
     fact("CDR size", cdr_size(message.cdr) + ", 4 of them the encapsulation header");
     fact("ROS 2 type", code(&format!("{}/{}/{}", package.ros_package, message.kind.name(), message.name)));
     fact("ROS 2 type hash", code(&message.type_hash));
+    for (name, file) in scope.site.files(scope.from, Target::Message(id)) {
+        fact(name, file);
+    }
     table
 }
 

@@ -3,7 +3,9 @@
 use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::markdown::href;
+use super::Beside;
+use super::markdown::{code, href, link};
+use crate::emit::json_schema::{self, Target};
 use crate::schema::{
     Dialect, Element, Enum, EnumRef, Form, Interface, Kind, Message, MessageId, Package, Schema, UorbLayout,
 };
@@ -38,6 +40,7 @@ struct Place {
 pub(super) struct Site<'s> {
     pub(super) schema: &'s Schema,
     pub(super) sources: &'s SourceMap,
+    beside: &'s Beside,
     /// By message; none for those that aren't listed.
     places: Vec<Option<Place>>,
     /// The fields that hold each message.
@@ -53,11 +56,12 @@ pub(super) struct Site<'s> {
 }
 
 impl<'s> Site<'s> {
-    pub(super) fn new(schema: &'s Schema, sources: &'s SourceMap) -> Self {
+    pub(super) fn new(schema: &'s Schema, sources: &'s SourceMap, beside: &'s Beside) -> Self {
         let count = schema.messages.len();
         let mut site = Self {
             schema,
             sources,
+            beside,
             places: (0..count).map(|_| None).collect(),
             holders: vec![Vec::new(); count],
             enum_holders: BTreeMap::new(),
@@ -169,6 +173,21 @@ impl<'s> Site<'s> {
     /// Whether PX4 knows a message.
     pub(super) fn is_px4(&self, message: &Message) -> bool {
         self.schema.package_of(message).form == Form::Msg(Dialect::Px4)
+    }
+
+    /// What else is generated of `target`: what it is called, and a link to its file.
+    pub(super) fn files(&self, from: &str, target: Target) -> Vec<(&'static str, String)> {
+        let stem = json_schema::name(self.schema, target);
+        let name = stem.rsplit('/').next().unwrap_or(&stem);
+        let outputs = [
+            ("JSON Schema", &self.beside.schemas, "schema"),
+            ("Test vectors", &self.beside.vectors, "vectors"),
+        ];
+        let file = |(title, folder, kind): (_, &Option<String>, _)| {
+            let to = href(from, &format!("{}/{stem}.{kind}.json", folder.as_ref()?), "");
+            Some((title, link(&code(&format!("{name}.{kind}.json")), &to)))
+        };
+        outputs.into_iter().filter_map(file).collect()
     }
 
     /// The path of the source that holds `span`.

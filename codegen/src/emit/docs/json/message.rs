@@ -4,6 +4,7 @@ use super::super::markdown::{Page, Table, code, inline, text_column, unbroken};
 use super::super::message::package_cell;
 use super::{Json, Owner};
 use crate::emit::OutputFile;
+use crate::emit::json_schema::Target;
 use crate::schema::JsonMessageId;
 
 impl Json<'_, '_> {
@@ -27,6 +28,10 @@ impl Json<'_, '_> {
                 let answers: Vec<String> = part.answers.iter().map(|name| self.link(from, name)).collect();
                 page.block(&format!("Answered by {}.", answers.join(", ")));
             }
+            let files = self.site.files(from, Target::JsonPart(id, part.direction));
+            let files: Vec<String> =
+                files.into_iter().map(|(name, file)| format!("{name}: {file}")).collect();
+            page.block(&files.join(" · "));
             let owner = Owner::Message(id, part.direction);
             page.block(&format!("The `type` is {}.", code(&message.name)));
             if !part.fields().is_empty() {

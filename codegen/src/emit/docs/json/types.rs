@@ -6,6 +6,7 @@ use super::super::message::package_cell;
 use super::member::{json_code, values};
 use super::{Json, Owner};
 use crate::emit::OutputFile;
+use crate::emit::json_schema::Target;
 use crate::schema::JsonTypeId;
 use crate::schema::json_type::{Definition, Set, SetValue, SetValues};
 
@@ -73,6 +74,9 @@ impl Json<'_, '_> {
             fact("JSON", self.type_cell(from, &typed.ty));
             fact("Unit", unit(typed.limits.unit.as_deref()));
             fact("Values", values(&typed.limits).join("<br>"));
+        }
+        for (name, file) in self.site.files(from, Target::JsonType(id)) {
+            fact(name, file);
         }
         table
     }

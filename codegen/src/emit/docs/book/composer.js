@@ -1,0 +1,450 @@
+// Composes a message: controls for its fields, and what comes of them as JSON and as bytes of uORB.
+(() => {
+  "use strict";
+
+  // By type: size in bytes, how a value is put into memory, and for integers the least and the greatest one.
+  const SCALARS = {
+    bool: { size: 1, put: (view, at, value) => view.setUint8(at, value ? 1 : 0) },
+    float32: { size: 4, put: (view, at, value) => view.setFloat32(at, value, true) },
+    float64: { size: 8, put: (view, at, value) => view.setFloat64(at, value, true) },
+  };
+  for (const bits of [8, 16, 32, 64]) {
+    const most = 2n ** BigInt(bits);
+    const put = (view, at, value) => {
+      for (let byte = 0; byte < bits / 8; byte += 1) {
+        view.setUint8(at + byte, Number((value >> BigInt(8 * byte)) & 0xffn));
+      }
+    };
+    SCALARS[`uint${bits}`] = { size: bits / 8, put, low: 0n, high: most - 1n };
+    SCALARS[`int${bits}`] = { size: bits / 8, put, low: -most / 2n, high: most / 2n - 1n };
+  }
+  SCALARS.byte = SCALARS.uint8;
+  SCALARS.char = SCALARS.uint8;
+
+  // What somebody wrote that can't be a value of the field.
+  class Unfit extends Error {}
+
+  let controls = 0;
+
+  function element(name, properties = {}, children = []) {
+    const made = Object.assign(document.createElement(name), properties);
+    made.append(...children);
+    return made;
+  }
+
+  function integer(text, { low, high }) {
+    if (!/^[+-]?(\d+|0x[0-9a-f]+)$/i.test(text)) {
+      throw new Unfit(`expected an integer from ${low} to ${high}`);
+    }
+    const digits = text.replace(/^[+-]/, "");
+    const value = text.startsWith("-") ? -BigInt(digits) : BigInt(digits);
+    if (value < low || value > high) {
+      throw new Unfit(`${text} is out of range: ${low} to ${high}`);
+    }
+    return value;
+  }
+
+  function float(text, type) {
+    if (/^nan$/i.test(text)) {
+      return NaN;
+    }
+    if (!/^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(text)) {
+      throw new Unfit("expected a number, or NaN for none");
+    }
+    const value = type === "float32" ? Math.fround(Number(text)) : Number(text);
+    if (!Number.isFinite(value)) {
+      throw new Unfit(`${text} is too great for ${type}`);
+    }
+    return value;
+  }
+
+  function parse(text, type) {
+    const trimmed = text.trim();
+    return SCALARS[type].high === undefined ? float(trimmed, type) : integer(trimmed, SCALARS[type]);
+  }
+
+  // The shortest text that reads as the same value; JSON has no word for NaN, and null stands for it.
+  function json(value, type) {
+    if (typeof value !== "number") {
+      return String(value);
+    }
+    if (Number.isNaN(value)) {
+      return "null";
+    }
+    if (Object.is(value, -0)) {
+      return "-0.0";
+    }
+    let shortest = value;
+    for (let digits = 1; type === "float32" && digits <= 9; digits += 1) {
+      shortest = Number(value.toPrecision(digits));
+      if (Math.fround(shortest) === value) {
+        break;
+      }
+    }
+    return String(shortest);
+  }
+
+  // A control has an element to be shown, and reads what was chosen: as JSON, and into memory.
+
+  function caption(field) {
+    const words = field.label ? [`${field.label} `] : [];
+    return [...words, element("code", { textContent: field.name })];
+  }
+
+  // The frame of a control: its words, its input, and room for what is wrong with what was written.
+  function framed(field, input, hint) {
+    controls += 1;
+    input.id = `composer-${controls}`;
+    const wrong = element("span", { className: "composer-wrong", id: `${input.id}-wrong` });
+    input.setAttribute("aria-describedby", wrong.id);
+    const label = element("label", { htmlFor: input.id }, caption(field));
+    const unit = hint ? [element("span", { className: "composer-hint", textContent: hint })] : [];
+    const tell = (message) => {
+      wrong.textContent = message;
+      input.setAttribute("aria-invalid", String(message !== ""));
+    };
+    return { frame: element("div", { className: "composer-field" }, [label, input, ...unit, wrong]), tell };
+  }
+
+  // Reads by `read`, and shows beside the control why that can't be done.
+  function told(tell, read) {
+    return () => {
+      try {
+        const value = read();
+        tell("");
+        return value;
+      } catch (error) {
+        if (error instanceof Unfit) {
+          tell(error.message);
+        }
+        throw error;
+      }
+    };
+  }
+
+  function single(field, shown, read) {
+    const { size, put } = SCALARS[field.type];
+    return {
+      element: shown,
+      read: () => {
+        const value = read();
+        return {
+          json: () => json(value, field.type),
+          places: (base) => [{ field, at: base + field.offset, size }],
+          put: (view, base) => put(view, base + field.offset, value),
+        };
+      },
+    };
+  }
+
+  function flag(field) {
+    const box = element("input", { type: "checkbox" });
+    const label = element("label", {}, [box, element("span", {}, caption(field))]);
+    return single(field, element("div", { className: "composer-field composer-flag" }, [label]), () => box.checked);
+  }
+
+  function number(field) {
+    const input = element("input", { type: "text", value: "0", autocomplete: "off", spellcheck: false });
+    const { frame, tell } = framed(field, input, [field.type, field.unit].filter(Boolean).join(", "));
+    return single(field, frame, told(tell, () => parse(input.value, field.type)));
+  }
+
+  function choice(field) {
+    const select = element("select");
+    for (const [value, name, description] of field.values) {
+      select.append(element("option", { value, textContent: [`${value} ${name}`, description].filter(Boolean).join(": ") }));
+    }
+    if (!field.values.some(([value]) => value === "0")) {
+      select.prepend(element("option", { value: "0", textContent: "0" }));
+    }
+    select.value = "0";
+    select.append(element("option", { value: "", textContent: "another value" }));
+    const other = element("input", { type: "text", value: "0", hidden: true, autocomplete: "off" });
+    other.setAttribute("aria-label", `${field.name}: another value`);
+    select.addEventListener("change", () => {
+      other.hidden = select.value !== "";
+    });
+    const { frame, tell } = framed(field, select, field.type);
+    select.after(other);
+    const text = () => (select.value === "" ? other.value : select.value);
+    return single(field, frame, told(tell, () => parse(text(), field.type)));
+  }
+
+  function flags(field) {
+    const boxes = field.flags.map(([value, name, description]) => {
+      const box = element("input", { type: "checkbox", value });
+      const words = [element("code", { textContent: name }), description ? ` ${description}` : ""];
+      return { box, label: element("label", {}, [box, element("span", {}, words)]) };
+    });
+    const legend = element("legend", {}, caption(field));
+    const shown = element("fieldset", { className: "composer-flags" }, [legend, ...boxes.map(({ label }) => label)]);
+    const chosen = () => boxes.filter(({ box }) => box.checked).reduce((all, { box }) => all | BigInt(box.value), 0n);
+    return single(field, shown, () => BigInt.asUintN(64, chosen()));
+  }
+
+  function text(field) {
+    const input = element("input", { type: "text", autocomplete: "off", spellcheck: false });
+    const { frame, tell } = framed(field, input, `up to ${field.count} bytes of UTF-8`);
+    const read = told(tell, () => {
+      const bytes = new TextEncoder().encode(input.value);
+      if (bytes.length > field.count) {
+        throw new Unfit(`${bytes.length} bytes of UTF-8, and at most ${field.count} have room`);
+      }
+      return bytes;
+    });
+    return {
+      element: frame,
+      read: () => {
+        const bytes = read();
+        const value = input.value;
+        return {
+          json: () => JSON.stringify(value),
+          places: (base) => [{ field, at: base + field.offset, size: field.count }],
+          put: (view, base) => bytes.forEach((byte, index) => view.setUint8(base + field.offset + index, byte)),
+        };
+      },
+    };
+  }
+
+  function list(field) {
+    const input = element("input", { type: "text", autocomplete: "off", spellcheck: false, placeholder: "0" });
+    const { frame, tell } = framed(field, input, `${field.type}, up to ${field.count} with blanks between; the rest is 0`);
+    const { size, put } = SCALARS[field.type];
+    const one = (word) => {
+      if (field.type !== "bool") {
+        return parse(word, field.type);
+      }
+      if (word !== "true" && word !== "false" && word !== "0" && word !== "1") {
+        throw new Unfit("expected true or false");
+      }
+      return word === "true" || word === "1";
+    };
+    const zero = field.type === "bool" ? false : parse("0", field.type);
+    const read = told(tell, () => {
+      const words = input.value.split(/[\s,;]+/).filter(Boolean);
+      if (words.length > field.count) {
+        throw new Unfit(`${words.length} values, and the array has ${field.count}`);
+      }
+      return Array.from({ length: field.count }, (_, index) => (index < words.length ? one(words[index]) : zero));
+    });
+    return {
+      element: frame,
+      read: () => {
+        const values = read();
+        return {
+          json: () => `[${values.map((value) => json(value, field.type)).join(", ")}]`,
+          places: (base) => [{ field, at: base + field.offset, size: size * field.count }],
+          put: (view, base) => values.forEach((value, index) => put(view, base + field.offset + index * size, value)),
+        };
+      },
+    };
+  }
+
+  // All of several: a value that is unfit doesn't keep the others from being looked at.
+  function readAll(parts) {
+    const values = [];
+    let unfit;
+    for (const part of parts) {
+      try {
+        values.push(part.read());
+      } catch (error) {
+        unfit = error;
+      }
+    }
+    if (unfit) {
+      throw unfit;
+    }
+    return values;
+  }
+
+  function object(fields) {
+    const parts = fields.map(control);
+    const shown = [];
+    fields.forEach((field, index) => {
+      const last = shown[shown.length - 1];
+      if (last && last.group === field.group) {
+        last.parts.push(parts[index].element);
+      } else {
+        shown.push({ group: field.group, parts: [parts[index].element] });
+      }
+    });
+    const elements = shown.map(({ group, parts: grouped }) =>
+      group
+        ? element("fieldset", {}, [element("legend", { textContent: group.replace(/[.:]$/, "") }), ...grouped])
+        : element("div", { className: "composer-group" }, grouped),
+    );
+    return {
+      elements,
+      read: () => {
+        const values = readAll(parts);
+        return {
+          json: (indent) => {
+            const inner = `${indent}  `;
+            const members = values.map((value, index) => `${inner}${JSON.stringify(fields[index].name)}: ${value.json(inner)}`);
+            return members.length === 0 ? "{}" : `{\n${members.join(",\n")}\n${indent}}`;
+          },
+          places: (base) => values.flatMap((value) => value.places(base)),
+          put: (view, base) => values.forEach((value) => value.put(view, base)),
+        };
+      },
+    };
+  }
+
+  function nested(field) {
+    const summary = (index) => {
+      const place = index === undefined ? field.name : `${field.name}[${index}]`;
+      return element("summary", {}, [element("code", { textContent: place }), field.label ? ` ${field.label}` : ""]);
+    };
+    const whole = (index) => {
+      const { elements, read } = object(field.fields);
+      return { element: element("details", {}, [summary(index), ...elements]), read };
+    };
+    const moved = (value, by) => ({
+      json: value.json,
+      places: (base) => value.places(base + by).map((place) => ({ ...place, of: field.name })),
+      put: (view, base) => value.put(view, base + by),
+    });
+    if (field.count === undefined) {
+      const one = whole();
+      return { element: one.element, read: () => moved(one.read(), field.offset) };
+    }
+    const parts = Array.from({ length: field.count }, (_, index) => whole(index));
+    return {
+      element: element("div", {}, parts.map((part) => part.element)),
+      read: () => {
+        const values = readAll(parts).map((value, index) => moved(value, field.offset + index * field.size));
+        return {
+          json: (indent) => {
+            const inner = `${indent}  `;
+            return `[\n${values.map((value) => inner + value.json(inner)).join(",\n")}\n${indent}]`;
+          },
+          places: (base) => values.flatMap((value) => value.places(base)),
+          put: (view, base) => values.forEach((value) => value.put(view, base)),
+        };
+      },
+    };
+  }
+
+  function control(field) {
+    if (field.fields) {
+      return nested(field);
+    }
+    if (field.type === "text") {
+      return text(field);
+    }
+    if (field.count !== undefined) {
+      return list(field);
+    }
+    if (field.type === "bool") {
+      return flag(field);
+    }
+    if (field.values) {
+      return choice(field);
+    }
+    return field.flags ? flags(field) : number(field);
+  }
+
+  const hex = (byte) => byte.toString(16).padStart(2, "0");
+
+  // Rows of eight bytes, as in the picture of the layout; each byte says which field it belongs to.
+  function dump(bytes, before, places) {
+    const names = new Array(bytes.length).fill("padding");
+    for (const { field, at, size, of } of places) {
+      names.fill(of ? `${of}: ${field.name}` : field.name, at, at + size);
+    }
+    const rows = [];
+    for (let row = 0; row < bytes.length; row += 8) {
+      const cells = [element("span", { className: "composer-offset", textContent: String(row).padStart(5) })];
+      for (let at = row; at < Math.min(row + 8, bytes.length); at += 1) {
+        const classes = [bytes[at] !== 0 && "composer-set", before && before[at] !== bytes[at] && "composer-new"];
+        const className = classes.filter(Boolean).join(" ");
+        cells.push(" ", element("span", { className, title: `byte ${at}: ${names[at]}`, textContent: hex(bytes[at]) }));
+      }
+      rows.push(...cells, "\n");
+    }
+    return rows;
+  }
+
+  // What changed, in a sentence for those who listen.
+  function change(before, bytes) {
+    const changed = [...bytes.keys()].filter((at) => before && before[at] !== bytes[at]);
+    const told = changed.slice(0, 8).map((at) => `byte ${at} is ${hex(bytes[at])}`);
+    return told.join(", ") + (changed.length > 8 ? ` and ${changed.length - 8} more` : "");
+  }
+
+  function copier(name, content) {
+    const button = element("button", { type: "button", textContent: name });
+    button.addEventListener("click", async () => {
+      try {
+        await navigator.clipboard.writeText(content());
+        button.textContent = "Copied";
+      } catch {
+        button.textContent = "Not allowed here";
+      }
+      setTimeout(() => {
+        button.textContent = name;
+      }, 1500);
+    });
+    return button;
+  }
+
+  function compose(place) {
+    const message = JSON.parse(place.dataset.message);
+    const { elements, read } = object(message.fields);
+    const form = element("form", { className: "composer-form" }, elements);
+    form.setAttribute("aria-label", `Fields of ${message.name}`);
+    form.addEventListener("submit", (event) => event.preventDefault());
+
+    const shownJson = element("pre", { className: "composer-json", tabIndex: 0 });
+    const shownBytes = element("pre", { className: "composer-bytes", tabIndex: 0 });
+    shownJson.setAttribute("aria-label", "JSON");
+    shownBytes.setAttribute("aria-label", "uORB bytes, hexadecimal");
+    const status = element("p", { className: "composer-status" });
+    status.setAttribute("role", "status");
+    let bytes;
+
+    function show() {
+      try {
+        const value = read();
+        const made = new Uint8Array(message.size);
+        value.put(new DataView(made.buffer), 0);
+        shownJson.textContent = value.json("");
+        shownBytes.replaceChildren(...dump(made, bytes, value.places(0)));
+        status.textContent = change(bytes, made);
+        bytes = made;
+      } catch (error) {
+        if (!(error instanceof Unfit)) {
+          throw error;
+        }
+        status.textContent = "Not all values fit: see what is marked.";
+      }
+    }
+
+    const clear = element("button", { type: "button", textContent: "Set all to zero" });
+    clear.addEventListener("click", () => {
+      form.reset();
+      form.querySelectorAll("select").forEach((select) => select.dispatchEvent(new Event("change")));
+      show();
+    });
+    const copyJson = copier("Copy JSON", () => shownJson.textContent);
+    const copyBytes = copier("Copy bytes", () => [...bytes].map(hex).join(""));
+    const padding = message.size - message.unpadded;
+    const size = `${message.size} bytes${padding === 0 ? "" : `, the last ${padding} of them padding`}`;
+    const output = element("div", { className: "composer-output" }, [
+      element("div", { className: "composer-buttons" }, [clear, copyJson, copyBytes]),
+      status,
+      element("h3", { textContent: "JSON" }),
+      shownJson,
+      element("h3", { textContent: `uORB: ${size}` }),
+      shownBytes,
+    ]);
+    form.addEventListener("input", show);
+    form.addEventListener("change", show);
+    place.replaceChildren(form, output);
+    // What a browser kept of an earlier visit is no choice of now.
+    form.reset();
+    show();
+  }
+
+  document.querySelectorAll(".composer[data-message]").forEach(compose);
+})();

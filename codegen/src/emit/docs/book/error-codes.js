@@ -1,0 +1,73 @@
+// Above the table of all error codes: a search by number, abbreviation or word, and a box for each severity.
+(() => {
+  "use strict";
+
+  function element(name, properties = {}, children = []) {
+    const made = Object.assign(document.createElement(name), properties);
+    made.append(...children);
+    return made;
+  }
+
+  // Where a number is looked for, it is a code or one of its alternatives; words may stand anywhere, in any order.
+  function matches(row, words) {
+    return words.every((word) => (/^\d+$/.test(word) ? row.numbers.includes(word) : row.text.includes(word)));
+  }
+
+  function filter(place) {
+    let table = place.nextElementSibling;
+    while (table && !table.matches("table, .table-wrapper")) {
+      table = table.nextElementSibling;
+    }
+    if (!table) {
+      return;
+    }
+    const rows = [...table.querySelectorAll("tbody tr")].map((shown) => {
+      const cells = [...shown.cells].map((cell) => cell.textContent.trim());
+      return {
+        shown,
+        severity: cells[2],
+        numbers: [cells[0], ...(cells[4] || "").match(/\d+/g) || []],
+        text: cells.join(" ").toLowerCase(),
+      };
+    });
+
+    const search = element("input", { type: "search", id: "error-code-search", placeholder: "134, LOWBAT, compass …" });
+    search.autocomplete = "off";
+    const status = element("p", { className: "error-code-count" });
+    status.setAttribute("role", "status");
+    const severities = [...new Set(rows.map((row) => row.severity))].map((severity) => {
+      const box = element("input", { type: "checkbox", checked: true });
+      const count = rows.filter((row) => row.severity === severity).length;
+      return { severity, box, label: element("label", {}, [box, ` ${severity} (${count})`]) };
+    });
+
+    function show() {
+      const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
+      const chosen = new Set(severities.filter(({ box }) => box.checked).map(({ severity }) => severity));
+      let count = 0;
+      for (const row of rows) {
+        const isShown = chosen.has(row.severity) && matches(row, words);
+        row.shown.hidden = !isShown;
+        count += isShown ? 1 : 0;
+      }
+      status.textContent = `${count} of ${rows.length} codes`;
+    }
+
+    const legend = element("legend", { textContent: "Severity" });
+    const form = element("form", {}, [
+      element("label", { htmlFor: search.id, textContent: "Find a code" }),
+      search,
+      element("fieldset", {}, [legend, ...severities.map(({ label }) => label)]),
+      status,
+    ]);
+    form.setAttribute("role", "search");
+    form.setAttribute("aria-label", "Error codes");
+    form.addEventListener("submit", (event) => event.preventDefault());
+    form.addEventListener("input", show);
+    place.replaceChildren(form);
+    form.reset();
+    show();
+  }
+
+  document.querySelectorAll(".error-code-filter").forEach(filter);
+})();
