@@ -145,24 +145,22 @@
   }
 
   function number(field) {
-    const input = element("input", { type: "text", value: "0", autocomplete: "off", spellcheck: false });
+    const input = element("input", { type: "text", defaultValue: "0", autocomplete: "off", spellcheck: false });
     const { frame, tell } = framed(field, input, [field.type, field.unit].filter(Boolean).join(", "));
     return single(field, frame, told(tell, () => parse(input.value, field.type)));
   }
 
   function choice(field) {
     const select = element("select");
-    for (const [value, name, description] of field.values) {
-      select.append(element("option", { value, textContent: [`${value} ${name}`, description].filter(Boolean).join(": ") }));
+    const zero = field.values.some(([value]) => value === "0") ? [] : [["0", "", ""]];
+    for (const [value, name, description] of [...zero, ...field.values]) {
+      const words = [`${value} ${name}`, description].filter(Boolean).join(": ");
+      select.append(element("option", { value, textContent: words, defaultSelected: value === "0" }));
     }
-    if (!field.values.some(([value]) => value === "0")) {
-      select.prepend(element("option", { value: "0", textContent: "0" }));
-    }
-    select.value = "0";
     select.append(element("option", { value: "", textContent: "another value" }));
-    const other = element("input", { type: "text", value: "0", hidden: true, autocomplete: "off" });
+    const other = element("input", { type: "text", defaultValue: "0", hidden: true, autocomplete: "off" });
     other.setAttribute("aria-label", `${field.name}: another value`);
-    select.addEventListener("change", () => {
+    select.addEventListener("input", () => {
       other.hidden = select.value !== "";
     });
     const { frame, tell } = framed(field, select, field.type);
@@ -424,7 +422,7 @@
     const clear = element("button", { type: "button", textContent: "Set all to zero" });
     clear.addEventListener("click", () => {
       form.reset();
-      form.querySelectorAll("select").forEach((select) => select.dispatchEvent(new Event("change")));
+      form.querySelectorAll("select").forEach((select) => select.dispatchEvent(new Event("input")));
       show();
     });
     const copyJson = copier("Copy JSON", () => shownJson.textContent);
@@ -440,7 +438,6 @@
       shownBytes,
     ]);
     form.addEventListener("input", show);
-    form.addEventListener("change", show);
     place.replaceChildren(form, output);
     // What a browser kept of an earlier visit is no choice of now.
     form.reset();

@@ -37,7 +37,7 @@
     const status = element("p", { className: "error-code-count" });
     status.setAttribute("role", "status");
     const severities = [...new Set(rows.map((row) => row.severity))].map((severity) => {
-      const box = element("input", { type: "checkbox", checked: true });
+      const box = element("input", { type: "checkbox", defaultChecked: true });
       const count = rows.filter((row) => row.severity === severity).length;
       return { severity, box, label: element("label", {}, [box, ` ${severity} (${count})`]) };
     });

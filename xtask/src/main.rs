@@ -1,6 +1,7 @@
 //! The chores of this repository: the commands of uavspec-codegen, and its own.
 
 mod bench;
+mod docs;
 
 use std::env;
 use std::ffi::OsString;
@@ -33,6 +34,11 @@ enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "ARGUMENT")]
         arguments: Vec<OsString>,
     },
+    /// Build the documentation site, which needs no server and no network.
+    #[command(after_help = "Examples:
+  cargo xtask docs --open                generate, build, and show the site
+  cargo xtask docs --output public       build it into another folder")]
+    Docs(docs::DocsArgs),
     /// Measure and print; needs the corpus.
     #[command(after_help = "Examples:
   cargo xtask bench codegen      time to read, to emit and to write PX4's 261 messages, at 1, 4 and 16 times
@@ -49,6 +55,7 @@ fn main() -> ExitCode {
     match Cli::parse().command {
         Command::Specification(command) => command.run(),
         Command::Conformance { arguments } => conformance(arguments),
+        Command::Docs(args) => docs::run(&args),
         Command::Bench { what } => bench::run(what),
     }
 }

@@ -5,7 +5,7 @@ use serde_json::{Map, Value as Json, json};
 
 use super::markdown::Page;
 use super::site::Site;
-use crate::emit::prose::{gist, xml};
+use crate::emit::prose::{gist, visible, xml};
 use crate::schema::{Dialect, Element, EnumRef, Field, Message, MessageId, Shape, UorbLayout};
 
 /// Heading of the part of a page.
@@ -33,11 +33,18 @@ pub(super) fn write(page: &mut Page, site: &Site<'_>, id: MessageId) {
         "fields": fields(site, id, layout),
     });
     page.heading(2, TITLE);
-    page.block(&format!("<div class=\"composer\" data-message=\"{}\">", xml(&data.to_string())));
+    page.block(&format!("<div class=\"composer\" data-message=\"{}\">", embedded(&data)));
     page.block(
         "In the book, where scripts run, values are chosen here, and the message is shown as JSON and as uORB bytes.",
     );
     page.block("</div>");
+}
+
+/// Data as the value of an attribute. What stands in a text can neither hide nor be a mark of templates, which make
+/// pages of others than mdBook.
+fn embedded(data: &Json) -> String {
+    let text: String = data.to_string().chars().map(visible).collect();
+    xml(&text.replace("{{", "{\\u007b").replace("{%", "\\u007b%"))
 }
 
 /// How many controls a message needs.

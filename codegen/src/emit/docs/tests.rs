@@ -460,11 +460,16 @@ fn text_of_definitions_stays_text() {
          uint8 a # [m] ![x](y) | <b> `code` __z__ {{#include x}}\n\
          \n\
          # Group | <i> {#id} ## #\n\
-         uint8 b # </td></table><script>\n\
+         uint8 b # {{{%\u{202e}</td></table><script>\n\
          uint8 c\n",
     );
     let allowed = |html: &str| {
-        html.starts_with("<!--") || html.starts_with("<a id=\"") || matches!(html, "</a>" | "<br>")
+        let is_composer =
+            html.starts_with("<div class=\"composer\" data-message=\"") && html.matches('<').count() == 1;
+        html.starts_with("<!--")
+            || html.starts_with("<a id=\"")
+            || is_composer
+            || matches!(html, "</a>" | "<br>" | "</div>")
     };
     for event in events(&page) {
         match event {
@@ -519,7 +524,7 @@ fn names_of_pages_of_a_book_are_not_taken() {
 fn a_book_of_nothing_is_empty() {
     let files = emit(&crate::Schema::default(), &SourceMap::default(), &Options::default());
     let paths: Vec<&str> = files.iter().map(|file| file.path.as_str()).collect();
-    assert_eq!(paths, ["book.toml", "book.css", "SUMMARY.md", "README.md"]);
+    assert_eq!(paths, ["book.toml", "book.css", "SUMMARY.md", "README.md", "composer.js", "error-codes.js"]);
 }
 
 #[test]
@@ -586,4 +591,39 @@ fn assert_well_formed(xml: &str) {
 fn is_escaped(text: &str) -> bool {
     let entities = ["amp;", "lt;", "gt;", "quot;"];
     text.split('&').skip(1).all(|rest| entities.iter().any(|entity| rest.starts_with(entity)))
+}
+
+/// What a page gives to the script that composes a message.
+fn composer(page: &str) -> serde_json::Value {
+    let (_, rest) = page.split_once("data-message=\"").expect("a composer");
+    let (data, _) = rest.split_once('"').expect("an end");
+    let text = data.replace("&quot;", "\"").replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&");
+    serde_json::from_str(&text).expect("JSON")
+}
+
+#[test]
+fn a_message_can_be_composed_from_its_page() {
+    let files = boats();
+    let sail = composer(text_of(&files, "boats/Sail.md"));
+    assert_eq!((&sail["name"], &sail["size"]), (&"Sail".into(), &152.into()));
+    let field = |name: &str| {
+        let fields = sail["fields"].as_array().expect("fields");
+        fields.iter().find(|field| field["name"] == name).unwrap_or_else(|| panic!("{name} in {sail}"))
+    };
+    let length = field("sheet_length");
+    assert_eq!(
+        (&length["type"], &length["unit"], &length["group"]),
+        (&"float32".into(), &"m".into(), &"Sheets".into())
+    );
+    assert_eq!(
+        field("tack")["values"],
+        serde_json::json!([["1", "PORT", "Wind from the left"], ["2", "STARBOARD", ""]])
+    );
+    assert_eq!(field("state")["flags"][1], serde_json::json!(["4", "TORN", ""]));
+    assert_eq!((&field("maker")["type"], &field("maker")["count"]), (&"text".into(), &12.into()));
+    let boats = field("boats");
+    assert_eq!((&boats["count"], &boats["size"]), (&2.into(), &16.into()));
+    assert_eq!(boats["fields"][1]["offset"], 8);
+    // Orders have constants of their own, and no page composes what has no layout or nothing to choose.
+    assert!(!one_message("uint8 TOW = 1\n").contains("composer"));
 }

@@ -1,0 +1,85 @@
+//! Which documents the site is made of, and in which order its table of contents names them.
+
+/// A document that is written by hand.
+pub(crate) struct Chapter {
+    /// Its name in the table of contents.
+    pub(crate) title: &'static str,
+    /// Its file in the repository.
+    pub(crate) source: &'static str,
+    /// Its page on the site.
+    pub(crate) page: &'static str,
+}
+
+const fn chapter(title: &'static str, source: &'static str, page: &'static str) -> Chapter {
+    Chapter { title, source, page }
+}
+
+/// The page that the site opens with.
+pub(crate) const START: Chapter = chapter("Start here", "xtask/site/guide/index.md", "index.md");
+
+/// What is to be read, beside what is to be looked up.
+pub(crate) const CHAPTERS: [(&str, &[Chapter]); 2] = [
+    (
+        "Guide",
+        &[
+            chapter("Using uavspec", "README.md", "guide/using.md"),
+            chapter("The .msg language", "xtask/site/guide/msg-language.md", "guide/msg-language.md"),
+            chapter("Pages with tables", "definitions/README.md", "guide/tables.md"),
+            chapter("Wire formats", "xtask/site/guide/wire-formats.md", "guide/wire-formats.md"),
+            chapter("Conformance", "xtask/site/guide/conformance.md", "guide/conformance.md"),
+            chapter("Testees", "conformance/testees/README.md", "guide/testees.md"),
+            chapter("The Rust types", "generated/README.md", "guide/rust.md"),
+        ],
+    ),
+    (
+        "Project",
+        &[
+            chapter("Changes", "CHANGELOG.md", "project/changes.md"),
+            chapter("Contributing", "CONTRIBUTING.md", "project/contributing.md"),
+        ],
+    ),
+];
+
+/// All documents that are written by hand.
+pub(crate) fn by_hand() -> impl Iterator<Item = &'static Chapter> {
+    [&START].into_iter().chain(CHAPTERS.iter().flat_map(|(_, chapters)| chapters.iter()))
+}
+
+/// The folders of `generated/` that the site holds as they are.
+pub(crate) const GENERATED: [&str; 3] = ["docs", "schemas", "vectors"];
+
+/// The table of contents; `reference` is that of the generated documentation.
+pub(crate) fn summary(reference: &str) -> String {
+    let mut text = format!("# Summary\n\n[{}]({})\n\n# Look up\n\n", START.title, START.page);
+    text.push_str(&below_docs(reference));
+    text.extend(CHAPTERS.iter().map(|(part, chapters)| format!("\n# {part}\n\n{}", items(chapters))));
+    text
+}
+
+fn items(chapters: &[Chapter]) -> String {
+    chapters.iter().map(|Chapter { title, page, .. }| format!("- [{title}]({page})\n")).collect()
+}
+
+/// The lines of a table of contents as items, with their pages in the folder `docs`.
+fn below_docs(contents: &str) -> String {
+    let lines = contents.lines().filter(|line| line.contains("]("));
+    let item = |line: &str| {
+        let line = line.replacen("](", "](docs/", 1);
+        if line.starts_with('[') { format!("- {line}\n") } else { format!("{line}\n") }
+    };
+    lines.map(item).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contents_of_the_reference_move_into_its_folder() {
+        let contents = "<!-- made by -->\n\n# Summary\n\n[Overview](README.md)\n\n- [px4](px4/README.md)\n  - [Event](px4/Event.md)\n";
+        assert_eq!(
+            below_docs(contents),
+            "- [Overview](docs/README.md)\n- [px4](docs/px4/README.md)\n  - [Event](docs/px4/Event.md)\n"
+        );
+    }
+}

@@ -1,0 +1,72 @@
+//! Puts all that the site is made of into one folder, where mdBook finds it.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use walkdir::WalkDir;
+
+use crate::chapters::{GENERATED, by_hand, summary};
+use crate::links::Links;
+
+/// What the site adds to the looks and the behaviour of a book.
+const ADDITIONS: [(&str, &str); 2] =
+    [("site.css", include_str!("../site.css")), ("site.js", include_str!("../site.js"))];
+
+/// Fills the folder `to` from the repository, and counts the pages. All broken links are told at once.
+pub(crate) fn gather(repository: &Path, to: &Path) -> Result<usize, Vec<String>> {
+    let failed = |error: io::Error| vec![format!("{}: {error}", to.display())];
+    match fs::remove_dir_all(to) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(failed(error)),
+        _ => {}
+    }
+    for folder in GENERATED {
+        copy(&repository.join("generated").join(folder), &to.join(folder))?;
+    }
+    let mut mistakes = Vec::new();
+    let links = Links::of(repository);
+    for chapter in by_hand() {
+        match read(&repository.join(chapter.source)) {
+            Ok(text) => {
+                let text = links.moved(&text, chapter, &mut mistakes);
+                write(&to.join(chapter.page), &text).map_err(failed)?;
+            }
+            Err(mistake) => mistakes.push(mistake),
+        }
+    }
+    for (name, text) in ADDITIONS {
+        write(&to.join(name), text).map_err(failed)?;
+    }
+    let reference = read(&repository.join("generated/docs/SUMMARY.md")).map_err(|mistake| vec![mistake])?;
+    let summary = summary(&reference);
+    write(&to.join("SUMMARY.md"), &summary).map_err(failed)?;
+    if mistakes.is_empty() { Ok(summary.matches("](").count()) } else { Err(mistakes) }
+}
+
+/// Copies a folder with all that is in it, but for lists of the generator's own.
+fn copy(from: &Path, to: &Path) -> Result<(), Vec<String>> {
+    for entry in WalkDir::new(from).sort_by_file_name() {
+        let entry = entry.map_err(|error| vec![format!("{error}; run `cargo xtask codegen` first")])?;
+        let relative = entry.path().strip_prefix(from).unwrap_or(entry.path());
+        let is_hidden = entry.file_name().to_string_lossy().starts_with('.');
+        if entry.file_type().is_file() && !is_hidden {
+            let target = to.join(relative);
+            let copied = parent(&target).and_then(|()| fs::copy(entry.path(), &target).map(drop));
+            copied.map_err(|error| vec![format!("{}: {error}", target.display())])?;
+        }
+    }
+    Ok(())
+}
+
+fn read(path: &Path) -> Result<String, String> {
+    fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+fn write(path: &Path, text: &str) -> io::Result<()> {
+    parent(path)?;
+    fs::write(path, text)
+}
+
+fn parent(path: &Path) -> io::Result<()> {
+    path.parent().map_or(Ok(()), fs::create_dir_all)
+}

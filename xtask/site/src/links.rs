@@ -1,0 +1,123 @@
+//! Links of documents that stand elsewhere in the repository than on the site.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use pulldown_cmark::{CowStr, Event, Options, Parser, Tag};
+
+use crate::chapters::{Chapter, GENERATED, by_hand};
+
+/// Where the site has the files of the repository.
+pub(crate) struct Links<'r> {
+    repository: &'r Path,
+    /// By file of the repository: its page.
+    pages: BTreeMap<&'static str, &'static str>,
+}
+
+impl<'r> Links<'r> {
+    pub(crate) fn of(repository: &'r Path) -> Self {
+        Self { repository, pages: by_hand().map(|chapter| (chapter.source, chapter.page)).collect() }
+    }
+
+    /// A document with its links as they are on the site. What the site doesn't have is named without a link; a link
+    /// to what isn't in the repository either is a mistake.
+    pub(crate) fn moved(&self, text: &str, chapter: &Chapter, mistakes: &mut Vec<String>) -> String {
+        let mut moved = String::with_capacity(text.len());
+        let mut end = 0;
+        for (event, range) in Parser::new_ext(text, Options::ENABLE_TABLES).into_offset_iter() {
+            let Event::Start(Tag::Link { dest_url, .. }) = event else { continue };
+            let whole = &text[range.clone()];
+            let (Some(target), Some(at)) = (local(&dest_url), whole.rfind(&*dest_url)) else { continue };
+            let path = joined(chapter.source, target.split('#').next().unwrap_or(target));
+            if !self.repository.join(&path).exists() {
+                let line = text[..range.start].matches('\n').count() + 1;
+                mistakes.push(format!("{}:{line}: no file `{path}`, to which a link leads", chapter.source));
+                continue;
+            }
+            moved.push_str(&text[end..range.start]);
+            match self.page(&path) {
+                Some(page) => {
+                    let place = target.find('#').map_or("", |place| &target[place..]);
+                    let page = seen_from(chapter.page, &page);
+                    moved.extend([&whole[..at], &page, place, &whole[at + dest_url.len()..]]);
+                }
+                None => moved.push_str(whole[..at].trim_start_matches('[').trim_end_matches("](")),
+            }
+            end = range.end;
+        }
+        moved.push_str(&text[end..]);
+        moved
+    }
+
+    /// Where the site has a file or folder of the repository.
+    fn page(&self, path: &str) -> Option<String> {
+        if let Some(page) = self.pages.get(path) {
+            return Some((*page).to_owned());
+        }
+        let below = path.strip_prefix("generated/")?;
+        let folder = below.split('/').next()?;
+        let is_folder = self.repository.join(path).is_dir();
+        let has_index = self.repository.join(path).join("README.md").is_file();
+        let page = match (is_folder, has_index) {
+            (true, true) => format!("{}/README.md", below.trim_end_matches('/')),
+            // A browser lists a folder, where it stands on a disk.
+            _ => below.to_owned(),
+        };
+        GENERATED.contains(&folder).then_some(page)
+    }
+}
+
+/// A link to another file of the repository.
+fn local<'l>(link: &'l CowStr<'_>) -> Option<&'l str> {
+    let is_elsewhere = link.contains(':') || link.starts_with(['#', '/']);
+    (!is_elsewhere).then_some(link)
+}
+
+/// The path of `link` in the document `from`.
+fn joined(from: &str, link: &str) -> String {
+    let mut path = PathBuf::from(from);
+    path.pop();
+    for part in link.split('/') {
+        match part {
+            "" | "." => {}
+            ".." => {
+                path.pop();
+            }
+            part => path.push(part),
+        }
+    }
+    path.display().to_string().replace('\\', "/")
+}
+
+/// The address of the page `to` in the page `from`.
+fn seen_from(from: &str, to: &str) -> String {
+    format!("{}{to}", "../".repeat(from.matches('/').count()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chapters::CHAPTERS;
+
+    fn moved(text: &str) -> (String, Vec<String>) {
+        let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let mut mistakes = Vec::new();
+        let using = &CHAPTERS[0].1[0];
+        (Links::of(&repository).moved(text, using, &mut mistakes), mistakes)
+    }
+
+    #[test]
+    fn links_lead_to_the_same_documents() {
+        let text = "See [tables](definitions/README.md#pages), [`rules`](generated/docs/rules/), [us](#here), \
+                    [them](https://example.org) and the [licence](LICENSE-MIT).";
+        let expected = "See [tables](../guide/tables.md#pages), [`rules`](../docs/rules/README.md), [us](#here), \
+                        [them](https://example.org) and the licence.";
+        assert_eq!(moved(text), (expected.to_owned(), vec![]));
+    }
+
+    #[test]
+    fn a_link_that_leads_nowhere_is_a_mistake_with_its_place() {
+        let (_, mistakes) = moved("One line.\n\n[gone](definitions/gone.md)\n");
+        assert_eq!(mistakes, ["README.md:3: no file `definitions/gone.md`, to which a link leads"]);
+    }
+}

@@ -1,0 +1,322 @@
+// The documentation site in a browser, from the disk: it answers, fits, asks for nothing, and is right.
+//
+//     cargo xtask docs && npm ci --prefix xtask/site/tests && node --test xtask/site/tests
+//
+// UAVSPEC_SITE names the site, where it isn't target/site, UAVSPEC_CHROMIUM a browser, and UAVSPEC_PICTURES a folder for
+// screenshots.
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import fs from "node:fs";
+import { createRequire } from "node:module";
+import path from "node:path";
+import { after, before, beforeEach, describe, test } from "node:test";
+import { fileURLToPath, pathToFileURL } from "node:url";
+import { chromium } from "playwright-core";
+
+const repository = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../../..");
+const site = path.resolve(process.env.UAVSPEC_SITE ?? path.join(repository, "target/site"));
+const axe = fs.readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+
+const BROWSERS = ["chromium-headless-shell", "chromium", "chromium-browser", "google-chrome"];
+
+function browserPath() {
+  const runs = (name) => {
+    try {
+      return execFileSync("which", [name], { encoding: "utf8" }).trim();
+    } catch {
+      return undefined;
+    }
+  };
+  const found = process.env.UAVSPEC_CHROMIUM ?? BROWSERS.map(runs).find(Boolean);
+  assert.ok(found, "Chromium, or its path in UAVSPEC_CHROMIUM");
+  return found;
+}
+
+function filesBelow(folder, ending) {
+  const files = fs.readdirSync(folder, { recursive: true }).map((file) => file.replaceAll("\\", "/"));
+  return files.filter((file) => file.endsWith(ending)).sort();
+}
+
+const address = (page) => pathToFileURL(path.join(site, page)).href;
+const messages = filesBelow(path.join(site, "vectors/px4"), ".vectors.json").map((file) => file.split(".")[0]);
+const LOOKED_AT = [
+  "index.html",
+  "guide/using.html",
+  "guide/msg-language.html",
+  "guide/wire-formats.html",
+  "docs/conformance/README.html",
+  "docs/flockwave/README.html",
+  "docs/flockwave/error-codes.html",
+  "docs/flockwave/error-codes/errors.html",
+  "docs/flockwave/messages/UAV-INF.html",
+  "docs/flockwave/types/UAVStatusInfo.html",
+  "docs/rules/PX-RANGE-01.html",
+  ...messages.map((message) => `docs/px4/${message}.html`),
+];
+
+let browser;
+let page;
+let complaints;
+
+before(async () => {
+  browser = await chromium.launch({ executablePath: browserPath(), args: ["--no-sandbox"] });
+});
+
+after(() => browser?.close());
+
+async function open(width = 1440, colorScheme = "light") {
+  await page?.context().close();
+  const context = await browser.newContext({ viewport: { width, height: 900 }, colorScheme });
+  page = await context.newPage();
+  complaints = [];
+  page.on("console", (message) => {
+    if (["error", "warning"].includes(message.type())) {
+      complaints.push(message.text());
+    }
+  });
+  page.on("pageerror", (error) => complaints.push(error.message));
+  page.on("request", (request) => {
+    if (!request.url().startsWith("file:") && !request.url().startsWith("data:")) {
+      complaints.push(`asks for ${request.url()}`);
+    }
+  });
+}
+
+describe("pages", () => {
+  for (const width of [360, 1440]) {
+    for (const scheme of ["light", "dark"]) {
+      test(`open without complaint and fit ${width} pixels, ${scheme}`, async () => {
+        await open(width, scheme);
+        for (const name of LOOKED_AT) {
+          await page.goto(address(name));
+          await page.waitForSelector("main h1");
+          const [content, shown] = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
+          assert.ok(content <= shown, `${name}: ${content} pixels of content in ${shown}`);
+          const [red] = await page.evaluate(() => getComputedStyle(document.documentElement).backgroundColor.match(/\d+/g).map(Number));
+          assert.equal(red < 128, scheme === "dark", `${name} is ${scheme}`);
+          if (process.env.UAVSPEC_PICTURES) {
+            const picture = `${name.replaceAll("/", "-").replace(".html", "")}-${width}-${scheme}.png`;
+            await page.screenshot({ path: path.join(process.env.UAVSPEC_PICTURES, picture) });
+          }
+        }
+        assert.deepEqual(complaints, []);
+      });
+    }
+  }
+
+  test("are fit for keyboards and screen readers, by the rules of axe", async () => {
+    for (const scheme of ["light", "dark"]) {
+      await open(1440, scheme);
+      for (const name of ["index.html", "docs/px4/FailsafeFlags.html", "docs/px4/ArmingCheckReply.html", "docs/flockwave/error-codes.html"]) {
+        await page.goto(address(name));
+        await page.evaluate(axe);
+        const { violations } = await page.evaluate(() => globalThis.axe.run("main"));
+        const told = violations.map(({ id, nodes }) => `${id}: ${nodes.slice(0, 3).map((node) => node.html).join(" ")}`);
+        assert.deepEqual(told, [], `${name}, ${scheme}`);
+      }
+    }
+  });
+
+  test("lead nowhere but to what is there", () => {
+    const pages = filesBelow(site, ".html");
+    const texts = new Map(pages.map((name) => [name, fs.readFileSync(path.join(site, name), "utf8")]));
+    const ids = new Map();
+    const idsOf = (name) => {
+      if (!ids.has(name)) {
+        ids.set(name, new Set([...texts.get(name).matchAll(/\sid="([^"]*)"/g)].map(([, id]) => id)));
+      }
+      return ids.get(name);
+    };
+    const broken = [];
+    let links = 0;
+    for (const [name, text] of texts) {
+      for (const [, target] of text.matchAll(/\s(?:href|src)="([^"]*)"/g)) {
+        if (/^[a-z]+:/i.test(target)) {
+          continue;
+        }
+        links += 1;
+        const [file, id] = decodeURIComponent(target.replaceAll("&amp;", "&")).split("#");
+        const leads = file === "" ? name : path.posix.join(path.posix.dirname(name), file);
+        const isThere = fs.existsSync(path.join(site, leads));
+        const hasPlace = !id || !texts.has(leads) || idsOf(leads).has(id);
+        if (!isThere || !hasPlace) {
+          broken.push(`${name}: ${target}`);
+        }
+      }
+    }
+    assert.ok(links > 5000, `${links} links`);
+    assert.deepEqual(broken, []);
+  });
+
+  test("print what is to be read, and nothing to click", async () => {
+    await open();
+    await page.goto(address("docs/px4/FailsafeFlags.html"));
+    await page.emulateMedia({ media: "print" });
+    for (const hidden of [".composer", "#mdbook-sidebar", "#mdbook-menu-bar", ".nav-wrapper"]) {
+      assert.equal(await page.locator(hidden).first().isVisible(), false, hidden);
+    }
+    assert.ok(await page.locator("#field-fd_motor_failure").locator("xpath=ancestor::tr").isVisible());
+  });
+});
+
+describe("the search", () => {
+  beforeEach(() => open());
+
+  for (const [words, expected] of [
+    ["134", "docs/flockwave/error-codes"],
+    ["LOWBAT", "docs/flockwave/error-codes"],
+    ["FailsafeFlags", "docs/px4/FailsafeFlags.html"],
+    ["geofence_breached", "docs/px4/FailsafeFlags.html"],
+    ["PX-RANGE-01", "docs/rules/PX-RANGE-01.html"],
+    ["ArmingCheckReply.schema.json", "docs/px4/ArmingCheckReply.html"],
+  ]) {
+    test(`finds ${words} by keyboard`, async () => {
+      await page.goto(address("index.html"));
+      await page.keyboard.press("/");
+      await page.keyboard.type(words);
+      const results = page.locator("#mdbook-searchresults a");
+      await results.first().waitFor();
+      const found = await results.evaluateAll((links) => links.slice(0, 5).map((link) => link.href));
+      assert.ok(found.some((link) => link.includes(expected)), found.join("\n"));
+      assert.deepEqual(complaints, []);
+    });
+  }
+});
+
+describe("error codes", () => {
+  beforeEach(async () => {
+    await open();
+    await page.goto(address("docs/flockwave/error-codes.html"));
+  });
+
+  const shown = () =>
+    page.locator(".error-code-filter ~ * tbody tr:visible").evaluateAll((rows) => rows.map((row) => row.cells[0].textContent.trim()));
+
+  test("are found by number, with their alternatives", async () => {
+    await page.getByLabel("Find a code").fill("134");
+    assert.deepEqual(await shown(), ["66", "134", "199"]);
+    assert.equal(await page.getByRole("status").textContent(), "3 of 63 codes");
+  });
+
+  test("are found by abbreviation and by word, in any case", async () => {
+    await page.getByLabel("Find a code").fill("lowbat mission");
+    assert.deepEqual(await shown(), ["134"]);
+    await page.getByLabel("Find a code").fill("no such words");
+    assert.deepEqual(await shown(), []);
+  });
+
+  test("are filtered by severity", async () => {
+    for (const severity of ["informational", "warning", "error"]) {
+      await page.getByRole("checkbox", { name: severity }).uncheck();
+    }
+    const codes = await shown();
+    assert.ok(codes.length > 0 && codes.every((code) => Number(code) >= 192), codes.join());
+  });
+
+  test("lead to their alternatives", async () => {
+    await page.getByLabel("Find a code").fill("lowbat mission");
+    await page.locator("tbody tr:visible td").last().getByRole("link", { name: "199" }).click();
+    await page.waitForURL(/#code-199$/);
+    await page.locator("#code-199").waitFor({ state: "attached" });
+  });
+});
+
+// Sets the controls of a message to a value in JSON, as a person would, but at once.
+function choose(value) {
+  const set = (control, property, chosen) => {
+    control[property] = chosen;
+    control.dispatchEvent(new Event("input", { bubbles: true }));
+  };
+  const word = (number) => (number === null ? "NaN" : Object.is(number, -0) ? "-0" : String(number));
+  const own = (scope, name, kind) =>
+    [...scope.querySelectorAll(kind)].filter(
+      (one) => one.querySelector("code").textContent.replace(/\[\d+\]$/, "") === name && one.parentElement.closest("details") === (scope.matches("details") ? scope : null),
+    );
+  const fill = (scope, object) => {
+    for (const [name, part] of Object.entries(object)) {
+      const details = own(scope, name, "details");
+      if (details.length > 0) {
+        (Array.isArray(part) ? part : [part]).forEach((one, index) => fill(details[index], one));
+        continue;
+      }
+      const [masks] = own(scope, name, "fieldset.composer-flags");
+      if (masks) {
+        masks.querySelectorAll("input").forEach((box) => set(box, "checked", (BigInt(part) & BigInt(box.value)) !== 0n));
+        continue;
+      }
+      const [field] = own(scope, name, ".composer-field");
+      const control = field.querySelector("input, select");
+      if (control.type === "checkbox") {
+        set(control, "checked", part);
+      } else if (control.tagName === "SELECT" && ![...control.options].some((option) => option.value === word(part))) {
+        set(control, "value", "");
+        set(field.querySelector("input"), "value", word(part));
+      } else {
+        set(control, "value", Array.isArray(part) ? part.map(word).join(" ") : typeof part === "string" ? part : word(part));
+      }
+    }
+  };
+  document.querySelector(".composer-buttons button").click();
+  fill(document.querySelector(".composer"), value);
+  const rows = document.querySelector(".composer-bytes").textContent.split("\n");
+  return {
+    status: document.querySelector(".composer-status").textContent,
+    bytes: rows.map((row) => row.trim().split(/\s+/).slice(1).join("")).join(""),
+    json: document.querySelector(".composer-json").textContent,
+  };
+}
+
+// Integers that JavaScript can't hold come as their digits, as a person types them.
+function exact(text) {
+  return JSON.parse(text.replace(/(?<=[:[,\s])-?\d{16,}(?=[,\]}\s])/g, '"$&"'));
+}
+
+describe("composing", () => {
+  beforeEach(() => open());
+
+  test("is done with the words of the definition, group by group", async () => {
+    await page.goto(address("docs/px4/FailsafeFlags.html"));
+    const links = page.getByRole("group", { name: "Control links" });
+    await links.getByLabel("Ground station link lost").check();
+    await page.getByLabel("Most severe battery warning").selectOption({ value: "2" });
+    await page.getByLabel("Motor failed").focus();
+    await page.keyboard.press("Space");
+    assert.equal(await page.locator(".composer-status").textContent(), "byte 84 is 01");
+    const json = JSON.parse(await page.locator(".composer-json").textContent());
+    const chosen = Object.entries(json).filter(([, value]) => value).map(([name]) => name);
+    assert.deepEqual(chosen, ["gcs_connection_lost", "battery_warning", "fd_motor_failure"]);
+    assert.deepEqual(complaints, []);
+  });
+
+  for (const message of messages) {
+    test(`gives the bytes and the JSON of the codec: ${message}`, async () => {
+      await page.goto(address(`docs/px4/${message}.html`));
+      const text = fs.readFileSync(path.join(site, `vectors/px4/${message}.vectors.json`), "utf8");
+      const read = JSON.parse(text).cases;
+      const cases = exact(text).cases.map((one, index) => ({ ...one, expected: read[index].json }));
+      const composed = cases.filter((one) => one.valid && one.json && one.uorb);
+      assert.ok(composed.length > 0);
+      for (const { id, json, uorb, expected } of composed) {
+        const seen = await page.evaluate(choose, json);
+        assert.equal(seen.bytes, uorb.padEnd(seen.bytes.length, "0"), id);
+        assert.deepEqual(JSON.parse(seen.json), expected, id);
+      }
+      assert.deepEqual(complaints, []);
+    });
+  }
+
+  test("says what doesn't fit, beside its control", async () => {
+    await page.goto(address("docs/px4/FailsafeFlags.html"));
+    const field = page.getByLabel("mode_req_attitude");
+    for (const [wrong, told] of [["-1", "out of range"], ["4294967296", "out of range"], ["many", "expected an integer"]]) {
+      await field.fill(wrong);
+      assert.equal(await field.getAttribute("aria-invalid"), "true");
+      const described = await field.getAttribute("aria-describedby");
+      assert.match(await page.locator(`#${described}`).textContent(), new RegExp(told));
+    }
+    await field.fill("0x10");
+    assert.equal(await field.getAttribute("aria-invalid"), "false");
+    assert.match(await page.locator(".composer-json").textContent(), /"mode_req_attitude": 16,/);
+  });
+});
