@@ -13,13 +13,9 @@ use crate::links::Links;
 const ADDITIONS: [(&str, &str); 2] =
     [("site.css", include_str!("../site.css")), ("site.js", include_str!("../site.js"))];
 
-/// Fills the folder `to` from the repository, and counts the pages. All broken links are told at once.
+/// Fills the empty folder `to` from the repository, and counts the pages. All broken links are told at once.
 pub(crate) fn gather(repository: &Path, to: &Path) -> Result<usize, Vec<String>> {
     let failed = |error: io::Error| vec![format!("{}: {error}", to.display())];
-    match fs::remove_dir_all(to) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(failed(error)),
-        _ => {}
-    }
     for folder in GENERATED {
         copy(&repository.join("generated").join(folder), &to.join(folder))?;
     }

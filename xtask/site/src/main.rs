@@ -8,6 +8,8 @@ mod chapters;
 mod gather;
 mod links;
 
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -15,6 +17,9 @@ use std::time::Instant;
 use clap::Parser;
 use mdbook_driver::MDBook;
 use mdbook_driver::config::Config;
+
+/// A file that says of a folder that it holds a site.
+const MARK: &str = ".uavspec-site";
 
 /// Build the documentation site, which needs no server and no network.
 #[derive(Parser)]
@@ -45,9 +50,13 @@ fn main() -> ExitCode {
 
 fn run(arguments: &Arguments) -> Result<(), Vec<String>> {
     let started = Instant::now();
-    let gathered = arguments.output.with_extension("source");
-    let pages = gather::gather(&arguments.repository, &gathered)?;
-    build(&gathered, &arguments.output).map_err(|mistake| vec![mistake])?;
+    own(&arguments.output).map_err(|mistake| vec![mistake])?;
+    let gathered = tempfile::tempdir().map_err(|error| vec![format!("a temporary folder: {error}")])?;
+    let pages = gather::gather(&arguments.repository, gathered.path())?;
+    let built = build(gathered.path(), &arguments.output);
+    // mdBook takes out the mark, too.
+    let marked = mark(&arguments.output);
+    built.and(marked).map_err(|mistake| vec![mistake])?;
     let index = arguments.output.join("index.html");
     eprintln!("docs: {pages} pages in {} ({} ms)", index.display(), started.elapsed().as_millis());
     if arguments.open {
@@ -56,10 +65,42 @@ fn run(arguments: &Arguments) -> Result<(), Vec<String>> {
     Ok(())
 }
 
+/// Makes sure that the folder is empty, or was made by an earlier run: mdBook takes out whatever it finds there.
+fn own(output: &Path) -> Result<(), String> {
+    let of_folder = |error: io::Error| format!("{}: {error}", output.display());
+    fs::create_dir_all(output).map_err(of_folder)?;
+    let is_empty = fs::read_dir(output).map_err(of_folder)?.next().is_none();
+    if !is_empty && !output.join(MARK).is_file() {
+        let folder = output.display();
+        return Err(format!("{folder} holds files that are no site\n  help: name another folder with --output"));
+    }
+    mark(output)
+}
+
+fn mark(output: &Path) -> Result<(), String> {
+    fs::write(output.join(MARK), "").map_err(|error| format!("{}: {error}", output.display()))
+}
+
 fn build(gathered: &Path, output: &Path) -> Result<(), String> {
     let of_book = |error: &dyn std::fmt::Display| format!("mdBook: {error}");
     let mut config: Config = include_str!("../book.toml").parse().map_err(|error| of_book(&error))?;
     config.build.build_dir = std::path::absolute(output).map_err(|error| of_book(&error))?;
     let book = MDBook::load_with_config(gathered, config).map_err(|error| of_book(&error))?;
     book.build().map_err(|error| of_book(&error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_of_other_files_is_left_alone() {
+        let folder = tempfile::tempdir().expect("a folder");
+        assert_eq!(own(folder.path()), Ok(()), "empty");
+        assert_eq!(own(folder.path()), Ok(()), "its own");
+        fs::remove_file(folder.path().join(MARK)).expect("the mark");
+        fs::write(folder.path().join("flight.ulg"), "kept").expect("a file");
+        assert!(own(folder.path()).is_err_and(|mistake| mistake.contains("no site")));
+        assert!(folder.path().join("flight.ulg").is_file());
+    }
 }
