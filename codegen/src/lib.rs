@@ -80,6 +80,7 @@ pub mod report;
 pub mod schema;
 pub mod source;
 pub mod table;
+pub mod translation;
 pub mod unit;
 pub mod value;
 

@@ -4,6 +4,7 @@ use super::super::markdown::{Page, Table, code, inline, text_column, unbroken};
 use super::super::message::package_cell;
 use super::{Json, Owner};
 use crate::emit::OutputFile;
+use crate::emit::docs::words::ENGLISH;
 use crate::schema::JsonMessageId;
 
 impl Json<'_, '_> {
@@ -14,7 +15,7 @@ impl Json<'_, '_> {
         let mut page = Page::new(from, &inline(&message.name));
         page.block(&self.block(from, &message.docs.text()));
         let mut facts = Table::new(&[text_column(""), text_column("")]);
-        facts.row([unbroken("Package"), package_cell(from, self.package)]);
+        facts.row([unbroken("Package"), package_cell(ENGLISH, from, self.package)]);
         let line = self.site.sources.position(message.span).line;
         facts.row([unbroken("Definition"), code(&format!("{}:{line}", self.site.source(message.span)))]);
         let directions: Vec<&str> = message.parts.iter().map(|part| part.direction.name()).collect();
