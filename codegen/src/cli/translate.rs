@@ -92,8 +92,8 @@ impl Outcome {
     fn summary(&self, is_check: bool) -> String {
         let entries = || self.new.entries.iter().filter(|entry| !entry.is_header());
         let active = || entries().filter(|entry| !entry.is_obsolete);
-        let untranslated = active().filter(|entry| entry.translation.is_empty()).count();
-        let fuzzy = active().filter(|entry| !entry.translation.is_empty() && entry.is_fuzzy()).count();
+        let untranslated = active().filter(|entry| !entry.is_translated()).count();
+        let fuzzy = active().filter(|entry| entry.is_translated() && entry.is_fuzzy()).count();
         let all = active().count();
         let state = match (self.is_changed(), is_check) {
             (false, _) => "up to date",

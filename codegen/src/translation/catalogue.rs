@@ -54,6 +54,11 @@ impl Entry {
         self.context.is_none() && self.id.is_empty() && !self.is_obsolete
     }
 
+    /// Whether there is any translation, be it a good one or not. White space is none.
+    pub fn is_translated(&self) -> bool {
+        !self.translation.trim().is_empty()
+    }
+
     /// Whether somebody has to look at it.
     pub fn is_fuzzy(&self) -> bool {
         self.flags.iter().any(|flag| flag == FUZZY)

@@ -41,8 +41,7 @@ pub fn resolve(
         }
         let (catalogue, places, mut found) = parse(sources, *id);
         check_header(sources, &catalogue, &places, tag, place, &mut found);
-        let mut reader =
-            Reader { by_key: &by_key, texts: &texts, catalogue: &catalogue, places: &places, tag };
+        let reader = Reader { by_key: &by_key, texts: &texts, catalogue: &catalogue, places: &places, tag };
         if !has_errors(&found) {
             translations.languages.push(reader.read(&mut found));
         }
@@ -101,7 +100,7 @@ struct Reader<'r, 's> {
 }
 
 impl Reader<'_, '_> {
-    fn read(&mut self, diagnostics: &mut Vec<Diagnostic>) -> Language {
+    fn read(&self, diagnostics: &mut Vec<Diagnostic>) -> Language {
         let header_name = self.catalogue.header().and_then(|header| header.header_field("X-Language-Name"));
         let name = header_name.filter(|name| !name.is_empty()).unwrap_or_else(|| language::name(self.tag));
         let mut language = Language {
@@ -148,7 +147,7 @@ impl Reader<'_, '_> {
             let entry = |text: &Text<'_>| known.get(text.key.as_str()).copied();
             let Some(first) = of_unit.iter().filter_map(entry).min() else { continue };
             let is_missing = |text: &&Text<'_>| {
-                entry(text).is_none_or(|index| self.catalogue.entries[index].translation.is_empty())
+                entry(text).is_none_or(|index| !self.catalogue.entries[index].is_translated())
             };
             let missing: Vec<&Text<'_>> = of_unit.iter().filter(is_missing).collect();
             if missing.is_empty() {
@@ -181,7 +180,7 @@ enum Judgement {
 
 fn judge(entry: &Entry, place: Places, text: &Text<'_>) -> Judgement {
     let key = text.key.clone();
-    if entry.translation.is_empty() {
+    if !entry.is_translated() {
         return Judgement::Missing;
     }
     let diagnostic = if entry.id != text.text {

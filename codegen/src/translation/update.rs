@@ -1,6 +1,7 @@
 //! Catalogues are brought up to date with the definitions. Nothing that a translator wrote is lost.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 use super::catalogue::{Catalogue, Entry, FUZZY};
 use super::{Text, language};
@@ -74,17 +75,19 @@ pub fn update(
 
 /// Whether a translator has done anything in an entry.
 fn holds_work(entry: &Entry) -> bool {
-    !entry.translation.is_empty() || !entry.comments.is_empty()
+    entry.is_translated() || !entry.comments.is_empty()
 }
 
 fn bring_up_to_date(mut entry: Entry, text: &Text<'_>, sources: &SourceMap) -> Entry {
     entry.is_obsolete = false;
     entry.context = Some(text.key.clone());
-    entry.references = vec![sources.path(sources.source_of(text.span)).to_owned()];
+    let path = sources.path(sources.source_of(text.span));
+    // A path of this machine says nothing on others.
+    entry.references = if Path::new(path).is_relative() { vec![path.to_owned()] } else { Vec::new() };
     entry.notes = if text.note.is_empty() { Vec::new() } else { vec![text.note.clone()] };
     let is_changed = entry.id != text.text;
     let before = std::mem::replace(&mut entry.id, text.text.to_owned());
-    if entry.translation.is_empty() {
+    if !entry.is_translated() {
         entry.flags.retain(|flag| flag != FUZZY);
         (entry.previous_context, entry.previous_id) = (None, None);
     } else if is_changed {

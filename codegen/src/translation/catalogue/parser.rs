@@ -13,7 +13,7 @@ pub fn parse(sources: &SourceMap, id: SourceId) -> (Catalogue, Vec<Places>, Vec<
     let mut at = 0;
     for line in sources.text(id).split_inclusive('\n') {
         let text = line.trim();
-        let start = at + (line.len() - line.trim_start().len()).min(line.len());
+        let start = at + line.len() - line.trim_start().len();
         parser.line(text, whole.part(start..start + text.len()));
         at += line.len();
     }
@@ -21,7 +21,7 @@ pub fn parse(sources: &SourceMap, id: SourceId) -> (Catalogue, Vec<Places>, Vec<
 }
 
 /// The parts of an entry that are strings.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Part {
     PreviousContext,
     PreviousId,
@@ -43,13 +43,14 @@ struct Parser {
     place: Places,
     /// The last part that was begun, to which a line with nothing but a string adds.
     part: Option<Part>,
-    /// Whether the entry has any line yet that isn't a comment.
+    /// Whether the entry has its `msgid`.
     has_id: bool,
+    /// Whether the entry has its `msgstr`: it ends with that.
     has_translation: bool,
     /// Whether any of it couldn't be read.
     is_broken: bool,
-    /// Where the entry begins.
-    start: Span,
+    /// The line with the last keyword.
+    keyword: Span,
 }
 
 impl Parser {
@@ -142,7 +143,7 @@ impl Parser {
             let hint = "an entry is `msgctxt`, `msgid` and `msgstr`, in this order, each of them once";
             self.refuse("an entry whose parts are not in their order", span, hint);
         }
-        self.start = span;
+        self.keyword = span;
         self.part = Some(part);
         self.entry.is_obsolete |= is_obsolete;
         match part {
@@ -190,7 +191,7 @@ impl Parser {
         let has_part = self.has_id || self.entry.context.is_some() || self.entry.previous_id.is_some();
         if has_part && !self.has_translation {
             let hint = "give it a `msgstr`, with an empty string where it isn't translated yet";
-            self.refuse("an entry that isn't complete", self.start, hint);
+            self.refuse("an entry that isn't complete", self.keyword, hint);
         }
         if self.has_translation {
             self.end_entry();
