@@ -100,7 +100,7 @@ pub struct MessageKeys<'s> {
 impl<'s> MessageKeys<'s> {
     /// The keys of the texts of `message`.
     pub fn new(schema: &'s Schema, message: &'s Message) -> Self {
-        let base = format!("{}/{}", schema.package_of(message).name, message.name);
+        let base = message_unit(schema, message);
         let mut keys = Self { message, base, starts: Vec::new() };
         keys.starts = keys.starts();
         keys
@@ -219,16 +219,10 @@ fn of_message<'s>(schema: &'s Schema, id: MessageId, unit: &str, texts: &mut Vec
     let head = [MessageText::Summary, MessageText::Description].map(|text| (text, message.span));
     let mut known = BTreeSet::new();
     for (text, span) in head.into_iter().chain(found) {
-        if let MessageText::Group(group) | MessageText::GroupDescription(group) = text {
-            let is_description = matches!(text, MessageText::GroupDescription(_));
-            if !known.insert((group, is_description)) {
-                continue;
-            }
-        }
-        let source = text.of(message);
-        if !source.is_empty() {
-            let note = String::new();
-            texts.push(Text { unit: unit.to_owned(), key: keys.key(text), text: source, note, span });
+        let (key, source) = (keys.key(text), text.of(message));
+        // Each declaration of a group has brought along its heading.
+        if !source.is_empty() && known.insert(key.clone()) {
+            texts.push(Text { unit: unit.to_owned(), key, text: source, note: String::new(), span });
         }
     }
 }
