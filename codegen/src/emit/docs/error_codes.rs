@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use uavspec_runtime::Severity;
 
-use super::language::{self, marked, path_in};
+use super::language::{self, Heading, marked, path_in};
 use super::markdown::{Table, anchor, code, gist, href, inline, link, number_column, text_column, unbroken};
 use super::message::heading;
 use super::scope::with_links;
@@ -166,7 +166,8 @@ impl<'p, 's> Codes<'p, 's> {
         let words = self.site.words;
         let english = overview_path(self.package);
         let path = self.site.path_of(&english, &self.unit);
-        let mut page = language::page(self.site, &self.unit, &english, words.get(words::ERROR_CODES));
+        let heading_of_page = Heading { text: words.get(words::ERROR_CODES), english: TITLE };
+        let mut page = language::page(self.site, &self.unit, &english, &heading_of_page);
         page.block(words.get(words::SEVERITY_MEANS));
         page.table(&list(self.site, &path, self.package));
         heading(&mut page, words, 2, words::ALL_CODES);
@@ -195,7 +196,8 @@ impl<'p, 's> Codes<'p, 's> {
         let Self { site, package, unit, .. } = self;
         let (table, path) = (&package.error_tables[index], self.paths[index].as_str());
         let words = site.words;
-        let mut page = language::page(site, unit, &self.english_paths[index], &title(site, package, table));
+        let heading = Heading { text: &title(site, package, table), english: &inline(&table.title) };
+        let mut page = language::page(site, unit, &self.english_paths[index], &heading);
         let position = site.sources.position(table.span);
         let source = code(&format!("{}:{}", site.source(table.span), position.line));
         let overview = site.path_of(&overview_path(package), unit);

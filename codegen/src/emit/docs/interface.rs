@@ -3,12 +3,12 @@
 use super::constants::{self, Anchored, Constants};
 use super::enums;
 use super::fields;
-use super::language;
+use super::language::{self, Heading};
 use super::markdown::{Page, Table, code, inline, text_column, unbroken};
 use super::message::{cdr_size, heading, package_cell};
 use super::scope::Scope;
 use super::site::{Site, interface_path, part_names};
-use super::words::{self, Words};
+use super::words::{self, ENGLISH, Words};
 use crate::emit::OutputFile;
 use crate::schema::{Interface, Kind, MessageId, Package};
 use crate::translation::{MessageText, interface_unit};
@@ -32,7 +32,9 @@ fn title(words: Words, interface: &Interface) -> String {
 pub(super) fn page(site: &Site<'_>, package: &Package, interface: &Interface) -> OutputFile {
     let unit = interface_unit(package, interface);
     let english = interface_path(package, interface);
-    let mut page = language::page(site, &unit, &english, &title(site.words, interface));
+    let (title, english_title) = (title(site.words, interface), title(ENGLISH, interface));
+    let heading = Heading { text: &title, english: &english_title };
+    let mut page = language::page(site, &unit, &english, &heading);
     page.table(&facts(site, package, interface, &site.path_of(&english, &unit)));
     for (id, name) in interface.parts.iter().zip(part_names(interface.kind)) {
         if site.words.are_english() {

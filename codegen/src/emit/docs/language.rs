@@ -11,16 +11,25 @@ pub(super) fn path_in(path: &str, tag: &str) -> String {
     format!("{}.{tag}.md", path.strip_suffix(".md").unwrap_or(path))
 }
 
-/// A page about `unit`, in the language of the site: with its first heading, given as Markdown, and links to the same
-/// page in other languages. `english` is the path of the English page.
-pub(super) fn page(site: &Site<'_>, unit: &str, english: &str, heading: &str) -> Page {
+/// A first heading, given as Markdown: in the language of the page, and in English.
+pub(super) struct Heading<'h> {
+    pub(super) text: &'h str,
+    pub(super) english: &'h str,
+}
+
+/// A page about `unit`, in the language of the site: with its first heading, and links to the same page in other
+/// languages. `english` is the path of the English page.
+pub(super) fn page(site: &Site<'_>, unit: &str, english: &str, heading: &Heading<'_>) -> Page {
     let path = site.path_of(english, unit);
-    let mut page = match site.language {
-        Some(language) if !site.words.are_english() => {
-            Page::in_language(&path, &attributes(&language.tag), heading)
-        }
-        _ => Page::new(&path, heading),
-    };
+    let mut page = Page::without_heading(&path);
+    if let Some(language) = site.language.filter(|_| !site.words.are_english()) {
+        page.begin_language(&attributes(&language.tag));
+    }
+    if heading.text == heading.english {
+        page.heading(1, heading.text);
+    } else {
+        page.heading_for(1, heading.text, heading.english);
+    }
     page.block(&switch(site, unit, english, &path));
     page
 }

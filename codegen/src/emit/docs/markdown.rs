@@ -35,13 +35,16 @@ impl Page {
         page
     }
 
-    /// A page within an element of these attributes, which say what language it is in.
-    pub(super) fn in_language(path: &str, attributes: &str, heading: &str) -> Self {
-        let mut page = Self { end: "\n</div>\n", ..Self::empty(&notice(), path) };
+    /// A page without a heading yet.
+    pub(super) fn without_heading(path: &str) -> Self {
+        Self::empty(&notice(), path)
+    }
+
+    /// Puts all that follows into an element of these attributes, which say what language it is in.
+    pub(super) fn begin_language(&mut self, attributes: &str) {
         // The blank line ends the HTML, so that what follows is Markdown.
-        page.put(format_args!("\n<div {attributes}>\n"));
-        page.heading(1, heading);
-        page
+        self.put(format_args!("\n<div {attributes}>\n"));
+        self.end = "\n</div>\n";
     }
 
     fn empty(notice: &str, path: &str) -> Self {

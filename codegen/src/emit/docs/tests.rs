@@ -187,7 +187,8 @@ fn anchors(text: &str) -> Vec<&str> {
 fn targets(files: &[OutputFile]) -> BTreeMap<&str, BTreeSet<String>> {
     let of = |file: &OutputFile| {
         // Headings are anchors, too.
-        let headings = file.text.lines().filter_map(|line| line.strip_prefix("## "));
+        let headings =
+            file.text.lines().filter_map(|line| line.strip_prefix("## ").or(line.strip_prefix("# ")));
         let headings = headings.map(|heading| heading.to_lowercase().replace(' ', "-").replace('`', ""));
         anchors(&file.text).into_iter().map(str::to_owned).chain(headings).collect()
     };
