@@ -16,6 +16,7 @@ use uavspec_codegen::emit::{self, OutputFile};
 use uavspec_codegen::lint::{Preset, Settings, lint};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, Schema};
+use uavspec_codegen::translation::Translations;
 use uavspec_codegen::{PackageInput, SourceMap, cli, read};
 
 /// How many times over the corpus is read.
@@ -75,7 +76,7 @@ fn lint_definitions(bencher: Bencher<'_, '_>, times: usize) {
     let input = input(times);
     let settings = Settings { preset: Preset::Strict, ..Settings::default() };
     bencher.counter(ItemsCount::new(input.messages)).bench_local(|| {
-        let findings = lint(&input.sources, &input.packages, &settings);
+        let findings = lint(&input.sources, &input.packages, &[], &settings);
         render::findings(&findings, &input.sources, false)
     });
 }
@@ -125,7 +126,7 @@ fn emit_json_schema(bencher: Bencher<'_, '_>, times: usize) {
 #[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn emit_docs(bencher: Bencher<'_, '_>, times: usize) {
     emitter(bencher, times, |schema, sources| {
-        emit::docs::emit(schema, sources, &emit::docs::Options::default())
+        emit::docs::emit(schema, &Translations::default(), sources, &emit::docs::Options::default())
     });
 }
 

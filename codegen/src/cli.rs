@@ -20,6 +20,7 @@ mod output;
 mod report;
 mod revision;
 pub mod rewrite;
+mod translate;
 
 use std::fmt;
 use std::io::Write as _;
@@ -38,6 +39,7 @@ use crate::diagnostic::{Diagnostic, Level, has_errors, render};
 use crate::emit::{self, OutputFile};
 use crate::schema::{Form, Schema};
 use crate::source::SourceMap;
+use crate::translation::{self, Translations};
 
 /// Makes drone interface specifications executable: reads `.msg` definitions and specification
 /// tables, and generates Rust types, JSON Schemas, documentation and test vectors from them.
@@ -59,6 +61,8 @@ pub enum Command {
     Inspect(InspectArgs),
     /// Find what should be written otherwise in the definitions, and mend what can be.
     Lint(lint::LintArgs),
+    /// Bring catalogues of translations up to date with the definitions, or begin one.
+    Translate(translate::TranslateArgs),
     /// Compare the definitions with an earlier state, and say what breaks whom.
     Breaking(breaking::BreakingArgs),
 }
@@ -216,12 +220,12 @@ impl Generated {
 pub fn generate(config: impl AsRef<Path>) -> Result<Generated, Failure> {
     let config = config.as_ref();
     let plan = Config::find(Some(config))?.plan()?;
-    let (loaded, schema, diagnostics) = read(&plan)?;
+    let (loaded, schema, translations, diagnostics) = read_translated(&plan)?;
     let rendered = render::render(&diagnostics, &loaded.sources, false);
     if has_errors(&diagnostics) {
         return Err(Failure::new(format!("the definitions have mistakes\n{rendered}")));
     }
-    let changed = output::write(&emit_all(&plan, &schema, &loaded.sources)?)?;
+    let changed = output::write(&emit_all(&plan, &schema, &translations, &loaded.sources)?)?;
     let mut inputs = loaded.files;
     inputs.insert(0, config.to_path_buf());
     Ok(Generated {
@@ -263,6 +267,7 @@ impl Command {
             Self::Fmt(args) => format::run(&args),
             Self::Inspect(args) => inspect(&args),
             Self::Lint(args) => lint::run(&args),
+            Self::Translate(args) => translate::run(&args),
             Self::Breaking(args) => breaking::run(&args),
         };
         match result {
@@ -289,12 +294,12 @@ fn codegen(args: &CodegenArgs) -> Result<bool, Failure> {
         }
         None => Config::find(args.config.as_deref())?.plan()?,
     };
-    let (loaded, schema, diagnostics) = read(&plan)?;
+    let (loaded, schema, translations, diagnostics) = read_translated(&plan)?;
     report("codegen", &loaded, &diagnostics, "nothing written");
     if has_errors(&diagnostics) {
         return Ok(false);
     }
-    let folders = emit_all(&plan, &schema, &loaded.sources)?;
+    let folders = emit_all(&plan, &schema, &translations, &loaded.sources)?;
     if args.check {
         let differences = output::compare(&folders)?;
         for difference in &differences {
@@ -337,13 +342,37 @@ fn read(plan: &Plan) -> Result<(Loaded, Schema, Vec<Diagnostic>), Failure> {
     Ok((loaded, schema, diagnostics))
 }
 
+/// Definitions, their translations, and all that is to be said of both.
+type Translated = (Loaded, Schema, Translations, Vec<Diagnostic>);
+
+fn read_translated(plan: &Plan) -> Result<Translated, Failure> {
+    let mut loaded = load::load_with_catalogues(plan)?;
+    let (schema, mut diagnostics) = crate::read(&loaded.sources, &loaded.packages);
+    diagnostics.append(&mut loaded.diagnostics);
+    let mut translations = Translations::default();
+    // Translations of what can't be read would seem to name nothing.
+    if !has_errors(&diagnostics) {
+        let (resolved, mut found) = translation::resolve(&loaded.sources, &schema, &loaded.catalogues);
+        translations = resolved;
+        diagnostics.append(&mut found);
+    }
+    Ok((loaded, schema, translations, diagnostics))
+}
+
 /// Runs the emitters that the plan names.
-fn emit_all(plan: &Plan, schema: &Schema, sources: &SourceMap) -> Result<Vec<Folder>, Failure> {
+fn emit_all(
+    plan: &Plan,
+    schema: &Schema,
+    translations: &Translations,
+    sources: &SourceMap,
+) -> Result<Vec<Folder>, Failure> {
     side_by_side(&plan.outputs, |output: &PlannedOutput| {
         let files = match &output.emitter {
             EmitterOptions::Rust(options) => emit_rust(schema, sources, options)?,
             EmitterOptions::JsonSchema(options) => emit::json_schema::emit(schema, options),
-            EmitterOptions::Docs(options) => emit::docs::emit(schema, sources, &options.read()?),
+            EmitterOptions::Docs(options) => {
+                emit::docs::emit(schema, translations, sources, &options.read()?)
+            }
             EmitterOptions::Vectors(options) => emit::vectors::emit(schema, options),
         };
         Ok(Folder { path: output.path.clone(), files })

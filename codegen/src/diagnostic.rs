@@ -341,4 +341,28 @@ problems! {
         "`{name}` has a request, but nothing says what answers it", "define a response, or name the types that answer it: `Answer: ACK-ACK`";
     MisplacedAnnotation { annotation: &'static str, type_name: String } = Warning "misplaced-annotation"
         "`{annotation}` says nothing about `{type_name}`", "correct the type, or remove it";
+
+    // Catalogues of translations
+    MalformedCatalogue { what: &'static str } = Error "malformed-catalogue"
+        "{what}", "an entry is `msgctxt`, `msgid` and `msgstr`, each with strings between quotes";
+    CatalogueHeader = Error "catalogue-header"
+        "the catalogue has no header", "begin it with an entry whose `msgid` is empty; `cargo xtask translate LANGUAGE` makes one";
+    CatalogueEncoding { charset: String } = Error "catalogue-encoding"
+        "the header says that the file is written in `{charset}`", "save it as UTF-8, and write `Content-Type: text/plain; charset=UTF-8`";
+    CatalogueName { stem: String } = Error "catalogue-name"
+        "`{stem}` is no tag of another language", "call the file after its language, as BCP 47 writes it: `uk.po`, `pt-BR.po`; definitions are in English";
+    CatalogueLanguage { found: String, tag: String } = Error "catalogue-language"
+        "the header says that the language is `{found}`, the name of the file `{tag}`", "correct the one that is wrong";
+    DuplicateCatalogue { tag: String } = Error "duplicate-catalogue"
+        "a second catalogue for `{tag}`", "put its entries into the first: a language has one file";
+    DuplicateTranslation { key: String } = Error "duplicate-translation"
+        "a second entry for `{key}`", "remove one of them";
+    UnknownTranslation { what: String } = Warning "unknown-translation"
+        "{what} names nothing in the definitions", "correct it, or let `cargo xtask translate` set the entry aside";
+    TranslationStale { key: String } = Warning "translation-stale"
+        "the definition of `{key}` has another text now", "it isn't used: `cargo xtask translate` takes over the new text, then translate anew and take the flag `fuzzy` away";
+    TranslationFuzzy { key: String } = Warning "translation-fuzzy"
+        "the translation of `{key}` is marked as fuzzy", "it isn't used: look at it, then take the flag away";
+    TranslationMissing { tag: String, unit: String, missing: usize, all: usize, some: String } = Warning "translation-missing"
+        "{missing} of {all} texts of `{unit}` have no translation into `{tag}`: {some}", "translate them, after `cargo xtask translate` where they have no entry yet; until then they are shown in English";
 }

@@ -36,6 +36,8 @@
 //!   the text is kept as it was. White space within the text of a comment belongs to what it says.
 //! - What the readers warn of are rules of [`lint`] too, so that their level can be chosen; rules that look at
 //!   comments and white space get the syntax tree beside the model.
+//! - Translations ([`translation`]) stand beside the model, by keys that last: whoever emits pages looks up what to
+//!   show, and knows which texts are still in English.
 //! - Two sets of definitions that are compared stand in one [`SourceMap`], so that a finding names places in both.
 //! - A vector's JSON and its verdict come from the model, its bytes from [`dynamic`]; ids say what is tried,
 //!   not what comes of it, so that they last.
@@ -80,6 +82,7 @@ pub mod report;
 pub mod schema;
 pub mod source;
 pub mod table;
+pub mod translation;
 pub mod unit;
 pub mod value;
 

@@ -58,6 +58,9 @@ mod topic_default_absent;
 mod topic_list_empty;
 mod topic_redundant;
 mod trailing_white_space;
+mod translation_fuzzy;
+mod translation_missing;
+mod translation_stale;
 mod unit_alias;
 mod unit_missing;
 mod unit_missing_integer;
@@ -66,6 +69,7 @@ mod unknown_annotation;
 mod unknown_constant;
 mod unknown_enum;
 mod unknown_escape;
+mod unknown_translation;
 mod unknown_unit;
 mod version_type;
 
@@ -80,7 +84,7 @@ pub use crate::example::Example;
 use crate::finding::{Edit, Finding};
 use crate::schema::{self, Form, Package, PackageSource, Schema};
 use crate::source::{SourceId, SourceMap, Span};
-use crate::{PackageInput, parse_all};
+use crate::{PackageInput, parse_all, translation};
 
 /// Every rule, by id.
 pub const RULES: &[&Rule] = &[
@@ -129,6 +133,9 @@ pub const RULES: &[&Rule] = &[
     &topic_list_empty::RULE,
     &topic_redundant::RULE,
     &trailing_white_space::RULE,
+    &translation_fuzzy::RULE,
+    &translation_missing::RULE,
+    &translation_stale::RULE,
     &unit_alias::RULE,
     &unit_missing::RULE,
     &unit_missing_integer::RULE,
@@ -137,6 +144,7 @@ pub const RULES: &[&Rule] = &[
     &unknown_constant::RULE,
     &unknown_enum::RULE,
     &unknown_escape::RULE,
+    &unknown_translation::RULE,
     &unknown_unit::RULE,
     &ignore::UNUSED,
     &version_type::RULE,
@@ -294,18 +302,28 @@ pub fn rule(id: &str) -> Option<&'static Rule> {
     RULES.binary_search_by_key(&id, |rule| rule.id).ok().map(|at| RULES[at])
 }
 
-/// Reads `packages` and reports all that is to be said of them, by place.
+/// Reads `packages` and the catalogues of their translations, and reports all that is to be said of them, by place.
 ///
 /// What other packages only refer to is not judged: of sources without any message that is wanted, only
 /// errors are reported.
-pub fn lint(sources: &SourceMap, packages: &[PackageInput], settings: &Settings) -> Vec<Finding> {
+pub fn lint(
+    sources: &SourceMap,
+    packages: &[PackageInput],
+    catalogues: &[SourceId],
+    settings: &Settings,
+) -> Vec<Finding> {
     let (parsed, mut diagnostics) = parse_all(sources, packages);
     let (schema, mut resolved) = schema::resolve(&parsed);
     diagnostics.append(&mut resolved);
+    // Translations of what can't be read would seem to name nothing.
+    if !has_errors(&diagnostics) {
+        diagnostics.append(&mut translation::resolve(sources, &schema, catalogues).1);
+    }
     let linter = Linter { sources, schema: &schema, settings };
     let mut findings = linter.read(&diagnostics);
     linter.check(&parsed, &diagnostics, &mut findings);
-    let wanted = wanted(sources, &schema, &parsed);
+    let mut wanted = wanted(sources, &schema, &parsed);
+    wanted.extend(catalogues);
     findings.retain(|finding| {
         finding.level == Level::Error && rule(finding.rule).is_none()
             || wanted.contains(&sources.source_of(finding.span))

@@ -314,6 +314,9 @@ pub struct Constant {
     pub span: Span,
 }
 
+/// What descriptions say of a parameter that means nothing.
+const UNUSED: [&str; 6] = ["", "-", "empty", "reserved", "unused", "n/a"];
+
 /// A parameter of a command.
 #[derive(Debug)]
 pub struct Parameter {
@@ -327,4 +330,13 @@ pub struct Parameter {
     pub enum_prefixes: Vec<String>,
     /// What is said of it.
     pub description: String,
+}
+
+impl Parameter {
+    /// Whether it means nothing: commands have seven parameters, however few they need.
+    pub fn is_unused(&self) -> bool {
+        let text = self.description.trim().trim_end_matches('.').to_ascii_lowercase();
+        let says_nothing = self.range.is_none() && self.invalid.is_none() && self.enum_prefixes.is_empty();
+        says_nothing && UNUSED.contains(&text.as_str())
+    }
 }

@@ -2,7 +2,7 @@
 //!
 //! `err/<code>` gives at least that code as an error, `warn/<code>` at least that code as a warning and
 //! no error, `ok/<name>` nothing at all. `<code>-<case>` is one more case of the same code. Pages are
-//! tables; other files are of PX4, unless a file `dialect` in the folder says `ros2`, where each folder
+//! tables, `.po` files catalogues of translations; other files are of PX4, unless a file `dialect` in the folder says `ros2`, where each folder
 //! below is a package. After a change that is meant: `UAVSPEC_UPDATE_FIXTURES=1 cargo test --test fixtures`.
 
 mod support;
@@ -12,14 +12,15 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use uavspec_codegen::diagnostic::{Level, Problem, render};
+use uavspec_codegen::diagnostic::{Level, Problem, has_errors, render};
+use uavspec_codegen::example::is_catalogue;
 use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::Form;
-use uavspec_codegen::{Diagnostic, PackageInput, SourceMap, read};
+use uavspec_codegen::{Diagnostic, PackageInput, SourceMap, read, translation};
 
 use support::{differs, files_below, package};
 
-const DEFINITIONS: [&str; 6] = ["msg", "srv", "action", "md", "adoc", "txt"];
+const FILES: [&str; 7] = ["msg", "srv", "action", "md", "adoc", "txt", "po"];
 
 fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures")
@@ -49,8 +50,9 @@ fn read_case(folder: &Path) -> (SourceMap, Vec<Diagnostic>) {
     };
     let mut sources = SourceMap::default();
     let mut packages: BTreeMap<String, PackageInput> = BTreeMap::new();
+    let mut catalogues = Vec::new();
     let mut diagnostics = Vec::new();
-    for file in files_below(folder, &DEFINITIONS).iter().filter(|file| !file.ends_with("expected.txt")) {
+    for file in files_below(folder, &FILES).iter().filter(|file| !file.ends_with("expected.txt")) {
         let path =
             file.strip_prefix(folder).expect("a file of the folder").to_string_lossy().replace('\\', "/");
         let is_message = Kind::of(&path).is_some();
@@ -61,12 +63,17 @@ fn read_case(folder: &Path) -> (SourceMap, Vec<Diagnostic>) {
             _ => ("demo", Form::Msg(Dialect::Px4)),
         };
         match sources.add(path.as_str(), fs::read(file).expect("a readable file")) {
+            Ok(id) if is_catalogue(&path) => catalogues.push(id),
             Ok(id) => packages.entry(name.to_owned()).or_insert_with(|| package(name, form)).sources.push(id),
             Err(diagnostic) => diagnostics.push(diagnostic),
         }
     }
     let packages: Vec<PackageInput> = packages.into_values().collect();
-    diagnostics.append(&mut read(&sources, &packages).1);
+    let (schema, mut found) = read(&sources, &packages);
+    diagnostics.append(&mut found);
+    if !has_errors(&diagnostics) {
+        diagnostics.append(&mut translation::resolve(&sources, &schema, &catalogues).1);
+    }
     (sources, diagnostics)
 }
 

@@ -10,6 +10,7 @@ use uavspec_codegen::diagnostic::{has_errors, render};
 use uavspec_codegen::emit::{docs, inspect, json_schema, vectors};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::Form;
+use uavspec_codegen::translation::Translations;
 use uavspec_codegen::{Diagnostic, PackageInput, Schema, SourceMap, read};
 
 const PX4: Form = Form::Msg(Dialect::Px4);
@@ -231,7 +232,7 @@ fn emit_page(files: &[(String, Vec<u8>)]) -> Vec<&'static str> {
         }
         vectors::emit(&schema, &vectors::Options::default());
         json_schema::emit(&schema, &json_schema::Options::default());
-        docs::emit(&schema, &sources, &docs::Options::default());
+        docs::emit(&schema, &Translations::default(), &sources, &docs::Options::default());
         #[cfg(feature = "rust")]
         uavspec_codegen::emit::rust::emit(
             &schema,

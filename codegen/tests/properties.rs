@@ -14,6 +14,7 @@ use uavspec_codegen::emit::{self, inspect};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Element, ErrorTable, Form, Message, Schema, Shape, Type};
 use uavspec_codegen::source::Span;
+use uavspec_codegen::translation::Translations;
 use uavspec_codegen::{SourceMap, read};
 
 /// So many times the usual number of cases, which `PROPTEST_CASES` sets. No file of failures is kept: a
@@ -228,7 +229,7 @@ fn check_output(schema: &Schema, sources: &SourceMap) -> Result<(), TestCaseErro
         let parsed: Result<Json, _> = serde_json::from_str(&file.text);
         prop_assert!(parsed.is_ok(), "{}: {}", file.path, file.text);
     }
-    let docs = emit::docs::emit(schema, sources, &emit::docs::Options::default());
+    let docs = emit::docs::emit(schema, &Translations::default(), sources, &emit::docs::Options::default());
     for file in emit::json_schema::emit(schema, &emit::json_schema::Options::default()) {
         let parsed: Result<Json, _> = serde_json::from_str(&file.text);
         prop_assert!(parsed.is_ok(), "{}: {}", file.path, file.text);

@@ -506,7 +506,7 @@ fn fmt_keeps_permissions_and_links() {
 #[test]
 fn every_command_has_help_with_an_example() {
     let folder = workspace();
-    for command in ["codegen", "fmt", "inspect", "lint", "bench"] {
+    for command in ["codegen", "fmt", "inspect", "lint", "translate", "bench"] {
         let output = xtask(folder.path(), &[command, "--help"]);
         let help = String::from_utf8(output.stdout).expect("UTF-8");
         assert!(output.status.success() && help.contains("cargo xtask "), "{help}");

@@ -5,6 +5,7 @@ use uavspec_codegen::emit::{self, inspect};
 use uavspec_codegen::format::{Formatted, format};
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::source::Span;
+use uavspec_codegen::translation::Translations;
 use uavspec_codegen::{PackageInput, SourceMap, read};
 
 /// Parts the bytes of one input into several files. It is no byte of UTF-8.
@@ -36,7 +37,7 @@ pub fn check(form: Form, extension: &str, data: &[u8]) {
     }
     if !has_errors(&diagnostics) {
         inspect::schema(&schema);
-        emit::docs::emit(&schema, &sources, &emit::docs::Options::default());
+        emit::docs::emit(&schema, &Translations::default(), &sources, &emit::docs::Options::default());
         emit::json_schema::emit(&schema, &emit::json_schema::Options::default());
     }
     // To render one takes longer than to find hundreds.

@@ -53,6 +53,16 @@ struct File {
     packages: Vec<Package>,
     #[serde(default)]
     lint: Lint,
+    #[serde(default)]
+    translations: Translations,
+}
+
+/// Catalogues of translations.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Translations {
+    #[serde(default)]
+    include: Vec<String>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -142,6 +152,8 @@ pub(super) struct Plan {
     pub(super) config: Option<(String, String)>,
     /// Rules and what is let stand.
     pub(super) lint: PlannedLint,
+    /// Patterns of catalogues of translations, and the folder that they are relative to.
+    pub(super) catalogues: (PathBuf, Vec<String>),
     /// The revision that its sources come from; that of the working tree, where absent.
     pub(super) revision: Option<String>,
 }
@@ -340,7 +352,16 @@ impl Config {
             .collect();
         let lint = self.file.lint.plan(folder, &self.path, &self.text)?;
         let config = Some((self.path, self.text));
-        Ok(Plan { root: normalise(&root), packages, outputs: planned, config, lint, revision: None })
+        let catalogues = (folder.clone(), self.file.translations.include);
+        Ok(Plan {
+            root: normalise(&root),
+            packages,
+            outputs: planned,
+            config,
+            lint,
+            catalogues,
+            revision: None,
+        })
     }
 }
 
@@ -413,6 +434,7 @@ impl Plan {
             outputs,
             config: None,
             lint: PlannedLint::default(),
+            catalogues: (PathBuf::new(), Vec::new()),
             revision: None,
         }
     }

@@ -52,7 +52,7 @@ pub(super) fn run(args: &LintArgs) -> Result<bool, Failure> {
     }
     let started = Instant::now();
     let plan = args.definitions.plan()?;
-    let mut loaded = load::load(&plan)?;
+    let mut loaded = load::load_with_catalogues(&plan)?;
     let mut findings = judge(&plan, &loaded, args.preset);
     let mended = if args.fix { mend(&plan, &mut loaded, &mut findings, args.preset)? } else { 0 };
     let fixes = match (mended, findings.iter().filter(|finding| !finding.fix.is_empty()).count()) {
@@ -99,7 +99,8 @@ fn settings(plan: &Plan, loaded: &Loaded, preset: Option<PresetName>) -> Setting
 
 fn judge(plan: &Plan, loaded: &Loaded, preset: Option<PresetName>) -> Vec<Finding> {
     let mut findings: Vec<Finding> = loaded.diagnostics.iter().map(Finding::from).collect();
-    findings.extend(lint(&loaded.sources, &loaded.packages, &settings(plan, loaded, preset)));
+    let settings = settings(plan, loaded, preset);
+    findings.extend(lint(&loaded.sources, &loaded.packages, &loaded.catalogues, &settings));
     findings
 }
 

@@ -30,6 +30,8 @@ pub(super) struct Loaded {
     pub(super) files: Vec<PathBuf>,
     /// The file of each source that could be read.
     pub(super) paths: BTreeMap<SourceId, PathBuf>,
+    /// Catalogues of translations, where they were asked for.
+    pub(super) catalogues: Vec<SourceId>,
     /// The configuration file, which findings may point into.
     pub(super) config: Option<Span>,
 }
@@ -43,6 +45,14 @@ pub(super) fn load(plan: &Plan) -> Result<Loaded, Failure> {
 pub(super) fn load_beside(plan: &Plan, sources: SourceMap) -> Result<Loaded, Failure> {
     let mut loader = loader(plan, sources)?;
     loader.ros_dependencies()?;
+    Ok(loader.loaded)
+}
+
+/// Reads all sources of `plan`, and the catalogues of their translations.
+pub(super) fn load_with_catalogues(plan: &Plan) -> Result<Loaded, Failure> {
+    let mut loader = loader(plan, SourceMap::default())?;
+    loader.ros_dependencies()?;
+    loader.catalogues()?;
     Ok(loader.loaded)
 }
 
@@ -60,6 +70,7 @@ fn loader(plan: &Plan, sources: SourceMap) -> Result<Loader<'_>, Failure> {
             diagnostics: Vec::new(),
             files: Vec::new(),
             paths: BTreeMap::new(),
+            catalogues: Vec::new(),
             config: None,
         },
         folders: BTreeMap::new(),
@@ -151,6 +162,19 @@ impl Loader<'_> {
             }
         }
         Ok(sources)
+    }
+
+    /// Reads the catalogues. There may be none yet.
+    fn catalogues(&mut self) -> Result<(), Failure> {
+        let (folder, patterns) = &self.plan.catalogues;
+        let mut files = Vec::new();
+        for pattern in patterns {
+            files.append(&mut matching(folder, pattern, is_catalogue)?);
+        }
+        files.sort();
+        files.dedup();
+        self.loaded.catalogues = self.read_all(&files)?;
+        Ok(())
     }
 
     /// A path as diagnostics and output show it.
@@ -282,11 +306,19 @@ pub(super) fn is_definition(path: &Path, form: Form) -> bool {
     }
 }
 
+fn is_catalogue(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "po")
+}
+
 fn files_below(folder: &Path, form: Form) -> Result<Vec<PathBuf>, Failure> {
+    search(folder, |path| is_definition(path, form))
+}
+
+fn search(folder: &Path, is_wanted: impl Fn(&Path) -> bool) -> Result<Vec<PathBuf>, Failure> {
     let mut files = Vec::new();
     for entry in WalkDir::new(folder).follow_links(true).sort_by_file_name() {
         let entry = entry.map_err(|error| Failure::new(error.to_string()))?;
-        if entry.file_type().is_file() && is_definition(entry.path(), form) {
+        if entry.file_type().is_file() && is_wanted(entry.path()) {
             files.push(entry.into_path());
         }
     }
@@ -300,22 +332,7 @@ fn files_matching(
 ) -> Result<Vec<PathBuf>, Failure> {
     let mut files = Vec::new();
     for pattern in patterns {
-        let (base, rest) = literal_base(pattern);
-        let bad = |error: globset::Error| Failure::new(format!("the pattern `{pattern}`: {}", error.kind()));
-        let glob = GlobBuilder::new(&rest).literal_separator(true).build().map_err(bad)?;
-        let set = GlobSetBuilder::new().add(glob).build().map_err(bad)?;
-        let base = normalise(&folder.join(base));
-        let mut matching = if base.is_file() && rest.is_empty() {
-            vec![base.clone()]
-        } else if base.is_dir() {
-            let below = files_below(&base, package.form)?;
-            below
-                .into_iter()
-                .filter(|file| file.strip_prefix(&base).is_ok_and(|path| set.is_match(path)))
-                .collect()
-        } else {
-            Vec::new()
-        };
+        let mut matching = matching(folder, pattern, |path| is_definition(path, package.form))?;
         if matching.is_empty() {
             let message =
                 format!("package {}: `{pattern}` matches no file in {}", package.name, folder.display());
@@ -330,8 +347,30 @@ fn files_matching(
     Ok(files)
 }
 
+/// The files that match a pattern below a folder.
+fn matching(
+    folder: &Path,
+    pattern: &str,
+    is_wanted: impl Fn(&Path) -> bool,
+) -> Result<Vec<PathBuf>, Failure> {
+    let (base, rest) = literal_base(pattern);
+    let bad = |error: globset::Error| Failure::new(format!("the pattern `{pattern}`: {}", error.kind()));
+    let glob = GlobBuilder::new(&rest).literal_separator(true).build().map_err(bad)?;
+    let set = GlobSetBuilder::new().add(glob).build().map_err(bad)?;
+    let base = normalise(&folder.join(base));
+    if base.is_file() && rest.is_empty() {
+        return Ok(vec![base]);
+    }
+    if !base.is_dir() {
+        return Ok(Vec::new());
+    }
+    let mut files = search(&base, is_wanted)?;
+    files.retain(|file| file.strip_prefix(&base).is_ok_and(|path| set.is_match(path)));
+    Ok(files)
+}
+
 /// Splits a pattern into the folders before its first wildcard, and the rest: only those are searched.
-fn literal_base(pattern: &str) -> (String, String) {
+pub(super) fn literal_base(pattern: &str) -> (String, String) {
     let parts: Vec<&str> = pattern.split('/').collect();
     let literal = parts.iter().take_while(|part| !part.contains(['*', '?', '[', '{'])).count();
     (parts[..literal].join("/"), parts[literal..].join("/"))

@@ -7,6 +7,8 @@
 //! rules/README.md  reading.md  <rule>.md
 //! ```
 //!
+//! What is translated into `uk` stands beside the English page: `<Message>.uk.md`, `error-codes.uk.md`.
+//!
 //! `site` knows where everything is described and what refers to it; a page is written from top to
 //! bottom with the vocabulary of `markdown`. All text of definitions goes through `scope`, which makes
 //! links of the names in it, or one of the escapes of `markdown`; both rely on `emit::prose`.
@@ -21,6 +23,7 @@ mod fields;
 mod index;
 mod interface;
 mod json;
+mod language;
 pub mod markdown;
 mod message;
 mod picture;
@@ -29,12 +32,14 @@ mod scope;
 mod site;
 #[cfg(test)]
 mod tests;
+mod words;
 
 use self::rules::Rules;
 use self::site::Site;
 use super::{GENERATED_BY, OutputFile};
-use crate::schema::Schema;
+use crate::schema::{Interface, Package, Schema};
 use crate::source::SourceMap;
+use crate::translation::{self, Translations};
 
 /// What the definitions don't say.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -69,9 +74,15 @@ impl Default for Options {
     }
 }
 
-/// Describes all that `schema` lists. The order of the files is that of the schema.
-pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<OutputFile> {
-    let site = Site::new(schema, sources, &options.beside);
+/// Describes all that `schema` lists, and beside that in each language what it is translated into. The order of the
+/// files is that of the schema.
+pub fn emit(
+    schema: &Schema,
+    translations: &Translations,
+    sources: &SourceMap,
+    options: &Options,
+) -> Vec<OutputFile> {
+    let site = Site::new(schema, translations, sources, &options.beside);
     let rules = options.rules.then(Rules::new);
     let mut files = vec![
         book::config(options),
@@ -90,7 +101,27 @@ pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<Outp
         files.extend(error_codes::pages(&site, package));
         files.extend(json::Json::of(&site, package).pages());
     }
+    for language in &translations.languages {
+        let site = Site::in_language(schema, translations, sources, &options.beside, Some(language));
+        site.packages().for_each(|package| files.append(&mut translated(&site, package)));
+    }
     files.extend(rules.iter().flat_map(Rules::pages));
+    files
+}
+
+/// The pages of a package in the language of the site.
+fn translated(site: &Site<'_>, package: &Package) -> Vec<OutputFile> {
+    let messages = package
+        .messages
+        .iter()
+        .filter(|id| site.has_page(&translation::message_unit(site.schema, site.schema.message(**id))));
+    let mut files: Vec<OutputFile> = messages.map(|id| message::page(site, *id)).collect();
+    let has_page = |interface: &&Interface| site.has_page(&translation::interface_unit(package, interface));
+    let interfaces = package.interfaces.iter().filter(has_page);
+    files.extend(interfaces.map(|interface| interface::page(site, package, interface)));
+    if site.has_page(&translation::error_codes_unit(package)) {
+        files.extend(error_codes::pages(site, package));
+    }
     files
 }
 

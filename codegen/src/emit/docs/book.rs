@@ -3,12 +3,14 @@
 use super::error_codes;
 use super::interface::kind_name;
 use super::json::Json;
+use super::language::path_in;
 use super::markdown::{append, href, inline, link};
 use super::rules::{self, Rules};
 use super::site::{Site, interface_path};
 use super::{Options, notice};
 use crate::emit::OutputFile;
 use crate::schema::Package;
+use crate::translation::{interface_unit, message_unit};
 
 /// The table of contents.
 const SUMMARY: &str = "SUMMARY.md";
@@ -106,20 +108,32 @@ pub(super) fn summary(site: &Site<'_>, rules: Option<&Rules>, more: &str) -> Out
 
 fn contents(site: &Site<'_>, package: &Package, mut item: impl FnMut(usize, &str, &str)) {
     for id in &package.messages {
-        item(0, &site.schema.message(*id).name, site.path(*id));
+        let message = site.schema.message(*id);
+        item(0, &message.name, site.path(*id));
+        let unit = message_unit(site.schema, message);
+        translations(site, &unit, &message.name, site.path(*id), |name, path| item(1, name, path));
     }
     for interface in &package.interfaces {
         let name = format!("{} {}", interface.name, kind_name(interface.kind));
-        item(0, &name, &interface_path(package, interface));
+        let path = interface_path(package, interface);
+        item(0, &name, &path);
+        let unit = interface_unit(package, interface);
+        translations(site, &unit, &interface.name, &path, |name, path| item(1, name, path));
     }
     if !package.error_tables.is_empty() {
-        item(0, error_codes::TITLE, &error_codes::overview_path(package));
-        for (table, path) in package.error_tables.iter().zip(error_codes::table_paths(package)) {
-            item(1, &table.title, &path);
+        for (depth, name, path) in error_codes::contents(site, package) {
+            item(depth, &name, &path);
         }
     }
     for (name, path) in Json::of(site, package).contents() {
         item(0, name, path);
+    }
+}
+
+/// The pages about `unit` in other languages, below the English one.
+fn translations(site: &Site<'_>, unit: &str, name: &str, path: &str, mut item: impl FnMut(&str, &str)) {
+    for language in site.languages_of(unit) {
+        item(&format!("{name} ({})", language.name), &path_in(path, &language.tag));
     }
 }
 

@@ -5,10 +5,9 @@ use super::fields::{meaning, range, unit, value_cell};
 use super::markdown::{Page, Table, code, inline, link, number_column, text_column};
 use super::scope::Scope;
 use super::site::Part;
+use super::words::{self, Words};
 use crate::schema::{Constant, Message, MessageId, Parameter};
-
-/// What descriptions say of a parameter that means nothing.
-const UNUSED: [&str; 6] = ["", "-", "empty", "reserved", "unused", "n/a"];
+use crate::translation::MessageText;
 
 /// Writes the commands of a message: a list of those that no enum lists, and the parameters of each.
 pub(super) fn write(
@@ -21,18 +20,21 @@ pub(super) fn write(
     let message = scope.site.schema.message(id);
     let mut commands = constants.commands.clone();
     commands.sort_by_key(|index| message.constants[*index].value.as_int());
-    let columns = [number_column("Value"), text_column("Command"), text_column("Description")];
+    let words = scope.site.words;
+    let columns = [
+        number_column(words.get(words::VALUE)),
+        text_column(words.get(words::COMMAND)),
+        text_column(words.get(words::DESCRIPTION)),
+    ];
     let mut list = Table::new(&columns);
     for index in commands.iter().filter(|index| !constants.members.contains(index)) {
         let constant = &message.constants[*index];
         let name = anchored.place(scope, id, *index) + &name_with_parameters(constant);
-        list.row([value_cell(&constant.value), name, scope.inline(&constant.description)]);
+        list.row([value_cell(&constant.value), name, scope.inline_of(MessageText::Constant(*index))]);
     }
     page.table(&list);
-    for constant in
-        commands.into_iter().map(|index| &message.constants[index]).filter(|found| has_parameters(found))
-    {
-        command(page, scope, constant, constants);
+    for index in commands.into_iter().filter(|index| has_parameters(&message.constants[*index])) {
+        command(page, scope, index, constants);
     }
 }
 
@@ -43,8 +45,9 @@ pub(super) fn name_with_parameters(constant: &Constant) -> String {
 }
 
 /// A parameter, by its number and its command.
-pub(super) fn parameter_link(message: &Message, (command, index): ParameterRef) -> String {
-    format!("parameter {} of {}", index + 1, name_with_parameters(&message.constants[command]))
+pub(super) fn parameter_link(words: Words, message: &Message, (command, index): ParameterRef) -> String {
+    let command = name_with_parameters(&message.constants[command]);
+    words.fill(words::PARAMETER_OF, &[("number", &(index + 1).to_string()), ("command", &command)])
 }
 
 fn command_anchor(constant: &Constant) -> String {
@@ -52,42 +55,45 @@ fn command_anchor(constant: &Constant) -> String {
 }
 
 fn has_parameters(constant: &Constant) -> bool {
-    !constant.parameters.iter().all(is_unused)
+    !constant.parameters.iter().all(Parameter::is_unused)
 }
 
-fn is_unused(parameter: &Parameter) -> bool {
-    let text = parameter.description.trim().trim_end_matches('.').to_ascii_lowercase();
-    let says_nothing =
-        parameter.range.is_none() && parameter.invalid.is_none() && parameter.enum_prefixes.is_empty();
-    says_nothing && UNUSED.contains(&text.as_str())
-}
-
-fn command(page: &mut Page, scope: Scope<'_, '_>, constant: &Constant, constants: &Constants<'_>) {
+fn command(page: &mut Page, scope: Scope<'_, '_>, command: usize, constants: &Constants<'_>) {
+    let constant = &scope.site.schema.message(scope.message).constants[command];
     page.anchor(&command_anchor(constant));
     page.heading(3, &format!("{} ({})", code(&constant.name), inline(&constant.value.to_string())));
-    page.block(&scope.block(&constant.description));
-    let columns =
-        [number_column("Parameter"), text_column("Unit"), text_column("Values"), text_column("Description")];
+    page.block(&scope.block_of(MessageText::Constant(command)));
+    let words = scope.site.words;
+    let columns = [
+        number_column(words.get(words::PARAMETER)),
+        text_column(words.get(words::UNIT)),
+        text_column(words.get(words::VALUES)),
+        text_column(words.get(words::DESCRIPTION)),
+    ];
     let mut table = Table::new(&columns);
     for (index, parameter) in constant.parameters.iter().enumerate() {
-        if !is_unused(parameter) {
+        if !parameter.is_unused() {
             table.row([
                 (index + 1).to_string(),
                 unit(parameter.unit.as_deref()),
-                values(scope, parameter, constants).join("<br>"),
-                scope.inline(&parameter.description),
+                values(scope, (command, index), constants).join("<br>"),
+                scope.inline_of(MessageText::Parameter(command, index)),
             ]);
         }
     }
     page.table(&table);
 }
 
-fn values(scope: Scope<'_, '_>, parameter: &Parameter, constants: &Constants<'_>) -> Vec<String> {
+fn values(scope: Scope<'_, '_>, (command, index): ParameterRef, constants: &Constants<'_>) -> Vec<String> {
+    let words = scope.site.words;
+    let parameter = &scope.site.schema.message(scope.message).constants[command].parameters[index];
+    let one_of =
+        |prefix: &String| words.fill(words::ONE_OF, &[("enum", &prefix_link(scope, prefix, constants))]);
     let prefixes = parameter.enum_prefixes.iter();
-    let mut lines: Vec<String> =
-        prefixes.map(|prefix| format!("one of {}", prefix_link(scope, prefix, constants))).collect();
-    lines.extend(parameter.range.as_ref().and_then(range));
-    lines.extend(parameter.invalid.as_ref().map(|special| meaning(scope, special, "left out")));
+    let mut lines: Vec<String> = prefixes.map(one_of).collect();
+    lines.extend(parameter.range.as_ref().and_then(|bounds| range(words, bounds)));
+    let text = MessageText::ParameterInvalid(command, index);
+    lines.extend(parameter.invalid.as_ref().map(|special| meaning(scope, special, text, words::LEFT_OUT)));
     lines
 }
 

@@ -3,19 +3,44 @@
 
 use serde_json::{Map, Value as Json, json};
 
+use super::fields::unit;
 use super::markdown::Page;
-use super::site::Site;
+use super::message::heading;
+use super::site::{Said, Site};
+use super::words::{self, Word, Words};
 use crate::emit::prose::{gist, visible, xml};
 use crate::schema::{Dialect, Element, EnumRef, Field, Message, MessageId, Shape, UorbLayout};
-
-/// Heading of the part of a page.
-const TITLE: &str = "Compose";
+use crate::translation::MessageText;
 
 /// Most controls of a page: with more of them, nobody finds the one that is looked for.
 const MAX_CONTROLS: usize = 500;
 
 /// Longest label of a control, in characters.
 const MAX_LABEL: usize = 160;
+
+/// What the script says, by the names that it knows.
+const WORDS: [(&str, Word); 20] = [
+    ("fieldsOf", words::FIELDS_OF),
+    ("setToZero", words::SET_TO_ZERO),
+    ("copyJson", words::COPY_JSON),
+    ("copyBytes", words::COPY_BYTES),
+    ("copied", words::COPIED),
+    ("copyingRefused", words::COPYING_REFUSED),
+    ("padding", words::PADDING),
+    ("byteOf", words::BYTE_OF),
+    ("byteIs", words::BYTE_IS),
+    ("andMore", words::AND_MORE),
+    ("anotherValue", words::ANOTHER_VALUE),
+    ("upToBytes", words::UP_TO_BYTES),
+    ("upToValues", words::UP_TO_VALUES),
+    ("notAllFit", words::NOT_ALL_FIT),
+    ("expectedInteger", words::EXPECTED_INTEGER),
+    ("expectedNumber", words::EXPECTED_NUMBER),
+    ("expectedBool", words::EXPECTED_BOOL),
+    ("outOfRange", words::OUT_OF_RANGE),
+    ("tooManyBytes", words::TOO_MANY_BYTES),
+    ("tooManyValues", words::TOO_MANY_VALUES),
+];
 
 /// Writes the part of a message's page where it is composed; nothing where it has no layout in memory, no fields,
 /// or too many of them.
@@ -26,18 +51,28 @@ pub(super) fn write(page: &mut Page, site: &Site<'_>, id: MessageId) {
     if controls == 0 || controls > MAX_CONTROLS {
         return;
     }
+    let words: Map<String, Json> =
+        WORDS.iter().map(|(name, word)| ((*name).to_owned(), site.words.get(*word).into())).collect();
     let data = json!({
         "name": message.name,
         "size": layout.size,
-        "unpadded": layout.size_no_padding,
+        "title": site.words.fill(words::UORB_OF_SIZE, &[("size", &size(site.words, layout))]),
+        "words": words,
         "fields": fields(site, id, layout),
     });
-    page.heading(2, TITLE);
+    heading(page, site.words, 2, words::COMPOSE);
     page.block(&format!("<div class=\"composer\" data-message=\"{}\">", embedded(&data)));
-    page.block(
-        "In the book, where scripts run, values are chosen here, and the message is shown as JSON and as uORB bytes.",
-    );
+    page.block(site.words.get(words::COMPOSE_MEANS));
     page.block("</div>");
+}
+
+/// How many bytes a message has in memory.
+fn size(words: Words, layout: &UorbLayout) -> String {
+    let size = words.bytes(layout.size as u64);
+    match layout.size - layout.size_no_padding {
+        0 => size,
+        padding => words.fill(words::PADDED_SIZE, &[("size", &size), ("padding", &padding.to_string())]),
+    }
 }
 
 /// Data as the value of an attribute. What stands in a text can neither hide nor be a mark of templates, which make
@@ -61,24 +96,26 @@ fn controls(site: &Site<'_>, message: &Message) -> usize {
 
 /// The fields of a message in declared order, which is that of JSON.
 fn fields(site: &Site<'_>, id: MessageId, layout: &UorbLayout) -> Vec<Json> {
-    let message = site.schema.message(id);
+    let fields = 0..site.schema.message(id).fields.len();
     let offset = |index| layout.slots.iter().find(|slot| slot.field == Some(index)).map(|slot| slot.offset);
-    let fields = message.fields.iter().enumerate();
-    fields.map(|(index, field)| described(site, message, field, offset(index))).collect()
+    fields.map(|index| described(site, id, index, offset(index))).collect()
 }
 
-fn described(site: &Site<'_>, message: &Message, field: &Field, offset: Option<usize>) -> Json {
+fn described(site: &Site<'_>, id: MessageId, index: usize, offset: Option<usize>) -> Json {
+    let field = &site.schema.message(id).fields[index];
     let mut data = Map::new();
     let mut put = |key: &str, value: Json| {
-        let is_said = !matches!(&value, Json::Null) && value.as_str() != Some("");
+        let is_said = !value.is_null() && value.as_str() != Some("");
         if is_said {
             data.insert(key.to_owned(), value);
         }
     };
+    let label = site.said_of(id, MessageText::Field(index));
     put("name", field.name.as_str().into());
-    put("label", gist(&field.description, MAX_LABEL).into());
-    put("group", field.group.map(|group| gist(&message.groups[group].summary, MAX_LABEL)).into());
-    put("unit", super::fields::unit(field.unit.as_deref()).into());
+    put("label", short(label));
+    put("lang", label.tag.into());
+    put("group", field.group.map(|group| short(site.said_of(id, MessageText::Group(group)))).into());
+    put("unit", unit(field.unit.as_deref()).into());
     put("offset", offset.into());
     if let Shape::Array(count) = field.ty.shape {
         put("count", count.into());
@@ -106,14 +143,18 @@ fn described(site: &Site<'_>, message: &Message, field: &Field, offset: Option<u
     data.into()
 }
 
+/// A text that is short enough for a label.
+fn short(said: Said<'_>) -> Json {
+    gist(said.text, MAX_LABEL).into()
+}
+
 /// The members of an enum, without further names of the same value: value, name, description.
 fn values(site: &Site<'_>, held: EnumRef) -> Json {
-    let constants = &site.schema.message(held.message).constants;
     let found = site.schema.enumeration(held);
     let members = found.members.iter().filter(|member| found.alias_of(member).is_none());
     members
         .map(|member| {
-            let description = gist(&constants[member.constant].description, MAX_LABEL);
+            let description = short(site.said_of(held.message, MessageText::Constant(member.constant)));
             json!([member.value.to_string(), member.name, description])
         })
         .collect()

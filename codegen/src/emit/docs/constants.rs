@@ -7,7 +7,9 @@ use super::fields::{constant_type, in_groups, value_cell};
 use super::markdown::{Page, Table, anchor, code, number_column, text_column};
 use super::scope::Scope;
 use super::site::{Part, is_fact};
+use super::words;
 use crate::schema::{Message, MessageId};
+use crate::translation::MessageText;
 
 /// Constants whose anchors are on the page already: two enums may share some.
 #[derive(Debug, Default)]
@@ -119,21 +121,25 @@ pub(super) fn write_parameter_enums(
     anchored: &mut Anchored,
 ) {
     let message = scope.site.schema.message(id);
+    let words = scope.site.words;
     for (prefix, found) in &constants.of_parameters {
         page.anchor(&prefix_anchor(prefix));
         page.heading(3, &code(prefix));
         let holders: Vec<String> =
-            found.holders.iter().map(|holder| parameter_link(message, *holder)).collect();
-        page.block(&format!("Held by {}.", holders.join(", ")));
-        let mut table =
-            Table::new(&[number_column("Value"), text_column("Name"), text_column("Description")]);
+            found.holders.iter().map(|holder| parameter_link(words, message, *holder)).collect();
+        page.block(&words.fill(words::HELD_BY, &[("fields", &holders.join(", "))]));
+        let mut table = Table::new(&[
+            number_column(words.get(words::VALUE)),
+            text_column(words.get(words::NAME)),
+            text_column(words.get(words::DESCRIPTION)),
+        ]);
         for index in &found.constants {
             let constant = &message.constants[*index];
             let name = anchored.place(scope, id, *index) + &code(&constant.name);
             table.row([
                 value_cell(&constant.value),
                 name,
-                scope.at(Part::Constant(*index)).inline(&constant.description),
+                scope.at(Part::Constant(*index)).inline_of(MessageText::Constant(*index)),
             ]);
         }
         page.table(&table);
@@ -150,8 +156,13 @@ pub(super) fn write(
     anchored: &mut Anchored,
 ) {
     let message = scope.site.schema.message(id);
-    let columns =
-        [text_column("Constant"), text_column("Type"), number_column("Value"), text_column("Description")];
+    let words = scope.site.words;
+    let columns = [
+        text_column(words.get(words::CONSTANT)),
+        text_column(words.get(words::TYPE)),
+        number_column(words.get(words::VALUE)),
+        text_column(words.get(words::DESCRIPTION)),
+    ];
     let mut table = Table::new(&columns);
     for index in indexes {
         let constant = &message.constants[*index];
@@ -159,9 +170,9 @@ pub(super) fn write(
             anchored.place(scope, id, *index) + &code(&constant.name),
             constant_type(scope, message, constant.ty),
             value_cell(&constant.value),
-            scope.at(Part::Constant(*index)).inline(&constant.description),
+            scope.at(Part::Constant(*index)).inline_of(MessageText::Constant(*index)),
         ]);
     }
     let groups: Vec<Option<usize>> = indexes.iter().map(|index| message.constants[*index].group).collect();
-    in_groups(page, scope, table, &groups, &message.groups, level);
+    in_groups(page, scope, table, &groups, level);
 }

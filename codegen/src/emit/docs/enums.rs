@@ -5,7 +5,9 @@ use super::constants::Anchored;
 use super::markdown::{Page, Table, code, link, number_column, text_column};
 use super::scope::Scope;
 use super::site::{FieldRef, Part};
-use crate::schema::{Docs, Enum, EnumRef, Field, Member, Message, MessageId};
+use super::words;
+use crate::schema::{Enum, EnumRef, Field, Member, Message, MessageId};
+use crate::translation::MessageText;
 
 /// Writes the enums of a message.
 pub(super) fn write(
@@ -19,7 +21,9 @@ pub(super) fn write(
     for (index, found) in message.enums.iter().enumerate() {
         page.anchor(&scope.site.anchor(id, Part::Enum(index)));
         page.heading(level, &title(found));
-        page.block(&scope.block(&introduction(message, found)));
+        for text in introduction(message, found) {
+            page.block(&scope.block_of(text));
+        }
         page.block(&holders(scope, EnumRef { message: id, index }, found));
         page.table(&table(scope, id, found, anchored));
     }
@@ -30,24 +34,25 @@ fn title(found: &Enum) -> String {
     found.prefixes.iter().map(|prefix| code(prefix)).collect::<Vec<_>>().join(", ")
 }
 
-/// The text that stands above all the constants of an enum.
-fn introduction(message: &Message, found: &Enum) -> String {
+/// The texts that stand above all the constants of an enum.
+fn introduction(message: &Message, found: &Enum) -> Vec<MessageText> {
     let mut groups = found.members.iter().map(|member| message.constants[member.constant].group);
     let first = groups.next().flatten();
-    let docs = first.filter(|_| groups.all(|group| group == first)).map(|group| &message.groups[group]);
-    docs.map(Docs::text).unwrap_or_default()
+    let group = first.filter(|_| groups.all(|group| group == first));
+    let texts = group.map(|group| vec![MessageText::Group(group), MessageText::GroupDescription(group)]);
+    texts.unwrap_or_default()
 }
 
 /// Which fields hold the enum, and what else they may hold.
 fn holders(scope: Scope<'_, '_>, held: EnumRef, found: &Enum) -> String {
     let fields: Vec<String> =
         scope.site.enum_holders(held).iter().map(|field| field_link(scope, held.message, *field)).collect();
-    let rest = if found.is_flags {
-        "Any number of these bits may be set, and others, too."
-    } else {
-        "Other values may occur, too."
-    };
-    if fields.is_empty() { rest.to_owned() } else { format!("Held by {}. {rest}", fields.join(", ")) }
+    let words = scope.site.words;
+    let rest = words.get(if found.is_flags { words::OTHER_BITS } else { words::OTHER_VALUES });
+    if fields.is_empty() {
+        return rest.to_owned();
+    }
+    format!("{} {rest}", words.fill(words::HELD_BY, &[("fields", &fields.join(", "))]))
 }
 
 /// A field of this or another message.
@@ -67,9 +72,13 @@ pub(super) fn field_link(scope: Scope<'_, '_>, own: MessageId, (id, index): Fiel
 
 fn table(scope: Scope<'_, '_>, id: MessageId, found: &Enum, anchored: &mut Anchored) -> Table {
     let message = scope.site.schema.message(id);
-    let first = if found.is_flags { "Mask" } else { "Value" };
-    let columns =
-        [number_column(first), number_column("Bit"), text_column("Name"), text_column("Description")];
+    let words = scope.site.words;
+    let columns = [
+        number_column(words.get(if found.is_flags { words::MASK } else { words::VALUE })),
+        number_column(words.get(words::BIT)),
+        text_column(words.get(words::NAME)),
+        text_column(words.get(words::DESCRIPTION)),
+    ];
     let mut table = Table::new(&columns);
     let mut members: Vec<&Member> = found.members.iter().collect();
     // Stable: of several names for a value, the one that is declared first leads.
@@ -110,27 +119,27 @@ fn description(
     member: &Member,
     alias_of: Option<&Member>,
 ) -> String {
-    let text =
-        scope.at(Part::Constant(member.constant)).inline(&message.constants[member.constant].description);
+    let text = scope.at(Part::Constant(member.constant)).inline_of(MessageText::Constant(member.constant));
     let Some(other) = alias_of else { return text };
-    let alias = format!("Another name of {}.", code(&message.constants[other.constant].name));
+    let name = code(&message.constants[other.constant].name);
+    let alias = scope.site.words.fill(words::ANOTHER_NAME_OF, &[("name", &name)]);
     if text.is_empty() { alias } else { format!("{text}<br>{alias}") }
 }
 
 /// What a field holds, where it is an enum.
 pub(super) fn of_field(scope: Scope<'_, '_>, field: &Field) -> Option<String> {
+    let words = scope.site.words;
     let Some(held) = field.enumeration else {
         let prefixes: Vec<String> = field.enum_prefixes.iter().map(|prefix| code(prefix)).collect();
-        return (!prefixes.is_empty()).then(|| format!("one of {}", prefixes.join(", ")));
+        let all = prefixes.join(", ");
+        return (!prefixes.is_empty()).then(|| words.fill(words::ONE_OF, &[("enum", &all)]));
     };
     let found = scope.site.schema.enumeration(held);
     let owner = scope.site.schema.message(held.message);
     let name = found.prefixes.join(", ");
     let text =
         if scope.message == held.message { code(&name) } else { code(&format!("{}.{name}", owner.name)) };
-    let kind = if found.is_flags { "bits of" } else { "one of" };
-    Some(format!(
-        "{kind} {}",
-        link(&text, &scope.site.href(scope.from, held.message, Part::Enum(held.index)))
-    ))
+    let kind = if found.is_flags { words::BITS_OF } else { words::ONE_OF };
+    let link = link(&text, &scope.site.href(scope.from, held.message, Part::Enum(held.index)));
+    Some(words.fill(kind, &[("enum", &link)]))
 }

@@ -2,31 +2,34 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use serde_json::json;
 use uavspec_runtime::Severity;
 
-use super::markdown::{
-    Page, Table, anchor, code, gist, href, inline, link, number_column, plural, text_column, unbroken,
-};
+use super::language::{self, Heading, marked, path_in};
+use super::markdown::{Page, Table, code, href, inline, link, number_column, text_column, unbroken};
+use super::message::heading;
 use super::scope::with_links;
 use super::site::Site;
+use super::words::{self, Words};
 use crate::emit::OutputFile;
+use crate::emit::json_schema::Target;
+use crate::emit::prose::xml;
 use crate::schema::{ErrorCode, ErrorTable, Package};
+use crate::translation::{error_code_key, error_codes_unit, error_table_key};
 
 /// Heading of everything about error codes.
-pub(super) const TITLE: &str = "Error codes";
+pub(super) const TITLE: &str = words::ERROR_CODES.english();
 
-/// Longest description in the list of all codes, in characters.
-const MAX_GIST: usize = 120;
-
-/// The sign of a severity: emoji are coloured on GitHub and in mdBook alike, and the word beside
-/// each says the same.
-const fn sign(severity: Severity) -> &'static str {
-    match severity {
-        Severity::Informational => "🔵",
-        Severity::Warning => "🟡",
-        Severity::Error => "🟠",
-        Severity::Fatal => "🔴",
-    }
+/// The sign of a severity, the fuller the graver. Where there are styles they colour it; the word beside it, or the
+/// code, says the same.
+fn sign(severity: Severity) -> String {
+    let sign = match severity {
+        Severity::Informational => '○',
+        Severity::Warning => '◔',
+        Severity::Error => '◑',
+        Severity::Fatal => '●',
+    };
+    format!("<span class=\"severity-{severity}\" aria-hidden=\"true\">{sign}</span>")
 }
 
 /// The page that lists all codes.
@@ -56,39 +59,71 @@ fn slug(title: &str) -> String {
     words.collect::<Vec<_>>().join("-").to_ascii_lowercase()
 }
 
+/// What the table of contents lists, with the depth of each: the page of all codes, those of the tables below it,
+/// and the same in other languages.
+pub(super) fn contents(site: &Site<'_>, package: &Package) -> Vec<(usize, String, String)> {
+    let tables: Vec<(&ErrorTable, String)> = package.error_tables.iter().zip(table_paths(package)).collect();
+    let overview = overview_path(package);
+    let mut contents = vec![(0, TITLE.to_owned(), overview.clone())];
+    contents.extend(tables.iter().map(|(table, path)| (1, table.title.clone(), path.clone())));
+    for language in site.languages_of(&error_codes_unit(package)) {
+        let words = Words::of(&language.tag);
+        let name = words.get(words::ERROR_CODES);
+        let name = if words.are_english() { format!("{name} ({})", language.name) } else { name.to_owned() };
+        contents.push((1, name, path_in(&overview, &language.tag)));
+        contents.extend(tables.iter().map(|(table, path)| {
+            let title = language.get(&error_table_key(package, table)).unwrap_or(&table.title);
+            (2, title.to_owned(), path_in(path, &language.tag))
+        }));
+    }
+    contents
+}
+
 /// All tables of a package, as seen from the page `from`.
-pub(super) fn list(from: &str, package: &Package) -> Table {
-    let columns =
-        [text_column("Table"), text_column("Range"), text_column("Severity"), number_column("Codes")];
+pub(super) fn list(site: &Site<'_>, from: &str, package: &Package) -> Table {
+    let words = site.words;
+    let columns = [
+        text_column(words.get(words::TABLE)),
+        text_column(words.get(words::CODE_RANGE)),
+        text_column(words.get(words::SEVERITY)),
+        number_column(words.get(words::CODES)),
+    ];
     let mut list = Table::new(&columns);
+    let unit = error_codes_unit(package);
     for (table, path) in package.error_tables.iter().zip(table_paths(package)) {
         list.row([
-            link(&inline(&table.title), &href(from, &path, "")),
-            range(table),
-            severities(table),
+            link(&title(site, package, table), &href(from, &site.path_of(&path, &unit), "")),
+            range(words, table),
+            severities(words, table),
             table.codes.len().to_string(),
         ]);
     }
     list
 }
 
-fn range(table: &ErrorTable) -> String {
-    let (first, last) = (table.range.start(), table.range.end());
-    match (first, last) {
-        _ if first == last => first.to_string(),
-        (_, &u32::MAX) => format!("{first} and above"),
-        _ => format!("{first} to {last}"),
+/// The title of a table, as Markdown.
+fn title(site: &Site<'_>, package: &Package, table: &ErrorTable) -> String {
+    let said = site.said(|| error_table_key(package, table), &table.title);
+    marked(&inline(said.text), said.tag)
+}
+
+fn range(words: Words, table: &ErrorTable) -> String {
+    let (first, last) = (table.range.start().to_string(), table.range.end().to_string());
+    match *table.range.end() {
+        _ if first == last => first,
+        u32::MAX => words.fill(words::AND_ABOVE, &[("first", &first)]),
+        _ => words.fill(words::RANGE, &[("low", &first), ("high", &last)]),
     }
 }
 
 /// The severities of the codes of a table, from harmless to grave.
-fn severities(table: &ErrorTable) -> String {
+fn severities(words: Words, table: &ErrorTable) -> String {
     let found: BTreeSet<Severity> = table.codes.iter().map(ErrorCode::severity).collect();
-    found.into_iter().map(severity).collect::<Vec<_>>().join(", ")
+    found.into_iter().map(|found| severity(words, found)).collect::<Vec<_>>().join(", ")
 }
 
-fn severity(severity: Severity) -> String {
-    unbroken(&format!("{} {severity}", sign(severity)))
+fn severity(words: Words, severity: Severity) -> String {
+    format!("{}&nbsp;{}", sign(severity), unbroken(words.severity(severity)))
 }
 
 /// All pages about the error codes of a package.
@@ -96,56 +131,77 @@ pub(super) fn pages(site: &Site<'_>, package: &Package) -> Vec<OutputFile> {
     if package.error_tables.is_empty() {
         return Vec::new();
     }
-    let book = Codes::of(package);
+    let book = Codes::of(site, package);
     let mut pages = vec![book.overview()];
-    pages.extend(
-        package.error_tables.iter().zip(&book.paths).map(|(table, path)| book.page(site, table, path)),
-    );
+    pages.extend((0..package.error_tables.len()).map(|index| book.page(index)));
     pages
 }
 
 /// The codes of a package, and where each is described.
-struct Codes<'s> {
-    package: &'s Package,
+struct Codes<'p, 's> {
+    site: &'p Site<'s>,
+    package: &'p Package,
+    /// What all its pages belong to.
+    unit: String,
+    /// The English page of each table.
+    english_paths: Vec<String>,
+    /// The page of each table.
     paths: Vec<String>,
     /// By code: the index of its table.
     tables: BTreeMap<u32, usize>,
 }
 
-impl<'s> Codes<'s> {
-    fn of(package: &'s Package) -> Self {
+impl<'p, 's> Codes<'p, 's> {
+    fn of(site: &'p Site<'s>, package: &'p Package) -> Self {
         let tables = package.error_tables.iter().enumerate();
         let tables = tables
             .flat_map(|(index, table)| table.codes.iter().map(move |code| (code.code, index)))
             .collect();
-        Self { package, paths: table_paths(package), tables }
+        let unit = error_codes_unit(package);
+        let english_paths = table_paths(package);
+        let paths = english_paths.iter().map(|path| site.path_of(path, &unit)).collect();
+        Self { site, package, unit, english_paths, paths, tables }
     }
 
     fn overview(&self) -> OutputFile {
-        let path = overview_path(self.package);
-        let mut page = Page::new(&path, TITLE);
-        page.block(
-            "The severity of a code is in two bits of the code itself, `(code & 0xFF) >> 6`: 0 is informational, \
-             1 a warning, 2 an error, 3 a fatal error. That holds for all codes below 256 and should hold for all others.",
-        );
-        page.table(&list(&path, self.package));
-        page.heading(2, "All codes");
+        let words = self.site.words;
+        let english = overview_path(self.package);
+        let path = self.site.path_of(&english, &self.unit);
+        let heading_of_page = Heading { text: words.get(words::ERROR_CODES), english: TITLE };
+        let mut page = language::page(self.site, &self.unit, &english, &heading_of_page);
+        page.block(words.get(words::SEVERITY_MEANS));
+        page.table(&list(self.site, &path, self.package));
+        let packages = &self.site.schema.packages;
+        if let Some(index) = packages.iter().position(|package| package.name == self.package.name) {
+            page.block(&self.site.line_of_files(&path, Target::ErrorCode(index)));
+        }
+        heading(&mut page, words, 2, words::ALL_CODES);
         // Filled by a script; the table next to it says all without one.
-        page.block("<div class=\"error-code-filter\"></div>");
+        let said = json!({
+            "title": words.get(words::ERROR_CODES),
+            "find": words.get(words::FIND_A_CODE),
+            "example": words.get(words::FIND_EXAMPLE),
+            "severity": words.get(words::SEVERITY),
+            "shownOfAll": words.get(words::SHOWN_OF_ALL),
+        });
+        page.block(&format!(
+            "<div class=\"error-code-filter\" data-words=\"{}\"></div>",
+            xml(&said.to_string())
+        ));
         let columns = [
-            number_column("Code"),
-            text_column("Abbreviation"),
-            text_column("Severity"),
-            text_column("Meaning"),
-            text_column("Alternatives"),
+            number_column(words.get(words::CODE)),
+            text_column(words.get(words::ABBREVIATION)),
+            text_column(words.get(words::SEVERITY)),
+            text_column(words.get(words::MEANING)),
+            text_column(words.get(words::ALTERNATIVES)),
         ];
         let mut table = Table::new(&columns);
         for found in self.package.error_tables.iter().flat_map(|table| &table.codes) {
             table.row([
                 self.link(&path, found.code),
                 abbreviation(found),
-                severity(found.severity()),
-                self.description(&path, found, &gist(&found.description, MAX_GIST)),
+                severity(words, found.severity()),
+                self.description(&path, found),
                 self.references(&path, &found.alternatives),
             ]);
         }
@@ -153,62 +209,71 @@ impl<'s> Codes<'s> {
         page.finish()
     }
 
-    fn page(&self, site: &Site<'_>, table: &ErrorTable, path: &str) -> OutputFile {
-        let mut page = Page::new(path, &inline(&table.title));
+    fn page(&self, index: usize) -> OutputFile {
+        let Self { site, package, unit, .. } = self;
+        let (table, path) = (&package.error_tables[index], self.paths[index].as_str());
+        let words = site.words;
+        let heading = Heading { text: &title(site, package, table), english: &inline(&table.title) };
+        let mut page = language::page(site, unit, &self.english_paths[index], &heading);
         let position = site.sources.position(table.span);
         let source = code(&format!("{}:{}", site.source(table.span), position.line));
-        let all = link("all error codes", &href(path, &overview_path(self.package), ""));
-        page.block(&format!(
-            "Codes {} ({}); {}, defined in {source}. See also {all}.",
-            range(table),
-            table.class,
-            plural(table.codes.len() as u64, "code")
+        let overview = site.path_of(&overview_path(package), unit);
+        page.block(&words.fill(
+            words::TABLE_FACTS,
+            &[
+                ("range", &range(words, table)),
+                ("class", words.class(table.class)),
+                ("count", &words.codes(table.codes.len() as u64)),
+                ("source", &source),
+                ("all", &link(words.get(words::ALL_ERROR_CODES), &href(path, &overview, ""))),
+            ],
         ));
-        let columns = [
-            number_column("Code"),
-            text_column("Abbreviation"),
-            text_column("Severity"),
-            text_column("Description"),
-            text_column("Alternatives"),
-            text_column("See also"),
-            text_column("Since"),
-        ];
-        let mut rows = Table::new(&columns);
-        for found in &table.codes {
-            let others: Vec<u32> =
-                found.see_also.iter().copied().filter(|other| !found.alternatives.contains(other)).collect();
-            rows.row([
-                format!("{}{}", anchor(&code_anchor(found.code)), found.code),
-                abbreviation(found),
-                severity(found.severity()),
-                self.description(path, found, &found.description),
-                self.references(path, &found.alternatives),
-                self.references(path, &others),
-                found.since.as_deref().map(inline).unwrap_or_default(),
-            ]);
-        }
-        page.table(&rows);
         if table.codes.iter().any(|found| !found.alternatives.is_empty()) {
-            page.block("Of a code and its alternatives only one is to be sent: they are one condition at different severities.");
+            page.block(words.get(words::ONE_OF_ALTERNATIVES));
+        }
+        for found in &table.codes {
+            self.write_code(&mut page, path, found);
         }
         page.finish()
     }
 
+    /// Writes all about a code, below a heading of its own that a search finds.
+    fn write_code(&self, page: &mut Page, path: &str, found: &ErrorCode) {
+        let words = self.site.words;
+        page.anchor(&code_anchor(found.code));
+        let abbreviation = found.abbreviation.as_deref().map(inline).unwrap_or_default();
+        page.heading(2, format!("{} {abbreviation}", found.code).trim_end());
+        page.block(&self.description(path, found));
+        let others: Vec<u32> =
+            found.see_also.iter().copied().filter(|other| !found.alternatives.contains(other)).collect();
+        let facts = [
+            (words::SEVERITY, severity(words, found.severity())),
+            (words::ALTERNATIVES, self.references(path, &found.alternatives)),
+            (words::SEE_ALSO, self.references(path, &others)),
+            (words::SINCE, found.since.as_deref().map(inline).unwrap_or_default()),
+        ];
+        let facts = facts.iter().filter(|(_, value)| !value.is_empty());
+        let facts: Vec<String> =
+            facts.map(|(word, value)| format!("{}: {value}", words.get(*word))).collect();
+        page.block(&facts.join(" · "));
+    }
+
     /// A description in which the codes that it refers to are links.
-    fn description(&self, from: &str, found: &ErrorCode, text: &str) -> String {
-        with_links(text, |previous, word| {
-            // Elsewhere a number may count something else.
-            let is_reference =
-                matches!(previous.to_ascii_lowercase().as_str(), "code" | "codes" | "or" | "and")
-                    || !previous.is_empty() && previous.bytes().all(|byte| byte.is_ascii_digit());
+    fn description(&self, from: &str, found: &ErrorCode) -> String {
+        let said = self.site.said(|| error_code_key(self.package, found.code), &found.description);
+        let text = with_links(said.text, |previous, word| {
+            // Elsewhere a number may count something else. The words of other languages aren't known.
+            let is_reference = said.is_translated
+                || matches!(previous.to_ascii_lowercase().as_str(), "code" | "codes" | "or" | "and")
+                || !previous.is_empty() && previous.bytes().all(|byte| byte.is_ascii_digit());
             let code = word.parse().ok().filter(|code| is_reference && found.see_also.contains(code))?;
             Some(self.link(from, code))
-        })
+        });
+        marked(&text, said.tag)
     }
 
     fn references(&self, from: &str, codes: &[u32]) -> String {
-        let link =
-            |code: &u32| unbroken(&format!("{} {}", sign(Severity::of(*code)), self.link(from, *code)));
+        let link = |code: &u32| format!("{}&nbsp;{}", sign(Severity::of(*code)), self.link(from, *code));
         codes.iter().map(link).collect::<Vec<_>>().join(", ")
     }
 

@@ -3,12 +3,16 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::enums::{self, field_link};
+use super::language::marked;
 use super::markdown::{
     Page, Table, anchor, code, gist, href, inline, link, number_column, text_column, unbroken,
 };
+use super::message::heading;
 use super::scope::Scope;
 use super::site::Part;
-use crate::schema::{Docs, Element, Form, Message, MessageId, Range, Shape, Special, Type};
+use super::words::{self, Word, Words};
+use crate::schema::{Element, Form, Message, MessageId, Range, Shape, Special, Type};
+use crate::translation::MessageText;
 use crate::unit;
 use crate::value::Value;
 
@@ -18,17 +22,18 @@ const MAX_HEADING: usize = 100;
 /// Writes the fields of a message; the headings of groups are of `level`.
 pub(super) fn write(page: &mut Page, scope: Scope<'_, '_>, id: MessageId, level: usize) {
     let message = scope.site.schema.message(id);
+    let words = scope.site.words;
     if message.fields.is_empty() {
-        page.block("None.");
+        page.block(words.get(words::NO_FIELDS));
         return;
     }
     let columns = [
-        text_column("Field"),
-        text_column("Type"),
-        text_column("Unit"),
-        text_column("Values"),
-        text_column("Description"),
-        number_column("Offset"),
+        text_column(words.get(words::FIELD)),
+        text_column(words.get(words::TYPE)),
+        text_column(words.get(words::UNIT)),
+        text_column(words.get(words::VALUES)),
+        text_column(words.get(words::DESCRIPTION)),
+        number_column(words.get(words::OFFSET)),
     ];
     let mut table = Table::new(&columns);
     let facts = counters(message).into_iter().zip(offsets(scope, message));
@@ -36,7 +41,7 @@ pub(super) fn write(page: &mut Page, scope: Scope<'_, '_>, id: MessageId, level:
         table.row(row(scope, id, index, counter, offset));
     }
     let groups: Vec<Option<usize>> = message.fields.iter().map(|field| field.group).collect();
-    in_groups(page, scope, table, &groups, &message.groups, level);
+    in_groups(page, scope, table, &groups, level);
 }
 
 /// Writes a table in parts, one for each run of rows of the same group.
@@ -45,29 +50,39 @@ pub(super) fn in_groups(
     scope: Scope<'_, '_>,
     table: Table,
     groups: &[Option<usize>],
-    docs: &[Docs],
     level: usize,
 ) {
     let runs: Vec<&[Option<usize>]> = groups.chunk_by(|left, right| left == right).collect();
     let tables = table.split(runs.iter().map(|run| run.len()));
     for (index, (run, table)) in runs.iter().zip(tables).enumerate() {
-        match run[0].map(|group| &docs[group]) {
-            Some(docs) => group_heading(page, scope, docs, level),
-            None if index > 0 => page.heading(level, "Others"),
+        match run[0] {
+            Some(group) => group_heading(page, scope, group, level),
+            None if index > 0 => heading(page, scope.site.words, level, words::OTHERS),
             None => {}
         }
         page.table(&table);
     }
 }
 
-fn group_heading(page: &mut Page, scope: Scope<'_, '_>, docs: &Docs, level: usize) {
-    let is_short = docs.summary.chars().count() <= MAX_HEADING;
-    let heading = if is_short { docs.summary.clone() } else { gist(&docs.summary, MAX_HEADING) };
-    page.heading(level, &inline(heading.trim_end_matches(['.', ':'])));
-    page.block(&scope.block(if is_short { &docs.description } else { &docs.summary }));
-    if !is_short {
-        page.block(&scope.block(&docs.description));
+fn group_heading(page: &mut Page, scope: Scope<'_, '_>, group: usize, level: usize) {
+    let said = scope.site.said_of(scope.message, MessageText::Group(group));
+    let heading = marked(&inline(&heading_text(said.text)), said.tag);
+    if scope.site.language.is_some() {
+        let english = MessageText::Group(group).of(scope.site.schema.message(scope.message));
+        page.heading_for(level, &heading, &heading_text(english));
+    } else {
+        page.heading(level, &heading);
     }
+    if said.text.chars().count() > MAX_HEADING {
+        page.block(&scope.block_of(MessageText::Group(group)));
+    }
+    page.block(&scope.block_of(MessageText::GroupDescription(group)));
+}
+
+/// The heading of a group that a text stands above.
+fn heading_text(text: &str) -> String {
+    let short = if text.chars().count() <= MAX_HEADING { text.to_owned() } else { gist(text, MAX_HEADING) };
+    short.trim_end_matches(['.', ':']).to_owned()
 }
 
 /// Where each field lies in the memory layout, where there is one.
@@ -97,7 +112,7 @@ fn row(
         type_cell(scope, message, field.ty),
         unit(field.unit.as_deref()),
         values(scope, id, index, counter).join("<br>"),
-        scope.inline(&field.description),
+        scope.inline_of(MessageText::Field(index)),
         offset,
     ]
 }
@@ -120,18 +135,26 @@ pub(super) fn unit(symbol: Option<&str>) -> String {
 fn values(scope: Scope<'_, '_>, id: MessageId, index: usize, counter: Option<usize>) -> Vec<String> {
     let message = scope.site.schema.message(id);
     let field = &message.fields[index];
+    let words = scope.site.words;
     let mut lines = Vec::new();
     lines.extend(enums::of_field(scope, field));
-    lines.extend(field.range.as_ref().and_then(range));
-    lines.extend(field.invalid.as_ref().map(|special| meaning(scope, special, "no data")));
-    lines.extend(field.uncontrolled.as_ref().map(|special| meaning(scope, special, "not controlled")));
-    lines.extend(field.frame.as_deref().map(|frame| format!("frame: {}", scope.inline(frame))));
-    lines.extend(field.default.as_ref().map(|value| format!("default {}", code(&value.to_string()))));
+    lines.extend(field.range.as_ref().and_then(|bounds| range(words, bounds)));
+    let special = |special: &Option<Special>, text, word| {
+        special.as_ref().map(|special| meaning(scope, special, text, word))
+    };
+    lines.extend(special(&field.invalid, MessageText::Invalid(index), words::NO_DATA));
+    lines.extend(special(&field.uncontrolled, MessageText::Uncontrolled(index), words::NOT_CONTROLLED));
+    if field.frame.is_some() {
+        lines.push(words.fill(words::FRAME, &[("frame", &scope.inline_of(MessageText::Frame(index)))]));
+    }
+    let default = |value: &Value| words.fill(words::DEFAULT, &[("value", &code(&value.to_string()))]);
+    lines.extend(field.default.as_ref().map(default));
     lines.extend(field.counts.map(|array| count(scope, id, array)));
-    lines
-        .extend(counter.map(|counter| format!("in use: the first {}", field_link(scope, id, (id, counter)))));
+    let first =
+        |counter| words.fill(words::FIRST_IN_USE, &[("counter", &field_link(scope, id, (id, counter)))]);
+    lines.extend(counter.map(first));
     if matches!(scope.site.schema.package_of(message).form, Form::Msg(dialect) if field.is_text(dialect)) {
-        lines.push("text".to_owned());
+        lines.push(words.get(words::TEXT).to_owned());
     }
     lines
 }
@@ -149,15 +172,18 @@ fn counters(message: &Message) -> Vec<Option<usize>> {
 
 /// What a field says of the array whose entries in use it counts.
 fn count(scope: Scope<'_, '_>, id: MessageId, array: usize) -> String {
-    let most = match scope.site.schema.message(id).fields[array].ty.shape {
-        Shape::Array(most) | Shape::Bounded(most) => format!(", at most {most}"),
-        Shape::Single | Shape::Sequence => String::new(),
-    };
-    format!("entries of {} in use{most}", field_link(scope, id, (id, array)))
+    let words = scope.site.words;
+    let link = field_link(scope, id, (id, array));
+    match scope.site.schema.message(id).fields[array].ty.shape {
+        Shape::Array(most) | Shape::Bounded(most) => {
+            words.fill(words::IN_USE_AT_MOST, &[("array", &link), ("most", &most.to_string())])
+        }
+        Shape::Single | Shape::Sequence => words.fill(words::IN_USE, &[("array", &link)]),
+    }
 }
 
 /// Bounds in words; nothing where there are none.
-pub(super) fn range(range: &Range) -> Option<String> {
+pub(super) fn range(words: Words, range: &Range) -> Option<String> {
     let finite = |bound: &Option<Value>| {
         bound
             .as_ref()
@@ -165,7 +191,9 @@ pub(super) fn range(range: &Range) -> Option<String> {
             .map(number)
     };
     match (finite(&range.low), finite(&range.high)) {
-        (Some(low), Some(high)) => Some(unbroken(&format!("{low} to {high}"))),
+        (Some(low), Some(high)) => {
+            Some(unbroken(&words.fill(words::RANGE, &[("low", &low), ("high", &high)])))
+        }
         (Some(low), None) => Some(unbroken(&format!("≥ {low}"))),
         (None, Some(high)) => Some(unbroken(&format!("≤ {high}"))),
         (None, None) => None,
@@ -183,11 +211,13 @@ fn number(value: &Value) -> String {
     name.map_or_else(|| inline(&value.to_string()), |(_, name)| format!("{sign}{name}"))
 }
 
-/// A value with a meaning of its own, and when it applies.
-pub(super) fn meaning(scope: Scope<'_, '_>, special: &Special, meaning: &str) -> String {
-    let value = special.value.as_ref().map_or_else(|| "empty".to_owned(), |value| code(&value.to_string()));
-    let meaning = format!("{value}:&nbsp;{}", unbroken(meaning));
-    let text = scope.inline(&special.text);
+/// A value with a meaning of its own, and when it applies: `text` says it in words.
+pub(super) fn meaning(scope: Scope<'_, '_>, special: &Special, text: MessageText, meaning: Word) -> String {
+    let words = scope.site.words;
+    let empty = || words.get(words::EMPTY).to_owned();
+    let value = special.value.as_ref().map_or_else(empty, |value| code(&value.to_string()));
+    let meaning = format!("{value}:&nbsp;{}", unbroken(words.get(meaning)));
+    let text = scope.inline_of(text);
     if text.is_empty() { meaning } else { format!("{meaning} ({text})") }
 }
 

@@ -11,6 +11,7 @@ use super::message::{cdr_size, origin, topics};
 use super::rules;
 use super::scope::Scope;
 use super::site::{Part, Site, interface_path};
+use super::words::ENGLISH;
 use crate::emit::OutputFile;
 use crate::schema::{Enum, Message, MessageId, Package};
 
@@ -62,7 +63,7 @@ fn messages(count: usize) -> String {
 }
 
 fn introduction(page: &mut Page, package: &Package) {
-    if let Some(origin) = origin(package) {
+    if let Some(origin) = origin(ENGLISH, package) {
         page.block(&format!("From {origin}."));
     }
 }
@@ -83,7 +84,7 @@ fn contents(page: &mut Page, site: &Site<'_>, from: &str, package: &Package, lev
     section(page, level, "Types", &json.type_table(from));
     if !package.error_tables.is_empty() {
         page.heading(level, error_codes::TITLE);
-        page.table(&error_codes::list(from, package));
+        page.table(&error_codes::list(site, from, package));
         page.block(&link("All codes in one table", &href(from, &error_codes::overview_path(package), "")));
     }
 }
@@ -205,7 +206,7 @@ fn size_table(site: &Site<'_>, from: &str, package: &Package) -> Table {
             uorb_size(site, message),
             layout.map(|layout| size(layout.size_no_padding)).unwrap_or_default(),
             layout.map(|_| code(&format!("{:#010x}", message.hash))).unwrap_or_default(),
-            unbroken(&cdr_size(message.cdr)),
+            unbroken(&cdr_size(ENGLISH, message.cdr)),
         ]);
     }
     table

@@ -3,13 +3,16 @@
 use super::constants::{self, Anchored, Constants};
 use super::enums;
 use super::fields;
+use super::language::{self, Heading};
 use super::markdown::{Page, Table, code, inline, text_column, unbroken};
-use super::message::{cdr_size, package_cell};
+use super::message::{cdr_size, heading, package_cell};
 use super::scope::Scope;
 use super::site::{Site, interface_path, part_names};
+use super::words::{self, ENGLISH, Words};
 use crate::emit::OutputFile;
 use crate::emit::json_schema::Target;
 use crate::schema::{Interface, Kind, MessageId, Package};
+use crate::translation::{MessageText, interface_unit};
 
 /// What a kind is called in running text.
 pub(super) fn kind_name(kind: Kind) -> &'static str {
@@ -20,32 +23,50 @@ pub(super) fn kind_name(kind: Kind) -> &'static str {
     }
 }
 
+/// The first heading of the page, as Markdown.
+fn title(words: Words, interface: &Interface) -> String {
+    let word = if interface.kind == Kind::Action { words::ACTION } else { words::SERVICE };
+    words.fill(word, &[("name", &inline(&interface.name))])
+}
+
 /// The page of a service or action: all its parts.
 pub(super) fn page(site: &Site<'_>, package: &Package, interface: &Interface) -> OutputFile {
-    let path = interface_path(package, interface);
-    let mut page = Page::new(&path, &format!("{} {}", inline(&interface.name), kind_name(interface.kind)));
-    page.table(&facts(site, package, interface, &path));
+    let unit = interface_unit(package, interface);
+    let english = interface_path(package, interface);
+    let (title, english_title) = (title(site.words, interface), title(ENGLISH, interface));
+    let heading = Heading { text: &title, english: &english_title };
+    let mut page = language::page(site, &unit, &english, &heading);
+    page.table(&facts(site, package, interface, &site.path_of(&english, &unit)));
     for (id, name) in interface.parts.iter().zip(part_names(interface.kind)) {
-        page.heading(2, name);
+        if site.words.are_english() {
+            page.heading(2, name);
+        } else {
+            page.heading_for(2, site.words.part(name), name);
+        }
         part(&mut page, Scope::of(site, *id), *id);
     }
     page.finish()
 }
 
 fn facts(site: &Site<'_>, package: &Package, interface: &Interface, path: &str) -> Table {
+    let words = site.words;
     let mut table = Table::new(&[text_column(""), text_column("")]);
-    table.row(["Package".to_owned(), package_cell(path, package)]);
-    table.row(["Definition".to_owned(), code(site.source(interface.span))]);
+    let mut fact = |name: &str, value: String| table.row([unbroken(name), value]);
+    fact(words.get(words::PACKAGE), package_cell(words, path, package));
+    fact(words.get(words::DEFINITION), code(site.source(interface.span)));
     let ros_type = format!("{}/{}/{}", package.ros_package, interface.kind.name(), interface.name);
-    table.row([unbroken("ROS 2 type"), code(&ros_type)]);
+    fact(words.get(words::ROS_TYPE), code(&ros_type));
     if let Some(hash) = &interface.type_hash {
-        table.row([unbroken("ROS 2 type hash"), code(hash)]);
+        fact(words.get(words::ROS_TYPE_HASH), code(hash));
     }
     for (id, part) in interface.parts.iter().zip(part_names(interface.kind)) {
-        let name = format!("CDR size of the {}", part.to_ascii_lowercase());
-        table.row([unbroken(&name), cdr_size(site.schema.message(*id).cdr)]);
+        let part = words.part(part).to_lowercase();
+        fact(
+            &words.fill(words::CDR_SIZE_OF, &[("part", &part)]),
+            cdr_size(words, site.schema.message(*id).cdr),
+        );
         for (name, file) in site.files(path, Target::Message(*id)) {
-            table.row([unbroken(&format!("{name} of the {}", part.to_ascii_lowercase())), file]);
+            fact(&words.fill(words::OF_PART, &[("fact", name), ("part", &part)]), file);
         }
     }
     table
@@ -53,8 +74,8 @@ fn facts(site: &Site<'_>, package: &Package, interface: &Interface, path: &str) 
 
 fn part(page: &mut Page, scope: Scope<'_, '_>, id: MessageId) {
     let message = scope.site.schema.message(id);
-    page.block(&scope.block(&message.docs.summary));
-    page.block(&scope.block(&message.docs.description));
+    page.block(&scope.block_of(MessageText::Summary));
+    page.block(&scope.block_of(MessageText::Description));
     fields::write(page, scope, id, 3);
     let constants = Constants::of(message);
     let mut anchored = Anchored::default();
@@ -64,7 +85,7 @@ fn part(page: &mut Page, scope: Scope<'_, '_>, id: MessageId) {
     others.extend(constants.commands.into_iter().filter(|index| !constants.members.contains(index)));
     others.sort_unstable();
     if !others.is_empty() {
-        page.heading(3, "Constants");
+        heading(page, scope.site.words, 3, words::CONSTANTS);
         constants::write(page, scope, id, &others, 4, &mut anchored);
     }
 }

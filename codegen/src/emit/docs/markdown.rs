@@ -2,8 +2,10 @@
 //!
 //! Others who write pages use it, too, so that all look the same.
 
+use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
 
+use super::language::heading_anchor;
 use super::notice;
 pub(super) use crate::emit::prose::gist;
 use crate::emit::prose::percent_encoded;
@@ -14,6 +16,10 @@ use crate::emit::{OutputFile, prose};
 pub struct Page {
     path: String,
     text: String,
+    /// What stands after all else.
+    end: &'static str,
+    /// How often each English heading has been written in another language.
+    headings: BTreeMap<String, usize>,
 }
 
 impl Page {
@@ -24,9 +30,26 @@ impl Page {
 
     /// A page that says in a comment what made it; its first heading is given as Markdown.
     pub fn with_notice(notice: &str, path: &str, heading: &str) -> Self {
-        let mut page = Self { path: path.to_owned(), text: format!("<!-- {notice} -->\n") };
+        let mut page = Self::empty(notice, path);
         page.heading(1, heading);
         page
+    }
+
+    /// A page without a heading yet.
+    pub(super) fn without_heading(path: &str) -> Self {
+        Self::empty(&notice(), path)
+    }
+
+    /// Puts all that follows into an element of these attributes, which say what language it is in.
+    pub(super) fn begin_language(&mut self, attributes: &str) {
+        // The blank line ends the HTML, so that what follows is Markdown.
+        self.put(format_args!("\n<div {attributes}>\n"));
+        self.end = "\n</div>\n";
+    }
+
+    fn empty(notice: &str, path: &str) -> Self {
+        let text = format!("<!-- {notice} -->\n");
+        Self { path: path.to_owned(), text, end: "", headings: BTreeMap::new() }
     }
 
     /// A heading, given as Markdown.
@@ -34,6 +57,16 @@ impl Page {
         // `#` at its end would be taken for a closing mark.
         let (heading, end) = heading.strip_suffix('#').map_or((heading, ""), |start| (start, "\\#"));
         self.put(format_args!("\n{:#<level$} {heading}{end}\n", ""));
+    }
+
+    /// A heading, given as Markdown, in another language than English: links to the English one lead here, too.
+    pub(super) fn heading_for(&mut self, level: usize, heading: &str, english: &str) {
+        let id = heading_anchor(english);
+        // Of several alike, mdBook and GitHub number all but the first.
+        let known = self.headings.entry(id.clone()).or_default();
+        let number = std::mem::replace(known, *known + 1);
+        self.anchor(&if number == 0 { id } else { format!("{id}-{number}") });
+        self.heading(level, heading);
     }
 
     /// A place before a heading that links can lead to. It stands apart, since mdBook makes a link
@@ -104,7 +137,7 @@ impl Page {
 
     /// The file.
     pub fn finish(self) -> OutputFile {
-        OutputFile { path: self.path, text: self.text }
+        OutputFile { path: self.path, text: self.text + self.end }
     }
 }
 

@@ -5,25 +5,31 @@ use super::composer;
 use super::constants::{self, Anchored, Constants};
 use super::enums::{self, field_link};
 use super::fields;
-use super::markdown::{Page, Table, code, href, inline, link, plural, text_column, unbroken};
+use super::language::{self, Heading};
+use super::markdown::{Page, Table, code, href, inline, link, text_column, unbroken};
 use super::picture;
 use super::scope::Scope;
 use super::site::Site;
+use super::words::{self, Word, Words};
 use crate::emit::OutputFile;
 use crate::emit::json_schema::Target;
-use crate::schema::{CdrSize, Message, MessageId, Package, UorbLayout};
+use crate::schema::{CdrSize, MessageId, Package, UorbLayout};
+use crate::translation::{MessageText, message_unit};
 
 /// The page of a message.
 pub(super) fn page(site: &Site<'_>, id: MessageId) -> OutputFile {
     let scope = Scope::of(site, id);
     let message = site.schema.message(id);
-    let mut page = Page::new(scope.from, &inline(&message.name));
-    page.block(&scope.block(&message.docs.summary));
-    page.block(&scope.block(&message.docs.description));
+    let unit = message_unit(site.schema, message);
+    let name = inline(&message.name);
+    let heading_of_page = Heading { text: &name, english: &name };
+    let mut page = language::page(site, &unit, site.english_path(id), &heading_of_page);
+    page.block(&scope.block_of(MessageText::Summary));
+    page.block(&scope.block_of(MessageText::Description));
     page.table(&facts(scope, id));
-    page.heading(2, "Fields");
+    heading(&mut page, site.words, 2, words::FIELDS);
     fields::write(&mut page, scope, id, 3);
-    layout(&mut page, scope, message);
+    layout(&mut page, scope, id);
     composer::write(&mut page, site, id);
     values(&mut page, scope, id);
     users(&mut page, scope, id);
@@ -33,40 +39,59 @@ pub(super) fn page(site: &Site<'_>, id: MessageId) -> OutputFile {
 fn facts(scope: Scope<'_, '_>, id: MessageId) -> Table {
     let message = scope.site.schema.message(id);
     let package = scope.site.schema.package_of(message);
+    let words = scope.site.words;
     let mut table = Table::new(&[text_column(""), text_column("")]);
-    let mut fact = |name: &str, value: String| {
+    let mut fact = |name: Word, value: String| {
         if !value.is_empty() {
-            table.row([unbroken(name), value]);
+            table.row([unbroken(words.get(name)), value]);
         }
     };
-    fact("Package", package_cell(scope.from, package));
-    fact("Definition", code(scope.site.source(message.span)));
-    fact(if message.topics.len() == 1 { "Topic" } else { "Topics" }, topics(&message.topics));
-    fact("Message version", message.version.map(|version| version.to_string()).unwrap_or_default());
-    fact("Queue length", message.queue_length.map(|length| length.to_string()).unwrap_or_default());
-    fact("uORB size", scope.site.layout(message).map(uorb_size).unwrap_or_default());
+    let topic = if message.topics.len() == 1 { words::TOPIC } else { words::TOPICS };
+    fact(words::PACKAGE, package_cell(words, scope.from, package));
+    fact(words::DEFINITION, code(scope.site.source(message.span)));
+    fact(topic, topics(&message.topics));
+    fact(words::MESSAGE_VERSION, message.version.map(|version| version.to_string()).unwrap_or_default());
+    fact(words::QUEUE_LENGTH, message.queue_length.map(|length| length.to_string()).unwrap_or_default());
+    let uorb_size = |layout| uorb_size(words, layout);
+    fact(words::UORB_SIZE, scope.site.layout(message).map(uorb_size).unwrap_or_default());
     if scope.site.is_px4(message) {
-        fact("uORB hash", code(&format!("{:#010x}", message.hash)));
+        fact(words::UORB_HASH, code(&format!("{:#010x}", message.hash)));
     }
-    fact("CDR size", cdr_size(message.cdr) + ", 4 of them the encapsulation header");
-    fact("ROS 2 type", code(&format!("{}/{}/{}", package.ros_package, message.kind.name(), message.name)));
-    fact("ROS 2 type hash", code(&message.type_hash));
+    fact(words::CDR_SIZE, words.fill(words::WITH_HEADER, &[("size", &cdr_size(words, message.cdr))]));
+    let ros_type = format!("{}/{}/{}", package.ros_package, message.kind.name(), message.name);
+    fact(words::ROS_TYPE, code(&ros_type));
+    fact(words::ROS_TYPE_HASH, code(&message.type_hash));
     for (name, file) in scope.site.files(scope.from, Target::Message(id)) {
-        fact(name, file);
+        table.row([unbroken(name), file]);
     }
     table
 }
 
+/// A heading of the generator's own, which has the same address in all languages.
+pub(super) fn heading(page: &mut Page, words: Words, level: usize, word: Word) {
+    if words.are_english() {
+        page.heading(level, word.english());
+    } else {
+        page.heading_for(level, words.get(word), word.english());
+    }
+}
+
 /// A package, and where it comes from.
-pub(super) fn package_cell(from: &str, package: &Package) -> String {
+pub(super) fn package_cell(words: Words, from: &str, package: &Package) -> String {
     let name = link(&inline(&package.name), &href(from, &format!("{}/README.md", package.name), ""));
-    format!("{name}{}", origin(package).map(|origin| format!(", from {origin}")).unwrap_or_default())
+    match origin(words, package) {
+        Some(origin) => words.fill(words::PACKAGE_FROM, &[("package", &name), ("origin", &origin)]),
+        None => name,
+    }
 }
 
 /// Where a package comes from, in which state.
-pub(super) fn origin(package: &Package) -> Option<String> {
+pub(super) fn origin(words: Words, package: &Package) -> Option<String> {
     match (&package.origin, &package.revision) {
-        (Some(origin), Some(revision)) => Some(format!("{} at {}", inline(origin), code(revision))),
+        (Some(origin), Some(revision)) => {
+            let parts = [("origin", inline(origin)), ("revision", code(revision))];
+            Some(words.fill(words::ORIGIN_AT, &parts.each_ref().map(|(name, part)| (*name, part.as_str()))))
+        }
         (Some(origin), None) => Some(inline(origin)),
         (None, Some(revision)) => Some(code(revision)),
         (None, None) => None,
@@ -78,60 +103,62 @@ pub(super) fn topics(topics: &[String]) -> String {
     topics.iter().map(|topic| code(topic)).collect::<Vec<_>>().join(", ")
 }
 
-fn uorb_size(layout: &UorbLayout) -> String {
-    let size = link(&plural(layout.size as u64, "byte"), "#memory-layout");
+fn uorb_size(words: Words, layout: &UorbLayout) -> String {
+    let size = link(&words.bytes(layout.size as u64), "#memory-layout");
     if layout.size == layout.size_no_padding {
         size
     } else {
-        format!("{size}, {} without the padding at the end", layout.size_no_padding)
+        let count = layout.size_no_padding.to_string();
+        words.fill(words::WITHOUT_PADDING, &[("size", &size), ("count", &count)])
     }
 }
 
 /// Size of the CDR form.
-pub(super) fn cdr_size(size: CdrSize) -> String {
-    let least = plural(size.least, "byte");
-    if size.is_fixed { least } else { format!("{least} or more") }
+pub(super) fn cdr_size(words: Words, size: CdrSize) -> String {
+    let least = words.bytes(size.least);
+    if size.is_fixed { least } else { words.fill(words::OR_MORE, &[("size", &least)]) }
 }
 
 /// Writes all that is said of constants.
 fn values(page: &mut Page, scope: Scope<'_, '_>, id: MessageId) {
     let message = scope.site.schema.message(id);
+    let words = scope.site.words;
     let constants = Constants::of(message);
     let mut anchored = Anchored::default();
     if !message.enums.is_empty() {
-        page.heading(2, "Enums");
+        heading(page, words, 2, words::ENUMS);
         enums::write(page, scope, id, 3, &mut anchored);
     }
     if !constants.commands.is_empty() {
-        page.heading(2, "Commands");
+        heading(page, words, 2, words::COMMANDS);
         commands::write(page, scope, id, &constants, &mut anchored);
     }
     if !constants.of_parameters.is_empty() {
-        page.heading(2, "Values of parameters");
+        heading(page, words, 2, words::VALUES_OF_PARAMETERS);
         constants::write_parameter_enums(page, scope, id, &constants, &mut anchored);
     }
     if !constants.others.is_empty() {
-        page.heading(2, "Constants");
+        heading(page, words, 2, words::CONSTANTS);
         constants::write(page, scope, id, &constants.others, 3, &mut anchored);
     }
 }
 
-fn layout<'s>(page: &mut Page, scope: Scope<'_, 's>, message: &'s Message) {
+fn layout(page: &mut Page, scope: Scope<'_, '_>, id: MessageId) {
+    let message = scope.site.schema.message(id);
     if scope.site.layout(message).is_some() {
-        page.heading(2, "Memory layout");
-        page.block(
-            "The order and offsets of the fields in uORB and in the data of ULog files, eight bytes a row.",
-        );
-        let name = inline(&message.name);
-        let file = href(scope.from, &picture::path(scope.from), "");
-        page.block(&format!("[![Memory layout of {name}]({file})]({file})"));
+        let words = scope.site.words;
+        heading(page, words, 2, words::MEMORY_LAYOUT);
+        page.block(words.get(words::MEMORY_LAYOUT_MEANS));
+        let text = words.fill(words::MEMORY_LAYOUT_OF, &[("name", &inline(&message.name))]);
+        let file = href(scope.from, &picture::path(scope.site.english_path(id)), "");
+        page.block(&format!("[![{text}]({file})]({file})"));
     }
 }
 
 fn users(page: &mut Page, scope: Scope<'_, '_>, id: MessageId) {
     let holders = scope.site.holders(id);
     if !holders.is_empty() {
-        page.heading(2, "Used by");
+        heading(page, scope.site.words, 2, words::USED_BY);
         page.gap();
         for holder in holders {
             page.item(0, &field_link(scope, id, *holder));

@@ -2,9 +2,11 @@
 
 use std::ops::Range;
 
+use super::language::{marked, marked_block};
 use super::markdown::{code, href, inline, link};
 use super::site::{Part, Site};
 use crate::schema::MessageId;
+use crate::translation::MessageText;
 
 /// Where a description stands.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +36,18 @@ impl<'p, 's> Scope<'p, 's> {
     /// The surroundings of what is said of a part of the message.
     pub(super) fn at(self, part: Part) -> Self {
         Self { at: Some(part), ..self }
+    }
+
+    /// What the message says, on one line as in the cell of a table.
+    pub(super) fn inline_of(self, text: MessageText) -> String {
+        let said = self.site.said_of(self.message, text);
+        marked(&self.inline(said.text), said.tag)
+    }
+
+    /// What the message says, with its paragraphs and simple lists.
+    pub(super) fn block_of(self, text: MessageText) -> String {
+        let said = self.site.said_of(self.message, text);
+        marked_block(&self.block(said.text), said.tag)
     }
 
     /// A description on one line, as in the cell of a table; paragraphs stay apart.

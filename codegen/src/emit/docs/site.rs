@@ -4,12 +4,17 @@ use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::Beside;
+use super::language::path_in;
 use super::markdown::{code, href, link};
+use super::words::{self, ENGLISH, Words};
 use crate::emit::json_schema::{self, Target};
 use crate::schema::{
     Dialect, Element, Enum, EnumRef, Form, Interface, Kind, Message, MessageId, Package, Schema, UorbLayout,
 };
 use crate::source::{SourceMap, Span};
+use crate::translation::{
+    Language, MessageKeys, MessageText, SOURCE_LANGUAGE, Translations, interface_unit, message_unit,
+};
 
 /// Constants that PX4 knows by name; the facts of a message show them.
 const KNOWN_CONSTANTS: [&str; 2] = ["MESSAGE_VERSION", "ORB_QUEUE_LENGTH"];
@@ -32,6 +37,8 @@ pub(super) enum Part {
 #[derive(Debug)]
 struct Place {
     path: String,
+    /// The path of the English page.
+    english: String,
     prefix: String,
 }
 
@@ -53,10 +60,45 @@ pub(super) struct Site<'s> {
     names: Vec<HashMap<&'s str, MessageId>>,
     /// By message, what its parts are called; gathered when first asked for.
     parts: Vec<OnceCell<HashMap<&'s str, Part>>>,
+    /// All languages that definitions are translated into.
+    languages: &'s [Language],
+    /// The language of its pages, where that isn't English. Pages that it doesn't have are the English ones.
+    pub(super) language: Option<&'s Language>,
+    /// The generator's own words.
+    pub(super) words: Words,
+    /// By message, the keys of its texts; made when first asked for.
+    keys: Vec<OnceCell<MessageKeys<'s>>>,
+}
+
+/// What a definition says, in the language of the site or else in English.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Said<'t> {
+    pub(super) text: &'t str,
+    /// Its language, where that isn't the language of the generator's words on the page.
+    pub(super) tag: Option<&'t str>,
+    /// Whether it is translated.
+    pub(super) is_translated: bool,
 }
 
 impl<'s> Site<'s> {
-    pub(super) fn new(schema: &'s Schema, sources: &'s SourceMap, beside: &'s Beside) -> Self {
+    /// The site in English.
+    pub(super) fn new(
+        schema: &'s Schema,
+        translations: &'s Translations,
+        sources: &'s SourceMap,
+        beside: &'s Beside,
+    ) -> Self {
+        Self::in_language(schema, translations, sources, beside, None)
+    }
+
+    /// The site in a language; in English, where that is none.
+    pub(super) fn in_language(
+        schema: &'s Schema,
+        translations: &'s Translations,
+        sources: &'s SourceMap,
+        beside: &'s Beside,
+        language: Option<&'s Language>,
+    ) -> Self {
         let count = schema.messages.len();
         let mut site = Self {
             schema,
@@ -68,6 +110,10 @@ impl<'s> Site<'s> {
             enum_names: schema.messages.iter().map(enum_names).collect(),
             names: vec![HashMap::new(); schema.packages.len()],
             parts: vec![OnceCell::new(); count],
+            languages: &translations.languages,
+            language,
+            words: language.map_or(ENGLISH, |language| Words::of(&language.tag)),
+            keys: vec![OnceCell::new(); count],
         };
         for (index, package) in schema.packages.iter().enumerate() {
             site.place(index, package);
@@ -80,13 +126,16 @@ impl<'s> Site<'s> {
         let folder = &package.name;
         for id in &package.messages {
             let name = &self.schema.message(*id).name;
-            let path = format!("{folder}/{}.md", stem(name));
-            self.places[id.0 as usize] = Some(Place { path, prefix: String::new() });
+            let english = format!("{folder}/{}.md", stem(name));
+            let path = self.path_of(&english, &message_unit(self.schema, self.schema.message(*id)));
+            self.places[id.0 as usize] = Some(Place { path, english, prefix: String::new() });
         }
         for interface in &package.interfaces {
             for (id, part) in interface.parts.iter().zip(part_names(interface.kind)) {
                 let prefix = format!("{}-", part.to_ascii_lowercase());
-                self.places[id.0 as usize] = Some(Place { path: interface_path(package, interface), prefix });
+                let english = interface_path(package, interface);
+                let path = self.path_of(&english, &interface_unit(package, interface));
+                self.places[id.0 as usize] = Some(Place { path, english, prefix });
             }
         }
         let names = &mut self.names[index];
@@ -126,6 +175,49 @@ impl<'s> Site<'s> {
     /// The page of a message; empty where it has none.
     pub(super) fn path(&self, id: MessageId) -> &str {
         self.places[id.0 as usize].as_ref().map_or("", |place| &place.path)
+    }
+
+    /// The English page of a message; empty where it has none.
+    pub(super) fn english_path(&self, id: MessageId) -> &str {
+        self.places[id.0 as usize].as_ref().map_or("", |place| &place.english)
+    }
+
+    /// The page of `unit` in the language of the site, where it has one, or else in English.
+    pub(super) fn path_of(&self, english: &str, unit: &str) -> String {
+        match self.language.filter(|language| language.covers(unit)) {
+            Some(language) => path_in(english, &language.tag),
+            None => english.to_owned(),
+        }
+    }
+
+    /// The languages that have a page of `unit`.
+    pub(super) fn languages_of(&self, unit: &str) -> impl Iterator<Item = &'s Language> {
+        self.languages.iter().filter(move |language| language.covers(unit))
+    }
+
+    /// Whether the site has a page of `unit` in its own language.
+    pub(super) fn has_page(&self, unit: &str) -> bool {
+        self.language.is_none_or(|language| language.covers(unit))
+    }
+
+    /// What a definition says under a key, in the language of the site.
+    pub(super) fn said<'t>(&'t self, key: impl FnOnce() -> String, text: &'t str) -> Said<'t> {
+        let Some(language) = self.language else { return Said { text, tag: None, is_translated: false } };
+        let is_english = self.words.are_english();
+        match language.get(&key()) {
+            Some(translation) => {
+                let tag = is_english.then_some(language.tag.as_str());
+                Said { text: translation, tag, is_translated: true }
+            }
+            None => Said { text, tag: (!is_english).then_some(SOURCE_LANGUAGE), is_translated: false },
+        }
+    }
+
+    /// What a message says.
+    pub(super) fn said_of(&self, id: MessageId, text: MessageText) -> Said<'_> {
+        let message = self.schema.message(id);
+        let keys = || self.keys[id.0 as usize].get_or_init(|| MessageKeys::new(self.schema, message));
+        self.said(|| keys().key(text), text.of(message))
     }
 
     /// The fields that hold a message.
@@ -180,14 +272,20 @@ impl<'s> Site<'s> {
         let stem = json_schema::name(self.schema, target);
         let name = stem.rsplit('/').next().unwrap_or(&stem);
         let outputs = [
-            ("JSON Schema", &self.beside.schemas, "schema"),
-            ("Test vectors", &self.beside.vectors, "vectors"),
+            (words::JSON_SCHEMA, &self.beside.schemas, "schema"),
+            (words::TEST_VECTORS, &self.beside.vectors, "vectors"),
         ];
-        let file = |(title, folder, kind): (_, &Option<String>, _)| {
+        let file = |(word, folder, kind): (_, &Option<String>, _)| {
             let to = href(from, &format!("{}/{stem}.{kind}.json", folder.as_ref()?), "");
-            Some((title, link(&code(&format!("{name}.{kind}.json")), &to)))
+            Some((self.words.get(word), link(&code(&format!("{name}.{kind}.json")), &to)))
         };
         outputs.into_iter().filter_map(file).collect()
+    }
+
+    /// The same on one line.
+    pub(super) fn line_of_files(&self, from: &str, target: Target) -> String {
+        let files = self.files(from, target).into_iter().map(|(name, file)| format!("{name}: {file}"));
+        files.collect::<Vec<_>>().join(" · ")
     }
 
     /// The path of the source that holds `span`.

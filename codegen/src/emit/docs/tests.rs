@@ -1,5 +1,7 @@
 //! Whole books of small definitions: links resolve, text stays text, pictures are XML.
 
+mod translated;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use pulldown_cmark::{Event, Parser, Tag};
@@ -10,8 +12,9 @@ use crate::emit::OutputFile;
 use crate::lint::RULES;
 use crate::msg::Dialect;
 use crate::report::{RULES_URL, rule_url};
-use crate::schema::Form;
+use crate::schema::{Form, Schema};
 use crate::source::SourceMap;
+use crate::translation::Translations;
 use crate::{PackageInput, read};
 
 const SAIL: &str = "\
@@ -89,6 +92,11 @@ fn book(packages: &[Input<'_>]) -> Vec<OutputFile> {
 }
 
 fn book_with(packages: &[Input<'_>], options: &Options) -> Vec<OutputFile> {
+    let (sources, schema) = definitions(packages);
+    emit(&schema, &Translations::default(), &sources, options)
+}
+
+fn definitions(packages: &[Input<'_>]) -> (SourceMap, Schema) {
     let mut sources = SourceMap::default();
     let mut inputs = Vec::new();
     for (name, form, files) in packages {
@@ -107,35 +115,37 @@ fn book_with(packages: &[Input<'_>], options: &Options) -> Vec<OutputFile> {
     let (schema, diagnostics) = read(&sources, &inputs);
     let errors = crate::diagnostic::has_errors(&diagnostics);
     assert!(!errors, "{diagnostics:?}");
-    emit(&schema, &sources, options)
+    (sources, schema)
 }
 
 const PX4: Form = Form::Msg(Dialect::Px4);
 const ROS2: Form = Form::Msg(Dialect::Ros2);
 
 fn boats() -> Vec<OutputFile> {
-    book(&[
-        (
-            "boats",
-            PX4,
-            &[("Sail.msg", SAIL), ("Boat.msg", BOAT), ("RigStatus.msg", RIG_STATUS), ("Order.msg", ORDER)],
-        ),
-        ("codes", Form::Table, &[("codes.md", CODES)]),
-        (
-            "harbour",
-            ROS2,
-            &[
-                ("Berth.msg", "string<=8 name\nBerth2[<=3] next\n"),
-                ("Berth2.msg", "# Neighbour\nfloat64 width 2.5 # Of the berth\n"),
-                (
-                    "Moor.srv",
-                    "# Ask for a berth\nuint8 SIDE_PORT=1\nBerth wish\n---\nbool granted # If berth is free\n",
-                ),
-                ("Sail.action", "uint8 goal\n---\nuint8 goal\n---\nuint8 goal\n"),
-            ],
-        ),
-    ])
+    book(BOATS)
 }
+
+const BOATS: &[Input<'static>] = &[
+    (
+        "boats",
+        PX4,
+        &[("Sail.msg", SAIL), ("Boat.msg", BOAT), ("RigStatus.msg", RIG_STATUS), ("Order.msg", ORDER)],
+    ),
+    ("codes", Form::Table, &[("codes.md", CODES)]),
+    (
+        "harbour",
+        ROS2,
+        &[
+            ("Berth.msg", "string<=8 name\nBerth2[<=3] next\n"),
+            ("Berth2.msg", "# Neighbour\nfloat64 width 2.5 # Of the berth\n"),
+            (
+                "Moor.srv",
+                "# Ask for a berth\nuint8 SIDE_PORT=1\nBerth wish\n---\nbool granted # If berth is free\n",
+            ),
+            ("Sail.action", "uint8 goal\n---\nuint8 goal\n---\nuint8 goal\n"),
+        ],
+    ),
+];
 
 fn one_message(text: &str) -> String {
     text_of(&book(&[("p", PX4, &[("Kite.msg", text)])]), "p/Kite.md").to_owned()
@@ -177,7 +187,8 @@ fn anchors(text: &str) -> Vec<&str> {
 fn targets(files: &[OutputFile]) -> BTreeMap<&str, BTreeSet<String>> {
     let of = |file: &OutputFile| {
         // Headings are anchors, too.
-        let headings = file.text.lines().filter_map(|line| line.strip_prefix("## "));
+        let headings =
+            file.text.lines().filter_map(|line| line.strip_prefix("## ").or(line.strip_prefix("# ")));
         let headings = headings.map(|heading| heading.to_lowercase().replace(' ', "-").replace('`', ""));
         anchors(&file.text).into_iter().map(str::to_owned).chain(headings).collect()
     };
@@ -522,7 +533,8 @@ fn names_of_pages_of_a_book_are_not_taken() {
 
 #[test]
 fn a_book_of_nothing_is_empty() {
-    let files = emit(&crate::Schema::default(), &SourceMap::default(), &Options::default());
+    let files =
+        emit(&crate::Schema::default(), &Translations::default(), &SourceMap::default(), &Options::default());
     let paths: Vec<&str> = files.iter().map(|file| file.path.as_str()).collect();
     assert_eq!(paths, ["book.toml", "book.css", "SUMMARY.md", "README.md", "composer.js", "error-codes.js"]);
 }

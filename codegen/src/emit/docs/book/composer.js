@@ -24,7 +24,14 @@
   // What somebody wrote that can't be a value of the field.
   class Unfit extends Error {}
 
+  // What is said on the page, in its language.
+  let words = {};
+
   let controls = 0;
+
+  function fill(text, parts) {
+    return text.replace(/\{(\w+)\}/g, (_, name) => parts[name]);
+  }
 
   function element(name, properties = {}, children = []) {
     const made = Object.assign(document.createElement(name), properties);
@@ -34,12 +41,12 @@
 
   function integer(text, { low, high }) {
     if (!/^[+-]?(\d+|0x[0-9a-f]+)$/i.test(text)) {
-      throw new Unfit(`expected an integer from ${low} to ${high}`);
+      throw new Unfit(fill(words.expectedInteger, { low, high }));
     }
     const digits = text.replace(/^[+-]/, "");
     const value = text.startsWith("-") ? -BigInt(digits) : BigInt(digits);
     if (value < low || value > high) {
-      throw new Unfit(`${text} is out of range: ${low} to ${high}`);
+      throw new Unfit(fill(words.outOfRange, { value: text, low, high }));
     }
     return value;
   }
@@ -49,11 +56,12 @@
       return NaN;
     }
     if (!/^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(text)) {
-      throw new Unfit("expected a number, or NaN for none");
+      throw new Unfit(words.expectedNumber);
     }
     const value = type === "float32" ? Math.fround(Number(text)) : Number(text);
     if (!Number.isFinite(value)) {
-      throw new Unfit(`${text} is too great for ${type}`);
+      const most = type === "float32" ? 3.4028234663852886e38 : Number.MAX_VALUE;
+      throw new Unfit(fill(words.outOfRange, { value: text, low: -most, high: most }));
     }
     return value;
   }
@@ -87,8 +95,8 @@
   // A control has an element to be shown, and reads what was chosen: as JSON, and into memory.
 
   function caption(field) {
-    const words = field.label ? [`${field.label} `] : [];
-    return [...words, element("code", { textContent: field.name })];
+    const label = field.label ? [element("span", { textContent: field.label, lang: field.lang ?? "" }), " "] : [];
+    return [...label, element("code", { textContent: field.name })];
   }
 
   // The frame of a control: its words, its input, and room for what is wrong with what was written.
@@ -153,12 +161,12 @@
     const select = element("select");
     const zero = field.values.some(([value]) => value === "0") ? [] : [["0", "", ""]];
     for (const [value, name, description] of [...zero, ...field.values]) {
-      const words = [`${value} ${name}`, description].filter(Boolean).join(": ");
-      select.append(element("option", { value, textContent: words, defaultSelected: value === "0" }));
+      const textContent = [`${value} ${name}`, description].filter(Boolean).join(": ");
+      select.append(element("option", { value, textContent, defaultSelected: value === "0" }));
     }
-    select.append(element("option", { value: "", textContent: "another value" }));
+    select.append(element("option", { value: "", textContent: words.anotherValue }));
     const other = element("input", { type: "text", defaultValue: "0", hidden: true, autocomplete: "off" });
-    other.setAttribute("aria-label", `${field.name}: another value`);
+    other.setAttribute("aria-label", `${field.name}: ${words.anotherValue}`);
     select.addEventListener("input", () => {
       other.hidden = select.value !== "";
     });
@@ -171,8 +179,8 @@
   function flags(field) {
     const boxes = field.flags.map(([value, name, description]) => {
       const box = element("input", { type: "checkbox", value });
-      const words = [element("code", { textContent: name }), description ? ` ${description}` : ""];
-      return { box, label: element("label", {}, [box, element("span", {}, words)]) };
+      const told = [element("code", { textContent: name }), description ? ` ${description}` : ""];
+      return { box, label: element("label", {}, [box, element("span", {}, told)]) };
     });
     const legend = element("legend", {}, caption(field));
     const shown = element("fieldset", { className: "composer-flags" }, [legend, ...boxes.map(({ label }) => label)]);
@@ -182,11 +190,11 @@
 
   function text(field) {
     const input = element("input", { type: "text", autocomplete: "off", spellcheck: false });
-    const { frame, tell } = framed(field, input, `up to ${field.count} bytes of UTF-8`);
+    const { frame, tell } = framed(field, input, fill(words.upToBytes, { most: field.count }));
     const read = told(tell, () => {
       const bytes = new TextEncoder().encode(input.value);
       if (bytes.length > field.count) {
-        throw new Unfit(`${bytes.length} bytes of UTF-8, and at most ${field.count} have room`);
+        throw new Unfit(fill(words.tooManyBytes, { count: bytes.length, most: field.count }));
       }
       return bytes;
     });
@@ -206,24 +214,24 @@
 
   function list(field) {
     const input = element("input", { type: "text", autocomplete: "off", spellcheck: false, placeholder: "0" });
-    const { frame, tell } = framed(field, input, `${field.type}, up to ${field.count} with blanks between; the rest is 0`);
+    const { frame, tell } = framed(field, input, fill(words.upToValues, { type: field.type, most: field.count }));
     const { size, put } = SCALARS[field.type];
-    const one = (word) => {
+    const one = (text) => {
       if (field.type !== "bool") {
-        return parse(word, field.type);
+        return parse(text, field.type);
       }
-      if (word !== "true" && word !== "false" && word !== "0" && word !== "1") {
-        throw new Unfit("expected true or false");
+      if (!["true", "false", "1", "0"].includes(text)) {
+        throw new Unfit(words.expectedBool);
       }
-      return word === "true" || word === "1";
+      return text === "true" || text === "1";
     };
     const zero = field.type === "bool" ? false : parse("0", field.type);
     const read = told(tell, () => {
-      const words = input.value.split(/[\s,;]+/).filter(Boolean);
-      if (words.length > field.count) {
-        throw new Unfit(`${words.length} values, and the array has ${field.count}`);
+      const texts = input.value.split(/[\s,;]+/).filter(Boolean);
+      if (texts.length > field.count) {
+        throw new Unfit(fill(words.tooManyValues, { count: texts.length, most: field.count }));
       }
-      return Array.from({ length: field.count }, (_, index) => (index < words.length ? one(words[index]) : zero));
+      return Array.from({ length: field.count }, (_, index) => (index < texts.length ? one(texts[index]) : zero));
     });
     return {
       element: frame,
@@ -346,7 +354,7 @@
 
   // Rows of eight bytes, as in the picture of the layout; each byte says which field it belongs to.
   function dump(bytes, before, places) {
-    const names = new Array(bytes.length).fill("padding");
+    const names = new Array(bytes.length).fill(words.padding);
     for (const { field, at, size, of } of places) {
       names.fill(of ? `${of}: ${field.name}` : field.name, at, at + size);
     }
@@ -356,7 +364,7 @@
       for (let at = row; at < Math.min(row + 8, bytes.length); at += 1) {
         const classes = [bytes[at] !== 0 && "composer-set", before && before[at] !== bytes[at] && "composer-new"];
         const className = classes.filter(Boolean).join(" ");
-        cells.push(" ", element("span", { className, title: `byte ${at}: ${names[at]}`, textContent: hex(bytes[at]) }));
+        cells.push(" ", element("span", { className, title: fill(words.byteOf, { at, field: names[at] }), textContent: hex(bytes[at]) }));
       }
       rows.push(...cells, "\n");
     }
@@ -366,8 +374,8 @@
   // What changed, in a sentence for those who listen.
   function change(before, bytes) {
     const changed = [...bytes.keys()].filter((at) => before && before[at] !== bytes[at]);
-    const told = changed.slice(0, 8).map((at) => `byte ${at} is ${hex(bytes[at])}`);
-    return told.join(", ") + (changed.length > 8 ? ` and ${changed.length - 8} more` : "");
+    const told = changed.slice(0, 8).map((at) => fill(words.byteIs, { at, value: hex(bytes[at]) }));
+    return told.join(", ") + (changed.length > 8 ? ` ${fill(words.andMore, { count: changed.length - 8 })}` : "");
   }
 
   function copier(name, content) {
@@ -375,9 +383,9 @@
     button.addEventListener("click", async () => {
       try {
         await navigator.clipboard.writeText(content());
-        button.textContent = "Copied";
+        button.textContent = words.copied;
       } catch {
-        button.textContent = "Not allowed here";
+        button.textContent = words.copyingRefused;
       }
       setTimeout(() => {
         button.textContent = name;
@@ -388,15 +396,16 @@
 
   function compose(place) {
     const message = JSON.parse(place.dataset.message);
+    words = message.words;
     const { elements, read } = object(message.fields);
     const form = element("form", { className: "composer-form" }, elements);
-    form.setAttribute("aria-label", `Fields of ${message.name}`);
+    form.setAttribute("aria-label", fill(words.fieldsOf, message));
     form.addEventListener("submit", (event) => event.preventDefault());
 
     const shownJson = element("pre", { className: "composer-json", tabIndex: 0 });
     const shownBytes = element("pre", { className: "composer-bytes", tabIndex: 0 });
     shownJson.setAttribute("aria-label", "JSON");
-    shownBytes.setAttribute("aria-label", "uORB bytes, hexadecimal");
+    shownBytes.setAttribute("aria-label", "uORB");
     const status = element("p", { className: "composer-status" });
     status.setAttribute("role", "status");
     let bytes;
@@ -414,26 +423,24 @@
         if (!(error instanceof Unfit)) {
           throw error;
         }
-        status.textContent = "Not all values fit: see what is marked.";
+        status.textContent = words.notAllFit;
       }
     }
 
-    const clear = element("button", { type: "button", textContent: "Set all to zero" });
+    const clear = element("button", { type: "button", textContent: words.setToZero });
     clear.addEventListener("click", () => {
       form.reset();
       form.querySelectorAll("select").forEach((select) => select.dispatchEvent(new Event("input")));
       show();
     });
-    const copyJson = copier("Copy JSON", () => shownJson.textContent);
-    const copyBytes = copier("Copy bytes", () => [...bytes].map(hex).join(""));
-    const padding = message.size - message.unpadded;
-    const size = `${message.size} bytes${padding === 0 ? "" : `, the last ${padding} of them padding`}`;
+    const copyJson = copier(words.copyJson, () => shownJson.textContent);
+    const copyBytes = copier(words.copyBytes, () => [...bytes].map(hex).join(""));
     const output = element("div", { className: "composer-output" }, [
       element("div", { className: "composer-buttons" }, [clear, copyJson, copyBytes]),
       status,
       element("h3", { textContent: "JSON" }),
       shownJson,
-      element("h3", { textContent: `uORB: ${size}` }),
+      element("h3", { textContent: message.title }),
       shownBytes,
     ]);
     form.addEventListener("input", show);

@@ -21,6 +21,7 @@
     if (!table) {
       return;
     }
+    const words = JSON.parse(place.dataset.words);
     const rows = [...table.querySelectorAll("tbody tr")].map((shown) => {
       const cells = [...shown.cells].map((cell) => cell.textContent.trim());
       return {
@@ -31,7 +32,7 @@
       };
     });
 
-    const search = element("input", { type: "search", id: "error-code-search", placeholder: "134, LOWBAT, compass …" });
+    const search = element("input", { type: "search", id: "error-code-search", placeholder: words.example });
     search.autocomplete = "off";
     const status = element("p", { className: "error-code-count" });
     status.setAttribute("role", "status");
@@ -42,26 +43,26 @@
     });
 
     function show() {
-      const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
+      const sought = search.value.toLowerCase().split(/\s+/).filter(Boolean);
       const chosen = new Set(severities.filter(({ box }) => box.checked).map(({ severity }) => severity));
       let count = 0;
       for (const row of rows) {
-        const isShown = chosen.has(row.severity) && matches(row, words);
+        const isShown = chosen.has(row.severity) && matches(row, sought);
         row.shown.hidden = !isShown;
         count += isShown ? 1 : 0;
       }
-      status.textContent = `${count} of ${rows.length} codes`;
+      status.textContent = words.shownOfAll.replace("{shown}", count).replace("{all}", rows.length);
     }
 
-    const legend = element("legend", { textContent: "Severity" });
+    const legend = element("legend", { textContent: words.severity });
     const form = element("form", {}, [
-      element("label", { htmlFor: search.id, textContent: "Find a code" }),
+      element("label", { htmlFor: search.id, textContent: words.find }),
       search,
       element("fieldset", {}, [legend, ...severities.map(({ label }) => label)]),
       status,
     ]);
     form.setAttribute("role", "search");
-    form.setAttribute("aria-label", "Error codes");
+    form.setAttribute("aria-label", words.title);
     form.addEventListener("submit", (event) => event.preventDefault());
     form.addEventListener("input", show);
     place.replaceChildren(form);
@@ -69,5 +70,5 @@
     show();
   }
 
-  document.querySelectorAll(".error-code-filter").forEach(filter);
+  document.querySelectorAll(".error-code-filter[data-words]").forEach(filter);
 })();

@@ -4,6 +4,7 @@ use super::super::error_codes;
 use super::super::fields::{range, unit};
 use super::super::markdown::{Page, Table, anchor, code, href, inline, link, number_column, text_column};
 use super::{Json, Owner, anchor_of};
+use crate::emit::docs::words::ENGLISH;
 use crate::schema::json_type::{Expression, Limits, Member};
 use crate::value::Value;
 
@@ -91,10 +92,10 @@ pub(super) fn json_code(text: &str) -> String {
 /// What annotations say of values, a line each.
 pub(super) fn values(limits: &Limits) -> Vec<String> {
     let mut lines = Vec::new();
-    lines.extend(limits.range.as_ref().and_then(range));
+    lines.extend(limits.range.as_ref().and_then(|bounds| range(ENGLISH, bounds)));
     let int = |value: u32| Value::Int(value.into());
     let length = crate::schema::Range { low: limits.least.map(int), high: limits.most.map(int) };
-    lines.extend(range(&length).map(|length| format!("length {length}")));
+    lines.extend(range(ENGLISH, &length).map(|length| format!("length {length}")));
     lines.extend(limits.is_unique.then(|| "each once".to_owned()));
     lines.extend(limits.pattern.as_ref().map(|pattern| format!("pattern {}", code(pattern))));
     lines.extend(limits.format.as_ref().map(|format| inline(format)));

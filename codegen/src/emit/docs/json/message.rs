@@ -4,6 +4,7 @@ use super::super::markdown::{Page, Table, code, inline, text_column, unbroken};
 use super::super::message::package_cell;
 use super::{Json, Owner};
 use crate::emit::OutputFile;
+use crate::emit::docs::words::ENGLISH;
 use crate::emit::json_schema::Target;
 use crate::schema::JsonMessageId;
 
@@ -15,7 +16,7 @@ impl Json<'_, '_> {
         let mut page = Page::new(from, &inline(&message.name));
         page.block(&self.block(from, &message.docs.text()));
         let mut facts = Table::new(&[text_column(""), text_column("")]);
-        facts.row([unbroken("Package"), package_cell(from, self.package)]);
+        facts.row([unbroken("Package"), package_cell(ENGLISH, from, self.package)]);
         let line = self.site.sources.position(message.span).line;
         facts.row([unbroken("Definition"), code(&format!("{}:{line}", self.site.source(message.span)))]);
         let directions: Vec<&str> = message.parts.iter().map(|part| part.direction.name()).collect();
@@ -28,10 +29,7 @@ impl Json<'_, '_> {
                 let answers: Vec<String> = part.answers.iter().map(|name| self.link(from, name)).collect();
                 page.block(&format!("Answered by {}.", answers.join(", ")));
             }
-            let files = self.site.files(from, Target::JsonPart(id, part.direction));
-            let files: Vec<String> =
-                files.into_iter().map(|(name, file)| format!("{name}: {file}")).collect();
-            page.block(&files.join(" · "));
+            page.block(&self.site.line_of_files(from, Target::JsonPart(id, part.direction)));
             let owner = Owner::Message(id, part.direction);
             page.block(&format!("The `type` is {}.", code(&message.name)));
             if !part.fields().is_empty() {

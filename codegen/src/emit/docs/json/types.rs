@@ -6,6 +6,7 @@ use super::super::message::package_cell;
 use super::member::{json_code, values};
 use super::{Json, Owner};
 use crate::emit::OutputFile;
+use crate::emit::docs::words::ENGLISH;
 use crate::emit::json_schema::Target;
 use crate::schema::JsonTypeId;
 use crate::schema::json_type::{Definition, Set, SetValue, SetValues};
@@ -66,7 +67,7 @@ impl Json<'_, '_> {
                 table.row([unbroken(name), value]);
             }
         };
-        fact("Package", package_cell(from, self.package));
+        fact("Package", package_cell(ENGLISH, from, self.package));
         let line = self.site.sources.position(found.span).line;
         fact("Definition", code(&format!("{}:{line}", self.site.source(found.span))));
         fact("Kind", kind(&found.definition).to_owned());

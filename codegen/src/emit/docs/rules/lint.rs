@@ -4,7 +4,7 @@
 use super::{Chapter, OVERVIEW, RulePage, Shown, rule_link};
 use crate::diagnostic::{Level, render};
 use crate::emit::docs::markdown::{Table, code, gist, number_column, text_column, with_code};
-use crate::example::{Example, packages};
+use crate::example::{Example, catalogues, is_catalogue, packages};
 use crate::finding::Finding;
 use crate::lint::{Check, Levels, Measured, Preset, RULES, Rule, Settings, lint};
 use crate::msg::{Dialect, Kind};
@@ -127,6 +127,14 @@ fn letting_stand(rule: &Rule) -> Vec<String> {
     if matches!(rule.check, Check::Ignores) {
         return vec![off];
     }
+    if is_catalogue(rule.bad.path) {
+        let stand = format!(
+            "To let findings in a catalogue stand, name the rule, the file and the reason in a table `lint.ignore` of \
+             `uavspec.toml`: {}.",
+            code(&format!("{{ rule = \"{id}\", path = \"i18n/uk.po\", reason = \"…\" }}"))
+        );
+        return vec![stand, off];
+    }
     let (request, whole) = match form(rule.bad.path) {
         Form::Table => (format!("<!-- uavspec:ignore {id} reason -->"), "On a line of its own"),
         Form::Msg(_) => (
@@ -142,7 +150,7 @@ fn letting_stand(rule: &Rule) -> Vec<String> {
 }
 
 fn files(example: Example) -> Vec<(String, String)> {
-    vec![(example.path.to_owned(), example.text.to_owned())]
+    example.files().into_iter().map(|(path, text)| (path.to_owned(), text.to_owned())).collect()
 }
 
 /// How an example is written, by its extension.
@@ -153,11 +161,12 @@ fn form(path: &str) -> Form {
 /// What a rule finds in its bad example, at the level that it has where it is on.
 fn judge(rule: &Rule) -> (SourceMap, Vec<Finding>) {
     let mut sources = SourceMap::default();
-    let packages = packages([rule.bad.file()], "", &mut sources);
+    let packages = packages(rule.bad.files(), "", &mut sources);
+    let catalogues = catalogues(rule.bad.files(), "", &mut sources);
     let level = rule.levels.px4.or(rule.levels.strict).unwrap_or(Level::Warning);
     let levels = [(rule.id.to_owned(), Some(level))].into();
     let settings = Settings { preset: Preset::Strict, levels, ignores: Vec::new() };
-    let mut findings = lint(&sources, &packages, &settings);
+    let mut findings = lint(&sources, &packages, &catalogues, &settings);
     findings.retain(|finding| finding.rule == rule.id);
     (sources, findings)
 }

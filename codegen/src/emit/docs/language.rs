@@ -1,0 +1,109 @@
+//! Pages in other languages, beside the English ones: their addresses, and the links between them.
+
+use super::markdown::{Page, href, inline, link};
+use super::site::Site;
+use crate::emit::prose;
+use crate::translation::{SOURCE_LANGUAGE, is_right_to_left};
+
+/// The page that says in another language what `path` says in English: it stands beside that, so that relative links
+/// are the same.
+pub(super) fn path_in(path: &str, tag: &str) -> String {
+    format!("{}.{tag}.md", path.strip_suffix(".md").unwrap_or(path))
+}
+
+/// A first heading, given as Markdown: in the language of the page, and in English.
+pub(super) struct Heading<'h> {
+    pub(super) text: &'h str,
+    pub(super) english: &'h str,
+}
+
+/// A page about `unit`, in the language of the site: with its first heading, and links to the same page in other
+/// languages. `english` is the path of the English page.
+pub(super) fn page(site: &Site<'_>, unit: &str, english: &str, heading: &Heading<'_>) -> Page {
+    let path = site.path_of(english, unit);
+    let mut page = Page::without_heading(&path);
+    if let Some(language) = site.language.filter(|_| !site.words.are_english()) {
+        page.begin_language(&attributes(&language.tag));
+    }
+    if heading.text == heading.english {
+        page.heading(1, heading.text);
+    } else {
+        page.heading_for(1, heading.text, heading.english);
+    }
+    page.block(&switch(site, unit, english, &path));
+    page
+}
+
+/// Links to a page in each language that has it; nothing where that is English alone.
+fn switch(site: &Site<'_>, unit: &str, english: &str, from: &str) -> String {
+    let mut others = site.languages_of(unit).peekable();
+    if others.peek().is_none() {
+        return String::new();
+    }
+    let current = site.language.map_or(SOURCE_LANGUAGE, |language| language.tag.as_str());
+    let others = others
+        .map(|language| (language.tag.as_str(), language.name.as_str(), path_in(english, &language.tag)));
+    let all = std::iter::once((SOURCE_LANGUAGE, "English", english.to_owned())).chain(others);
+    let entry = |(tag, name, path): (&str, &str, String)| {
+        let is_own = tag == current;
+        let name = if is_own { inline(name) } else { marked(&inline(name), Some(tag)) };
+        if is_own { name } else { link(&name, &href(from, &path, "")) }
+    };
+    all.map(entry).collect::<Vec<_>>().join(" · ")
+}
+
+/// Markdown on one line that is in another language than its page, which screen readers then speak rightly.
+pub(super) fn marked(markdown: &str, tag: Option<&str>) -> String {
+    match tag {
+        Some(tag) if !markdown.is_empty() => format!("<span {}>{markdown}</span>", attributes(tag)),
+        _ => markdown.to_owned(),
+    }
+}
+
+/// The same for paragraphs.
+pub(super) fn marked_block(markdown: &str, tag: Option<&str>) -> String {
+    match tag {
+        Some(tag) if !markdown.is_empty() => format!("<div {}>\n\n{markdown}\n\n</div>", attributes(tag)),
+        _ => markdown.to_owned(),
+    }
+}
+
+/// What an element says of its language.
+fn attributes(tag: &str) -> String {
+    let direction = if is_right_to_left(tag) { " dir=\"rtl\"" } else { "" };
+    format!("lang=\"{}\"{direction}", prose::xml(tag))
+}
+
+/// The anchor that mdBook and GitHub give to a heading of plain text.
+pub(super) fn heading_anchor(text: &str) -> String {
+    let characters = text.trim().chars().filter_map(|character| match character {
+        _ if character.is_alphanumeric() || matches!(character, '_' | '-') => Some(character),
+        _ if character.is_whitespace() => Some('-'),
+        _ => None,
+    });
+    characters.collect::<String>().to_lowercase()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_stands_beside_the_english_one() {
+        assert_eq!(path_in("px4/Wind.md", "uk"), "px4/Wind.uk.md");
+        assert_eq!(path_in("px4/Tow.srv.md", "pt-BR"), "px4/Tow.srv.pt-BR.md");
+    }
+
+    #[test]
+    fn what_is_in_another_language_says_so() {
+        assert_eq!(marked("a", Some("uk")), "<span lang=\"uk\">a</span>");
+        assert_eq!(marked("a", None), "a");
+        assert_eq!(marked_block("a", Some("ar")), "<div lang=\"ar\" dir=\"rtl\">\n\na\n\n</div>");
+        assert_eq!(marked_block("", Some("ar")), "");
+    }
+
+    #[test]
+    fn anchors_are_those_of_headings() {
+        assert_eq!(heading_anchor("Per-mode requirements (RC, GPS)"), "per-mode-requirements-rc-gps");
+    }
+}

@@ -1,0 +1,327 @@
+//! The generator's own words on pages, in English and in the languages that it speaks beside it.
+//!
+//! Translations stand in catalogues of the same form as those of definitions, `words/uk.po`; what is translated is
+//! the English text itself. A language that has none here shows these words in English.
+
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
+
+use uavspec_runtime::{ErrorClass, Severity};
+
+use super::markdown::plural;
+use crate::source::SourceMap;
+use crate::translation::{catalogue, shorter};
+
+/// The catalogues, by language.
+const CATALOGUES: &[(&str, &str)] = &[("uk", include_str!("words/uk.po"))];
+
+/// Something that the generator says; `{name}` stands for what differs from place to place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Word(&'static str);
+
+impl Word {
+    /// What it is in English.
+    pub(super) const fn english(self) -> &'static str {
+        self.0
+    }
+}
+
+/// Declares all words.
+macro_rules! words {
+    ($($name:ident = $english:literal;)*) => {
+        $(pub(super) const $name: Word = Word($english);)*
+
+        /// All of them.
+        #[cfg(test)]
+        const ALL: &[Word] = &[$($name),*];
+    };
+}
+
+words! {
+    // Facts of a message
+    PACKAGE = "Package";
+    PACKAGE_FROM = "{package}, from {origin}";
+    ORIGIN_AT = "{origin} at {revision}";
+    DEFINITION = "Definition";
+    TOPIC = "Topic";
+    TOPICS = "Topics";
+    MESSAGE_VERSION = "Message version";
+    QUEUE_LENGTH = "Queue length";
+    UORB_SIZE = "uORB size";
+    UORB_HASH = "uORB hash";
+    CDR_SIZE = "CDR size";
+    CDR_SIZE_OF = "CDR size of the {part}";
+    ROS_TYPE = "ROS 2 type";
+    ROS_TYPE_HASH = "ROS 2 type hash";
+    JSON_SCHEMA = "JSON Schema";
+    TEST_VECTORS = "Test vectors";
+    OF_PART = "{fact} of the {part}";
+    BYTES = "{count} bytes";
+    OR_MORE = "{size} or more";
+    WITH_HEADER = "{size}, 4 of them the encapsulation header";
+    WITHOUT_PADDING = "{size}, {count} without the padding at the end";
+    MEMORY_LAYOUT = "Memory layout";
+    MEMORY_LAYOUT_OF = "Memory layout of {name}";
+    MEMORY_LAYOUT_MEANS =
+        "The order and offsets of the fields in uORB and in the data of ULog files, eight bytes a row.";
+    USED_BY = "Used by";
+
+    // Composing a message
+    COMPOSE = "Compose";
+    COMPOSE_MEANS = "In the book, where scripts run, values are chosen here, and the message is shown as JSON and as uORB bytes.";
+    FIELDS_OF = "Fields of {name}";
+    SET_TO_ZERO = "Set all to zero";
+    COPY_JSON = "Copy JSON";
+    COPY_BYTES = "Copy bytes";
+    COPIED = "Copied";
+    COPYING_REFUSED = "The browser refuses";
+    UORB_OF_SIZE = "uORB: {size}";
+    PADDED_SIZE = "{size}, the last {padding} of them padding";
+    PADDING = "padding";
+    BYTE_OF = "byte {at}: {field}";
+    BYTE_IS = "byte {at} is {value}";
+    AND_MORE = "and {count} more";
+    ANOTHER_VALUE = "another value";
+    UP_TO_BYTES = "up to {most} bytes of UTF-8";
+    UP_TO_VALUES = "{type}, up to {most} with blanks between; the rest is 0";
+    NOT_ALL_FIT = "Not all values fit: see what is marked.";
+    EXPECTED_INTEGER = "expected an integer from {low} to {high}";
+    EXPECTED_NUMBER = "expected a number, or NaN for none";
+    EXPECTED_BOOL = "expected true or false";
+    OUT_OF_RANGE = "{value} is out of range: {low} to {high}";
+    TOO_MANY_BYTES = "{count} bytes of UTF-8, and there is room for {most}";
+    TOO_MANY_VALUES = "{count} values, and there is room for {most}";
+
+    // Services and actions
+    SERVICE = "{name} service";
+    ACTION = "{name} action";
+    REQUEST = "Request";
+    RESPONSE = "Response";
+    GOAL = "Goal";
+    RESULT = "Result";
+    FEEDBACK = "Feedback";
+
+    // Fields
+    FIELDS = "Fields";
+    NO_FIELDS = "None.";
+    FIELD = "Field";
+    TYPE = "Type";
+    UNIT = "Unit";
+    VALUES = "Values";
+    DESCRIPTION = "Description";
+    OFFSET = "Offset";
+    OTHERS = "Others";
+    NO_DATA = "no data";
+    NOT_CONTROLLED = "not controlled";
+    LEFT_OUT = "left out";
+    EMPTY = "empty";
+    FRAME = "frame: {frame}";
+    DEFAULT = "default {value}";
+    FIRST_IN_USE = "in use: the first {counter}";
+    IN_USE = "entries of {array} in use";
+    IN_USE_AT_MOST = "entries of {array} in use, at most {most}";
+    TEXT = "text";
+    RANGE = "{low} to {high}";
+
+    // Constants
+    ENUMS = "Enums";
+    COMMANDS = "Commands";
+    VALUES_OF_PARAMETERS = "Values of parameters";
+    CONSTANTS = "Constants";
+    CONSTANT = "Constant";
+    MASK = "Mask";
+    VALUE = "Value";
+    BIT = "Bit";
+    NAME = "Name";
+    COMMAND = "Command";
+    PARAMETER = "Parameter";
+    PARAMETER_OF = "parameter {number} of {command}";
+    ONE_OF = "one of {enum}";
+    BITS_OF = "bits of {enum}";
+    HELD_BY = "Held by {fields}.";
+    OTHER_BITS = "Any number of these bits may be set, and others, too.";
+    OTHER_VALUES = "Other values may occur, too.";
+    ANOTHER_NAME_OF = "Another name of {name}.";
+
+    // Error codes
+    ERROR_CODES = "Error codes";
+    SEVERITY_MEANS = "The severity of a code is in two bits of the code itself, `(code & 0xFF) >> 6`: 0 is informational, 1 a warning, 2 an error, 3 a fatal error. That holds for all codes below 256 and should hold for all others.";
+    TABLE = "Table";
+    CODE_RANGE = "Range";
+    SEVERITY = "Severity";
+    CODES = "Codes";
+    ALL_CODES = "All codes";
+    CODE = "Code";
+    ABBREVIATION = "Abbreviation";
+    MEANING = "Meaning";
+    ALTERNATIVES = "Alternatives";
+    SEE_ALSO = "See also";
+    SINCE = "Since";
+    AND_ABOVE = "{first} and above";
+    TABLE_FACTS = "Codes {range} ({class}); {count}, defined in {source}. See also {all}.";
+    ALL_ERROR_CODES = "all error codes";
+    COUNT_OF_CODES = "{count} codes";
+    ONE_OF_ALTERNATIVES = "Of a code and its alternatives only one is to be sent: they are one condition at different severities.";
+    FIND_A_CODE = "Find a code";
+    FIND_EXAMPLE = "number, abbreviation, word …";
+    SHOWN_OF_ALL = "{shown} of {all} codes";
+    NO_ERROR = "no error";
+    INFORMATIONAL = "informational";
+    WARNING = "warning";
+    ERROR = "error";
+    FATAL = "fatal";
+    UAV_SPECIFIC = "UAV-specific";
+    USER_DEFINED = "user-defined";
+}
+
+/// The words of a language.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Words {
+    /// By what they are in English; none for English itself.
+    translations: Option<&'static BTreeMap<String, String>>,
+}
+
+/// English.
+pub(super) const ENGLISH: Words = Words { translations: None };
+
+impl Words {
+    /// The words of a language, or of the one whose tag it begins with. English where there are none.
+    pub(super) fn of(tag: &str) -> Self {
+        let known = known();
+        Self { translations: shorter(tag).find_map(|tag| known.get(tag)) }
+    }
+
+    /// Whether they are those of the generator itself.
+    pub(super) fn are_english(self) -> bool {
+        self.translations.is_none()
+    }
+
+    /// A word as it stands.
+    pub(super) fn get(self, word: Word) -> &'static str {
+        self.translations.and_then(|words| words.get(word.0)).map_or(word.0, String::as_str)
+    }
+
+    /// A word with something in the place of each `{name}`.
+    pub(super) fn fill(self, word: Word, parts: &[(&str, &str)]) -> String {
+        let mut filled = String::new();
+        let mut rest = self.get(word);
+        while let Some((before, after)) = rest.split_once('{') {
+            let (name, after) = after.split_once('}').unwrap_or((after, ""));
+            filled.push_str(before);
+            filled.push_str(parts.iter().find(|(known, _)| *known == name).map_or("", |(_, part)| part));
+            rest = after;
+        }
+        filled + rest
+    }
+
+    /// A number of bytes.
+    pub(super) fn bytes(self, count: u64) -> String {
+        self.count(BYTES, "byte", count)
+    }
+
+    /// A number of error codes.
+    pub(super) fn codes(self, count: u64) -> String {
+        self.count(COUNT_OF_CODES, "code", count)
+    }
+
+    /// A number of things. Languages have more forms of nouns than English, so that theirs are written without any:
+    /// `Б` for bytes.
+    fn count(self, word: Word, noun: &str, count: u64) -> String {
+        if self.are_english() {
+            plural(count, noun)
+        } else {
+            self.fill(word, &[("count", &count.to_string())])
+        }
+    }
+
+    /// A severity.
+    pub(super) fn severity(self, severity: Severity) -> &'static str {
+        self.get(match severity {
+            Severity::Informational => INFORMATIONAL,
+            Severity::Warning => WARNING,
+            Severity::Error => ERROR,
+            Severity::Fatal => FATAL,
+        })
+    }
+
+    /// A class of error codes.
+    pub(super) fn class(self, class: ErrorClass) -> &'static str {
+        self.get(match class {
+            ErrorClass::NoError => NO_ERROR,
+            ErrorClass::Informational => INFORMATIONAL,
+            ErrorClass::Warning => WARNING,
+            ErrorClass::Error => ERROR,
+            ErrorClass::Fatal => FATAL,
+            ErrorClass::UavSpecific => UAV_SPECIFIC,
+            ErrorClass::UserDefined => USER_DEFINED,
+        })
+    }
+
+    /// A part of a service or action, by its name in ROS.
+    pub(super) fn part(self, name: &'static str) -> &'static str {
+        let parts = [REQUEST, RESPONSE, GOAL, RESULT, FEEDBACK];
+        parts.into_iter().find(|part| part.0 == name).map_or(name, |part| self.get(part))
+    }
+}
+
+/// All catalogues, read once.
+fn known() -> &'static BTreeMap<&'static str, BTreeMap<String, String>> {
+    static KNOWN: OnceLock<BTreeMap<&str, BTreeMap<String, String>>> = OnceLock::new();
+    KNOWN.get_or_init(|| CATALOGUES.iter().map(|(tag, text)| (*tag, read(text))).collect())
+}
+
+fn read(text: &str) -> BTreeMap<String, String> {
+    let mut sources = SourceMap::default();
+    let Ok(id) = sources.add("words.po", text.as_bytes().to_vec()) else { return BTreeMap::new() };
+    let (catalogue, _, _) = catalogue::parse(&sources, id);
+    let entries = catalogue.entries.into_iter().filter(|entry| !entry.is_header() && !entry.is_obsolete);
+    entries.map(|entry| (entry.id, entry.translation)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::translation::SOURCE_LANGUAGE;
+
+    /// The names between braces in a text, sorted.
+    fn places(text: &str) -> Vec<&str> {
+        let mut places: Vec<&str> =
+            text.split('{').skip(1).filter_map(|rest| rest.split_once('}')).map(|(name, _)| name).collect();
+        places.sort_unstable();
+        places
+    }
+
+    #[test]
+    fn each_catalogue_has_every_word_and_no_other() {
+        let words: BTreeSet<&str> = ALL.iter().map(|word| word.0).collect();
+        assert_eq!(words.len(), ALL.len(), "each word stands once");
+        for (tag, text) in CATALOGUES {
+            let mut sources = SourceMap::default();
+            let id = sources.add("words.po", text.as_bytes().to_vec()).expect("a text");
+            let (catalogue, _, diagnostics) = catalogue::parse(&sources, id);
+            assert!(diagnostics.is_empty(), "{tag}: {diagnostics:?}");
+            assert!(catalogue.entries.iter().all(|entry| !entry.is_fuzzy()), "{tag}");
+            let translated = read(text);
+            assert_eq!(translated.keys().map(String::as_str).collect::<BTreeSet<_>>(), words, "{tag}");
+            for (english, translation) in &translated {
+                assert!(!translation.is_empty(), "{tag}: {english}");
+                assert_eq!(places(english), places(translation), "{tag}: {english}");
+            }
+        }
+    }
+
+    #[test]
+    fn places_are_filled_once() {
+        let filled = ENGLISH.fill(RANGE, &[("low", "{high}"), ("high", "2")]);
+        assert_eq!(filled, "{high} to 2");
+    }
+
+    #[test]
+    fn regions_speak_their_language() {
+        assert!(!Words::of("uk-UA").are_english());
+        assert!(Words::of("tlh").are_english());
+        assert_eq!(SOURCE_LANGUAGE, "en", "the words are in the language of definitions");
+    }
+}

@@ -1,0 +1,27 @@
+//! `translation-stale`: a translation of a text that has changed since.
+
+use super::{Check, Example, Levels, Rule, no_fix};
+use crate::diagnostic::Level;
+
+pub(super) const RULE: Rule = Rule {
+    id: "translation-stale",
+    purpose: "A translation says what the definition says. Where that has changed since, the translation isn't used, \
+              and English is shown. `cargo xtask translate` takes over the new text and keeps the old one for comparison.",
+    levels: Levels::both(Level::Warning),
+    bad: Example {
+        path: "uk.po",
+        text: "msgid \"\"\nmsgstr \"\"\n\"Content-Type: text/plain; charset=UTF-8\\n\"\n\n\
+               msgctxt \"demo/Glider\"\nmsgid \"State of a glider\"\nmsgstr \"Стан планера\"\n\n\
+               msgctxt \"demo/Glider.timestamp\"\nmsgid \"Time since start\"\nmsgstr \"Час від запуску\"\n\n\
+               msgctxt \"demo/Glider.sink\"\nmsgid \"Sink rate\"\nmsgstr \"Швидкість зниження\"\n",
+    },
+    good: Example {
+        path: "uk.po",
+        text: "msgid \"\"\nmsgstr \"\"\n\"Content-Type: text/plain; charset=UTF-8\\n\"\n\n\
+               msgctxt \"demo/Glider\"\nmsgid \"State of a glider\"\nmsgstr \"Стан планера\"\n\n\
+               msgctxt \"demo/Glider.timestamp\"\nmsgid \"Time since system start\"\nmsgstr \"Час від запуску системи\"\n\n\
+               msgctxt \"demo/Glider.sink\"\nmsgid \"Sink rate\"\nmsgstr \"Швидкість зниження\"\n",
+    },
+    measured: None,
+    check: Check::Reader(no_fix),
+};

@@ -1,0 +1,207 @@
+//! Catalogues of translations on the command line.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+const CONFIG: &str = r#"
+[output]
+docs = "out"
+
+[[package]]
+name = "demo"
+dialect = "px4"
+include = ["msg/*.msg"]
+
+[translations]
+include = ["i18n/*.po"]
+"#;
+
+const WIND: &str =
+    "# Wind over ground\n\nuint64 timestamp  # [us] Since start\nfloat32 speed  # [m/s] Speed\n";
+const GUST: &str = "# A gust\n\nuint64 timestamp  # [us] Since start\n";
+
+fn workspace() -> TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    write(&folder, "uavspec.toml", CONFIG);
+    write(&folder, "msg/Wind.msg", WIND);
+    write(&folder, "msg/Gust.msg", GUST);
+    folder
+}
+
+fn write(folder: &TempDir, path: &str, text: &str) {
+    let path = folder.path().join(path);
+    fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
+    fs::write(path, text).expect("a file");
+}
+
+fn read(folder: &TempDir, path: &str) -> String {
+    fs::read_to_string(folder.path().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+fn xtask(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_xtask"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .expect("xtask runs")
+}
+
+#[track_caller]
+fn run(folder: &TempDir, arguments: &[&str], status: i32) -> String {
+    let output = xtask(folder.path(), arguments);
+    let errors = String::from_utf8(output.stderr).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(status), "{arguments:?}\n{errors}");
+    errors
+}
+
+#[test]
+fn a_catalogue_is_begun_translated_and_brought_up_to_date() {
+    let folder = workspace();
+    let errors = run(&folder, &["translate", "uk", "--select", "demo/Wind"], 0);
+    assert!(errors.contains("i18n/uk.po: brought up to date, 3 untranslated"), "{errors}");
+    let begun = read(&folder, "i18n/uk.po");
+    assert!(begun.contains("\"X-Language-Name: Українська\\n\"") && !begun.contains("demo/Gust"), "{begun}");
+    let translated =
+        begun.replace("msgid \"Speed\"\nmsgstr \"\"", "msgid \"Speed\"\nmsgstr \"Швидкість\"").replace(
+            "msgid \"Wind over ground\"\nmsgstr \"\"",
+            "msgid \"Wind over ground\"\nmsgstr \"Вітер над землею\"",
+        );
+    write(&folder, "i18n/uk.po", &translated);
+    run(&folder, &["translate", "--check"], 0);
+
+    let errors = run(&folder, &["codegen"], 0);
+    assert!(errors.contains("warning[translation-missing]: 1 of 3 texts of `demo/Wind`"), "{errors}");
+    let page = read(&folder, "out/demo/Wind.uk.md");
+    assert!(
+        page.contains("| Швидкість |") && page.contains("<span lang=\"en\">Since start</span>"),
+        "{page}"
+    );
+
+    write(
+        &folder,
+        "msg/Wind.msg",
+        &WIND.replace("Speed", "Speed over ground").replace("# Wind over ground\n\n", ""),
+    );
+    let errors = run(&folder, &["lint"], 0);
+    assert!(
+        errors.contains("warning[translation-stale]") && errors.contains("warning[unknown-translation]"),
+        "{errors}"
+    );
+    let errors = run(&folder, &["translate", "--check"], 1);
+    assert!(
+        errors.contains("i18n/uk.po: not up to date") && errors.contains("run `cargo xtask translate`"),
+        "{errors}"
+    );
+    assert_eq!(read(&folder, "i18n/uk.po"), translated, "--check writes nothing");
+    let errors = run(&folder, &["translate"], 0);
+    assert!(errors.contains("brought up to date, 1 fuzzy, 1 untranslated, 1 obsolete"), "{errors}");
+    let updated = read(&folder, "i18n/uk.po");
+    for expected in [
+        "#, fuzzy\n#| msgid \"Speed\"\nmsgctxt \"demo/Wind.speed\"\nmsgid \"Speed over ground\"\nmsgstr \"Швидкість\"\n",
+        "#~ msgctxt \"demo/Wind\"\n#~ msgid \"Wind over ground\"\n#~ msgstr \"Вітер над землею\"\n",
+    ] {
+        assert!(updated.contains(expected), "{expected}\nis not in\n{updated}");
+    }
+    run(&folder, &["translate"], 0);
+    assert_eq!(read(&folder, "i18n/uk.po"), updated);
+}
+
+#[test]
+fn lines_that_another_tool_has_broken_are_let_stand() {
+    let folder = workspace();
+    run(&folder, &["translate", "uk"], 0);
+    let broken =
+        read(&folder, "i18n/uk.po").replace("msgid \"Since start\"", "msgid \"\"\n\"Since \"\n\"start\"");
+    write(&folder, "i18n/uk.po", &broken);
+    run(&folder, &["translate"], 0);
+    assert_eq!(read(&folder, "i18n/uk.po"), broken);
+}
+
+#[test]
+fn levels_of_translations_can_be_chosen() {
+    let folder = workspace();
+    run(&folder, &["translate", "uk"], 0);
+    let catalogue = read(&folder, "i18n/uk.po")
+        .replace("msgid \"A gust\"\nmsgstr \"\"", "msgid \"A puff\"\nmsgstr \"Порив\"");
+    write(&folder, "i18n/uk.po", &catalogue);
+    let lint = |more: &str, status| {
+        write(
+            &folder,
+            "uavspec.toml",
+            &format!("{CONFIG}\n[lint.levels]\ntranslation-missing = \"off\"\n{more}"),
+        );
+        run(&folder, &["lint"], status)
+    };
+    let errors = lint("translation-stale = \"error\"\n", 1);
+    assert!(
+        errors.contains("error[translation-stale]") && !errors.contains("translation-missing"),
+        "{errors}"
+    );
+    let ignore =
+        "[[lint.ignore]]\nrule = \"translation-stale\"\npath = \"i18n/uk.po\"\nreason = \"under way\"\n";
+    let errors = lint(ignore, 0);
+    assert!(!errors.contains("translation-stale"), "{errors}");
+}
+
+#[test]
+fn what_cannot_be_carried_out_says_what_to_do() {
+    let folder = workspace();
+    for (arguments, message, hint) in [
+        (&["translate"][..], "there is no catalogue yet", "cargo xtask translate uk"),
+        (&["translate", "ukrainian"], "`ukrainian` is no tag of another language", "BCP 47"),
+        (&["translate", "../uk"], "`../uk` is no tag", "BCP 47"),
+        (&["translate", "en"], "`en` is no tag of another language", "definitions are in English"),
+        (
+            &["translate", "uk", "--select", "demo/Wnd"],
+            "nothing that is called `demo/Wnd`",
+            "did you mean `demo/Wind`?",
+        ),
+    ] {
+        let errors = run(&folder, arguments, 2);
+        assert!(errors.contains(message) && errors.contains(hint), "{errors}");
+    }
+    assert!(!folder.path().join("i18n").exists());
+    write(&folder, "i18n/uk.po", "msgid \"Speed\n");
+    let errors = run(&folder, &["translate"], 1);
+    assert!(
+        errors.contains("error[malformed-catalogue]") && errors.contains("--> i18n/uk.po:1:7"),
+        "{errors}"
+    );
+    assert_eq!(read(&folder, "i18n/uk.po"), "msgid \"Speed\n", "it is left as it was");
+    write(&folder, "uavspec.toml", &CONFIG.replace("[translations]\ninclude = [\"i18n/*.po\"]", ""));
+    let errors = run(&folder, &["translate", "uk"], 2);
+    assert!(errors.contains("add `[translations]`"), "{errors}");
+}
+
+/// Says what gettext itself thinks of a catalogue.
+#[track_caller]
+fn check(path: &Path) {
+    let output = Command::new("msgfmt").args(["--check", "--output-file", "/dev/null"]).arg(path).output();
+    let output = output.expect("msgfmt of gettext runs");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{}: {errors}", path.display());
+}
+
+#[test]
+#[ignore = "needs gettext"]
+fn catalogues_are_what_gettext_takes() {
+    let folder = workspace();
+    run(&folder, &["translate", "uk"], 0);
+    let translated = read(&folder, "i18n/uk.po")
+        .replace("msgid \"Speed\"\nmsgstr \"\"", "msgid \"Speed\"\nmsgstr \"Швидкість\"");
+    for wind in [WIND.replace("Speed", "Speed \\\"over ground\\\""), WIND.replace("speed", "velocity")] {
+        write(&folder, "i18n/uk.po", &translated);
+        write(&folder, "msg/Wind.msg", &wind);
+        run(&folder, &["translate"], 0);
+        check(&folder.path().join("i18n/uk.po"));
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    for catalogues in ["definitions/i18n", "codegen/src/emit/docs/words"] {
+        for entry in fs::read_dir(root.join(catalogues)).expect("a folder") {
+            check(&entry.expect("an entry").path());
+        }
+    }
+}
