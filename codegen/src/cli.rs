@@ -345,6 +345,8 @@ fn emit_all(plan: &Plan, schema: &Schema, sources: &SourceMap) -> Result<Vec<Fol
             EmitterOptions::JsonSchema(options) => emit::json_schema::emit(schema, options),
             EmitterOptions::Docs(options) => emit::docs::emit(schema, sources, &options.read()?),
             EmitterOptions::Vectors(options) => emit::vectors::emit(schema, options),
+            EmitterOptions::TypeScript(options) => emit::typescript::emit(schema, options),
+            EmitterOptions::Python => emit::python::emit(schema),
         };
         Ok(Folder { path: output.path.clone(), files })
     })
