@@ -1,6 +1,7 @@
 //! The chores of this repository: the commands of uavspec-codegen, and its own.
 
 mod bench;
+mod package;
 
 use std::env;
 use std::ffi::OsString;
@@ -33,6 +34,8 @@ enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "ARGUMENT")]
         arguments: Vec<OsString>,
     },
+    /// Make the packages for npm and PyPI; needs neither of them.
+    Package(package::PackageArgs),
     /// Measure and print; needs the corpus.
     #[command(after_help = "Examples:
   cargo xtask bench codegen      time to read, to emit and to write PX4's 261 messages, at 1, 4 and 16 times
@@ -49,6 +52,7 @@ fn main() -> ExitCode {
     match Cli::parse().command {
         Command::Specification(command) => command.run(),
         Command::Conformance { arguments } => conformance(arguments),
+        Command::Package(args) => args.run(),
         Command::Bench { what } => bench::run(what),
     }
 }
