@@ -8,9 +8,6 @@ use super::archive::tar_gz;
 use super::content::{Content, File, pretty};
 use super::metadata::{DESCRIPTION, KEYWORDS, LICENSE, NAME, REPOSITORY, VERSION};
 
-/// The moment that npm gives all files: 26 October 1985, 08:15.
-const TIME: u64 = 499_162_500;
-
 /// The folder that npm wants everything to be in.
 const FOLDER: &str = "package";
 
@@ -33,11 +30,7 @@ pub(super) fn package(content: &Content) -> Result<Package, String> {
     for file in &mut files {
         file.path = format!("{FOLDER}/{}", file.path);
     }
-    Ok(Package {
-        file_name: format!("{NAME}-{VERSION}.tgz"),
-        count: files.len(),
-        bytes: tar_gz(&files, TIME)?,
-    })
+    Ok(Package { file_name: format!("{NAME}-{VERSION}.tgz"), count: files.len(), bytes: tar_gz(&files)? })
 }
 
 fn package_json(files: &[File]) -> Value {

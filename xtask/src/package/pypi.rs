@@ -74,11 +74,7 @@ fn source_distribution(content: &Content, modules: &[File], version: &str) -> Re
     for file in &mut files {
         file.path = format!("{NAME}-{version}/{}", file.path);
     }
-    Ok(Package {
-        file_name: format!("{NAME}-{version}.tar.gz"),
-        count: files.len(),
-        bytes: tar_gz(&files, 0)?,
-    })
+    Ok(Package { file_name: format!("{NAME}-{version}.tar.gz"), count: files.len(), bytes: tar_gz(&files)? })
 }
 
 /// The checksum of each file but of the list itself.

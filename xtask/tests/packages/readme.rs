@@ -1,0 +1,159 @@
+//! Packages that are installed do what their READMEs say: each example is run, and prints the text below it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+
+use crate::tools::{environment, node_tool, python_with_tools, run, write, xtask};
+
+/// An example and what it prints.
+struct Example {
+    language: String,
+    code: String,
+    printed: String,
+}
+
+/// The fenced blocks that a block of plain text follows.
+fn examples(readme: &str) -> Vec<Example> {
+    let mut blocks = Vec::new();
+    let mut lines = readme.lines();
+    while let Some(line) = lines.next() {
+        let Some(language) = line.strip_prefix("```") else { continue };
+        let text: String =
+            lines.by_ref().take_while(|line| *line != "```").map(|line| format!("{line}\n")).collect();
+        blocks.push((language.to_owned(), text));
+    }
+    let pairs = blocks.windows(2).filter(|pair| pair[0].0 != "text" && pair[1].0 == "text");
+    pairs
+        .map(|pair| Example {
+            language: pair[0].0.clone(),
+            code: pair[0].1.clone(),
+            printed: pair[1].1.clone(),
+        })
+        .collect()
+}
+
+/// A folder with the packages.
+fn packages() -> (TempDir, impl Fn(&str) -> String) {
+    let folder = tempfile::tempdir().expect("a folder");
+    xtask(&["package", "--out", &folder.path().display().to_string()]);
+    let path = folder.path().to_path_buf();
+    let file = move |ending: &str| {
+        path.join(format!("uavspec-{}{ending}", env!("CARGO_PKG_VERSION"))).display().to_string()
+    };
+    (folder, file)
+}
+
+#[test]
+#[ignore = "needs Node and npm"]
+fn the_readme_of_the_npm_package_is_true() {
+    let (_packages, file) = packages();
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    write(&folder.join("package.json"), "{ \"private\": true }\n");
+    run("npm", &["install", "--offline", "--no-audit", "--no-fund", &file(".tgz")], folder);
+    let readme = fs::read_to_string(folder.join("node_modules/uavspec/README.md")).expect("a README");
+    let examples = examples(&readme);
+    let count = |language: &str| examples.iter().filter(|example| example.language == language).count();
+    assert!(count("js") > 0 && count("cjs") > 0 && count("ts") > 1, "an example of each language");
+    let compiler = node_tool("typescript/bin/tsc");
+    for (index, example) in examples.iter().enumerate() {
+        let ending = match example.language.as_str() {
+            "js" => "mjs",
+            "ts" => "mts",
+            other => other,
+        };
+        let source = format!("example-{index}.{ending}");
+        write(&folder.join(&source), &example.code);
+        let mut program = source.clone();
+        if ending == "mts" {
+            for (module, resolution) in
+                [("node16", "node16"), ("nodenext", "nodenext"), ("esnext", "bundler")]
+            {
+                let mut options = vec![compiler.as_str(), "--strict", "--target", "es2022"];
+                options.extend(["--lib", "es2022,dom", "--module", module, "--moduleResolution", resolution]);
+                run("node", &[&options[..], &[source.as_str()]].concat(), folder);
+            }
+            program = format!("example-{index}.mjs");
+        }
+        assert_eq!(run("node", &[&program], folder), example.printed, "{}", example.code);
+    }
+    all_entries_have_types(folder, &compiler);
+}
+
+/// Each entry can be imported and required, with types.
+fn all_entries_have_types(folder: &Path, compiler: &str) {
+    let uses = "const known: boolean = flockwave.errorCode(1).isKnown;\nconst low: 1 = px4.BatteryStatusBatteryWarning.LOW;\n\
+                const bundles: readonly string[] = data.manifest().bundles;\n\
+                const same: boolean = index.px4.BatteryStatusBatteryWarning.LOW === low;\n\
+                console.log(known, low, bundles.length, same);\n";
+    let mut esm = String::new();
+    let mut cjs = String::new();
+    for (name, entry) in [
+        ("index", "uavspec"),
+        ("px4", "uavspec/px4"),
+        ("flockwave", "uavspec/flockwave"),
+        ("data", "uavspec/data"),
+    ] {
+        esm += &format!("import * as {name} from \"{entry}\";\n");
+        cjs += &format!("import {name} = require(\"{entry}\");\n");
+    }
+    write(&folder.join("entries.mts"), &(esm + uses));
+    write(&folder.join("entries.cts"), &(cjs + uses));
+    let arguments = [compiler, "--strict", "--target", "es2022", "--module", "node16", "--lib", "es2022,dom"];
+    run("node", &[&arguments[..], &["entries.mts", "entries.cts"]].concat(), folder);
+    for program in ["entries.mjs", "entries.cjs"] {
+        assert_eq!(run("node", &[program], folder), "true 1 2 true\n", "{program}");
+    }
+}
+
+/// Runs the examples of an installed package, and has them and the package type-checked.
+fn check_python(python: &Path, folder: &Path) {
+    let place = "import importlib.metadata as m; print(m.distribution('uavspec').locate_file(''))";
+    let site = PathBuf::from(run(python, &["-c", place], folder).trim());
+    let readme = run(
+        python,
+        &["-c", "import importlib.metadata as m; print(m.metadata('uavspec')['Description'])"],
+        folder,
+    );
+    let examples = examples(&readme);
+    assert!(examples.len() > 3, "an example a section: {readme}");
+    for (index, example) in examples.iter().enumerate() {
+        assert_eq!(example.language, "python");
+        let source = format!("example_{index}.py");
+        write(&folder.join(&source), &example.code);
+        assert_eq!(run(python, &[&source], folder), example.printed, "{}", example.code);
+    }
+    let executable = python.display().to_string();
+    let mut arguments = vec!["-m", "mypy", "--strict", "--python-executable", &executable];
+    let sources: Vec<String> = (0..examples.len()).map(|index| format!("example_{index}.py")).collect();
+    arguments.extend(sources.iter().map(String::as_str));
+    run(python_with_tools(), &arguments, folder);
+    let package = site.join("uavspec");
+    assert!(package.join("py.typed").exists(), "{} says that it has types", package.display());
+}
+
+#[test]
+#[ignore = "needs Python and the network"]
+fn the_readme_of_the_wheel_is_true() {
+    let (_packages, file) = packages();
+    let folder = tempfile::tempdir().expect("a folder");
+    let python = environment(&folder.path().join("environment"));
+    run(
+        &python,
+        &["-m", "pip", "install", "--quiet", "--no-index", &file("-py3-none-any.whl")],
+        folder.path(),
+    );
+    check_python(&python, folder.path());
+}
+
+#[test]
+#[ignore = "needs Python and the network"]
+fn the_readme_of_the_source_distribution_is_true() {
+    let (_packages, file) = packages();
+    let folder = tempfile::tempdir().expect("a folder");
+    let python = environment(&folder.path().join("environment"));
+    run(&python, &["-m", "pip", "install", "--quiet", &file(".tar.gz")], folder.path());
+    check_python(&python, folder.path());
+}

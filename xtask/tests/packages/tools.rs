@@ -1,0 +1,99 @@
+//! Node, Python and type checkers.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+
+/// Runs a program and gives what it prints; fails with all that it says if it fails.
+#[track_caller]
+pub(crate) fn run(program: impl AsRef<OsStr>, arguments: &[&str], folder: &Path) -> String {
+    let program = program.as_ref();
+    let output = Command::new(program)
+        .args(arguments)
+        .current_dir(folder)
+        .env("PYRIGHT_PYTHON_IGNORE_WARNINGS", "1")
+        .output()
+        .unwrap_or_else(|error| panic!("{}: {error}", program.display()));
+    let printed = String::from_utf8_lossy(&output.stdout).replace("\r\n", "\n");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{} {arguments:?}\n{printed}{said}", program.display());
+    printed
+}
+
+/// Runs `cargo xtask` with `arguments`.
+#[track_caller]
+pub(crate) fn xtask(arguments: &[&str]) -> String {
+    run(env!("CARGO_BIN_EXE_xtask"), arguments, &repository())
+}
+
+pub(crate) fn repository() -> PathBuf {
+    fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).expect("the repository")
+}
+
+/// Writes a file, and the folders above it.
+pub(crate) fn write(path: &Path, text: &str) {
+    fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
+    fs::write(path, text).expect("a file");
+}
+
+/// A folder with the type checkers of npm.
+pub(crate) fn node_tools() -> &'static Path {
+    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
+    FOLDER.get_or_init(|| {
+        let folder = installed("node", &["package.json", "package-lock.json"], |folder| {
+            run("npm", &["ci", "--no-audit", "--no-fund"], folder);
+        });
+        folder.join("node_modules")
+    })
+}
+
+/// The script of a type checker of npm.
+pub(crate) fn node_tool(path: &str) -> String {
+    node_tools().join(path).display().to_string()
+}
+
+/// Python with the type checkers of PyPI.
+pub(crate) fn python_with_tools() -> &'static Path {
+    static PYTHON: OnceLock<PathBuf> = OnceLock::new();
+    PYTHON.get_or_init(|| {
+        let folder = installed("python", &["requirements.txt"], |folder| {
+            let python = environment(&folder.join("environment"));
+            run(&python, &["-m", "pip", "install", "--quiet", "--requirement", "requirements.txt"], folder);
+        });
+        program_of(&folder.join("environment"))
+    })
+}
+
+/// A new virtual environment; gives its Python.
+pub(crate) fn environment(folder: &Path) -> PathBuf {
+    let parent = folder.parent().expect("a parent");
+    run("python3", &["-m", "venv", &folder.display().to_string()], parent);
+    program_of(folder)
+}
+
+fn program_of(environment: &Path) -> PathBuf {
+    environment.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" })
+}
+
+/// A folder below `target/` in which `install` was run with these files, once for each state of them.
+fn installed(name: &str, files: &[&str], install: impl FnOnce(&Path)) -> PathBuf {
+    let pins = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/packages");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("type-checkers").join(name);
+    let wanted: String =
+        files.iter().map(|file| fs::read_to_string(pins.join(file)).expect("a list of versions")).collect();
+    let mark = folder.join("installed");
+    if fs::read_to_string(&mark).is_ok_and(|found| found == wanted) {
+        return folder;
+    }
+    if folder.exists() {
+        fs::remove_dir_all(&folder).expect("an old folder is removed");
+    }
+    for file in files {
+        write(&folder.join(file), &fs::read_to_string(pins.join(file)).expect("a list of versions"));
+    }
+    install(&folder);
+    fs::write(mark, wanted).expect("a file");
+    folder
+}
