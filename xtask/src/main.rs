@@ -34,7 +34,7 @@ enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "ARGUMENT")]
         arguments: Vec<OsString>,
     },
-    /// Make the packages for npm and PyPI; needs neither of them.
+    /// Make the packages for npm and pip; needs neither of them.
     Package(package::PackageArgs),
     /// Measure and print; needs the corpus.
     #[command(after_help = "Examples:

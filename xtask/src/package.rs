@@ -1,4 +1,4 @@
-//! The packages for npm and PyPI.
+//! The packages for npm and `PyPI`.
 //!
 //! All that they hold is made from the definitions anew, in memory: a stale `generated/` can't get into a package. The
 //! archives are the same bytes on every run and machine, as times, owners, modes and order are fixed.

@@ -1,4 +1,4 @@
-//! The packages for npm and PyPI, and what they are made of: what is in the archives; that type checkers find no fault
+//! The packages for npm and `PyPI`, and what they are made of: what is in the archives; that type checkers find no fault
 //! with modules of any definitions; that values are of the declared types just where they are valid; and that packages,
 //! once installed, do what their READMEs say.
 //!

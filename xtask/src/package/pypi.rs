@@ -1,4 +1,4 @@
-//! The packages for PyPI: a wheel, which is installed as it is, and a source distribution, from which flit makes the
+//! The packages for `PyPI`: a wheel, which is installed as it is, and a source distribution, from which flit makes the
 //! same wheel.
 
 use data_encoding::BASE64URL_NOPAD;

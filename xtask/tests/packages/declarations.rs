@@ -220,8 +220,8 @@ fn valid_values_are_of_the_types_of_typescript() {
     for case in &cases {
         let line = format!("is<{}>()({});\n", case.ty[0], case.json);
         match case.is_accepted {
-            Some(true) => text += &line,
-            Some(false) => text += &format!("// @ts-expect-error\n{line}"),
+            Some(true) => text.push_str(&line),
+            Some(false) => text.extend(["// @ts-expect-error\n", &line]),
             None => {}
         }
     }
@@ -241,6 +241,7 @@ fn valid_values_are_of_the_types_of_python() {
         write(&package.join(name), &fs::read_to_string(&path).expect("a module"));
     }
     let mut text = "from uavspec import flockwave, px4\n\n".to_owned();
+    let mut counts = [0, 0];
     // Further fields are no mistake in JSON, but type checkers take them for a slip of the pen.
     for (index, case) in cases().iter().filter(|case| !case.has_further_fields).enumerate() {
         let Some(is_accepted) = case.is_accepted else { continue };
@@ -249,8 +250,11 @@ fn valid_values_are_of_the_types_of_python() {
             continue;
         }
         let ignored = if is_accepted { "" } else { "  # type: ignore" };
-        text += &format!("value_{index}: {} = {}{ignored}\n", case.ty[1], literal(&case.json));
+        let line = format!("value_{index}: {} = {}{ignored}\n", case.ty[1], literal(&case.json));
+        text.push_str(&line);
+        counts[usize::from(is_accepted)] += 1;
     }
+    assert!(counts[0] > 200 && counts[1] > 2_000, "{counts:?} invalid and valid ones");
     write(&folder.path().join("values.py"), &text);
     run(python_with_tools(), &["-m", "mypy", "--strict", "values.py"], folder.path());
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
-use crate::tools::{environment, node_tool, python_with_tools, run, write, xtask};
+use crate::tools::{environment, install, node_tool, python_with_tools, run, write, xtask};
 
 /// An example and what it prints.
 struct Example {
@@ -57,33 +57,48 @@ fn the_readme_of_the_npm_package_is_true() {
     let examples = examples(&readme);
     let count = |language: &str| examples.iter().filter(|example| example.language == language).count();
     assert!(count("js") > 0 && count("cjs") > 0 && count("ts") > 1, "an example of each language");
-    let compiler = node_tool("typescript/bin/tsc");
+    let ending = |example: &Example| match example.language.as_str() {
+        "js" => "mjs".to_owned(),
+        "ts" => "mts".to_owned(),
+        other => other.to_owned(),
+    };
+    let mut typed = Vec::new();
     for (index, example) in examples.iter().enumerate() {
-        let ending = match example.language.as_str() {
-            "js" => "mjs",
-            "ts" => "mts",
-            other => other,
-        };
-        let source = format!("example-{index}.{ending}");
+        let source = format!("example-{index}.{}", ending(example));
         write(&folder.join(&source), &example.code);
-        let mut program = source.clone();
-        if ending == "mts" {
-            for (module, resolution) in
-                [("node16", "node16"), ("nodenext", "nodenext"), ("esnext", "bundler")]
-            {
-                let mut options = vec![compiler.as_str(), "--strict", "--target", "es2022"];
-                options.extend(["--lib", "es2022,dom", "--module", module, "--moduleResolution", resolution]);
-                run("node", &[&options[..], &[source.as_str()]].concat(), folder);
-            }
-            program = format!("example-{index}.mjs");
-        }
+        typed.extend(source.ends_with(".mts").then_some(source));
+    }
+    write_entries(folder);
+    typed.extend(["entries.mts".to_owned(), "entries.cts".to_owned()]);
+    compile(folder, &typed);
+    for (index, example) in examples.iter().enumerate() {
+        let program = format!("example-{index}.{}", ending(example).replace("mts", "mjs"));
         assert_eq!(run("node", &[&program], folder), example.printed, "{}", example.code);
     }
-    all_entries_have_types(folder, &compiler);
+    for program in ["entries.mjs", "entries.cjs"] {
+        assert_eq!(run("node", &[program], folder), "true 1 2 true\n", "{program}");
+    }
 }
 
-/// Each entry can be imported and required, with types.
-fn all_entries_have_types(folder: &Path, compiler: &str) {
+/// Compiles sources in each way in which TypeScript finds packages; what Node runs is left behind.
+fn compile(folder: &Path, sources: &[String]) {
+    let compiler = node_tool("typescript/bin/tsc");
+    let (modern, common): (Vec<&str>, Vec<&str>) =
+        sources.iter().map(String::as_str).partition(|source| source.ends_with(".mts"));
+    for (module, resolution) in [("esnext", "bundler"), ("nodenext", "nodenext"), ("node16", "node16")] {
+        let mut arguments = vec![compiler.as_str(), "--strict", "--target", "es2022", "--lib", "es2022,dom"];
+        arguments.extend(["--module", module, "--moduleResolution", resolution]);
+        arguments.extend(&modern);
+        if resolution != "bundler" {
+            // Bundlers have no `import … = require`.
+            arguments.extend(&common);
+        }
+        run("node", &arguments, folder);
+    }
+}
+
+/// Programs that import and require each entry, and use its types.
+fn write_entries(folder: &Path) {
     let uses = "const known: boolean = flockwave.errorCode(1).isKnown;\nconst low: 1 = px4.BatteryStatusBatteryWarning.LOW;\n\
                 const bundles: readonly string[] = data.manifest().bundles;\n\
                 const same: boolean = index.px4.BatteryStatusBatteryWarning.LOW === low;\n\
@@ -96,16 +111,11 @@ fn all_entries_have_types(folder: &Path, compiler: &str) {
         ("flockwave", "uavspec/flockwave"),
         ("data", "uavspec/data"),
     ] {
-        esm += &format!("import * as {name} from \"{entry}\";\n");
-        cjs += &format!("import {name} = require(\"{entry}\");\n");
+        esm.extend(["import * as ", name, " from \"", entry, "\";\n"]);
+        cjs.extend(["import ", name, " = require(\"", entry, "\");\n"]);
     }
     write(&folder.join("entries.mts"), &(esm + uses));
     write(&folder.join("entries.cts"), &(cjs + uses));
-    let arguments = [compiler, "--strict", "--target", "es2022", "--module", "node16", "--lib", "es2022,dom"];
-    run("node", &[&arguments[..], &["entries.mts", "entries.cts"]].concat(), folder);
-    for program in ["entries.mjs", "entries.cjs"] {
-        assert_eq!(run("node", &[program], folder), "true 1 2 true\n", "{program}");
-    }
 }
 
 /// Runs the examples of an installed package, and has them and the package type-checked.
@@ -153,7 +163,7 @@ fn the_readme_of_the_wheel_is_true() {
 fn the_readme_of_the_source_distribution_is_true() {
     let (_packages, file) = packages();
     let folder = tempfile::tempdir().expect("a folder");
-    let python = environment(&folder.path().join("environment"));
-    run(&python, &["-m", "pip", "install", "--quiet", &file(".tar.gz")], folder.path());
+    let python = environment(folder.path());
+    install(&python, &[&file(".tar.gz")]);
     check_python(&python, folder.path());
 }

@@ -13,7 +13,6 @@ pub(crate) fn run(program: impl AsRef<OsStr>, arguments: &[&str], folder: &Path)
     let output = Command::new(program)
         .args(arguments)
         .current_dir(folder)
-        .env("PYRIGHT_PYTHON_IGNORE_WARNINGS", "1")
         .output()
         .unwrap_or_else(|error| panic!("{}: {error}", program.display()));
     let printed = String::from_utf8_lossy(&output.stdout).replace("\r\n", "\n");
@@ -54,27 +53,34 @@ pub(crate) fn node_tool(path: &str) -> String {
     node_tools().join(path).display().to_string()
 }
 
-/// Python with the type checkers of PyPI.
+/// Python with the type checkers of `PyPI`.
 pub(crate) fn python_with_tools() -> &'static Path {
     static PYTHON: OnceLock<PathBuf> = OnceLock::new();
     PYTHON.get_or_init(|| {
         let folder = installed("python", &["requirements.txt"], |folder| {
-            let python = environment(&folder.join("environment"));
+            run("python3", &["-m", "venv", "environment"], folder);
+            let python = program_of(folder);
             run(&python, &["-m", "pip", "install", "--quiet", "--requirement", "requirements.txt"], folder);
         });
-        program_of(&folder.join("environment"))
+        program_of(&folder)
     })
 }
 
-/// A new virtual environment; gives its Python.
+/// A new virtual environment in `folder`, with nothing in it; gives its Python.
 pub(crate) fn environment(folder: &Path) -> PathBuf {
-    let parent = folder.parent().expect("a parent");
-    run("python3", &["-m", "venv", &folder.display().to_string()], parent);
+    run(python_with_tools(), &["-m", "venv", "--without-pip", "environment"], folder);
     program_of(folder)
 }
 
-fn program_of(environment: &Path) -> PathBuf {
-    environment.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" })
+/// Installs a package into the environment of `python`, with the pip of another.
+pub(crate) fn install(python: &Path, arguments: &[&str]) {
+    let python = python.display().to_string();
+    let pip = ["-m", "pip", "--python", &python, "install", "--quiet", "--disable-pip-version-check"];
+    run(python_with_tools(), &[&pip, arguments].concat(), &repository());
+}
+
+fn program_of(folder: &Path) -> PathBuf {
+    folder.join(if cfg!(windows) { "environment/Scripts/python.exe" } else { "environment/bin/python" })
 }
 
 /// A folder below `target/` in which `install` was run with these files, once for each state of them.
