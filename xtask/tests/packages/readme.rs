@@ -66,7 +66,7 @@ fn the_readme_of_the_npm_package_is_true() {
     for (index, example) in examples.iter().enumerate() {
         let source = format!("example-{index}.{}", ending(example));
         write(&folder.join(&source), &example.code);
-        typed.extend(source.ends_with(".mts").then_some(source));
+        typed.extend(is_module_source(&source).then_some(source));
     }
     write_entries(folder);
     typed.extend(["entries.mts".to_owned(), "entries.cts".to_owned()]);
@@ -80,11 +80,15 @@ fn the_readme_of_the_npm_package_is_true() {
     }
 }
 
+fn is_module_source(path: &str) -> bool {
+    Path::new(path).extension().is_some_and(|ending| ending == "mts")
+}
+
 /// Compiles sources in each way in which TypeScript finds packages; what Node runs is left behind.
 fn compile(folder: &Path, sources: &[String]) {
     let compiler = node_tool("typescript/bin/tsc");
     let (modern, common): (Vec<&str>, Vec<&str>) =
-        sources.iter().map(String::as_str).partition(|source| source.ends_with(".mts"));
+        sources.iter().map(String::as_str).partition(|source| is_module_source(source));
     for (module, resolution) in [("esnext", "bundler"), ("nodenext", "nodenext"), ("node16", "node16")] {
         let mut arguments = vec![compiler.as_str(), "--strict", "--target", "es2022", "--lib", "es2022,dom"];
         arguments.extend(["--module", module, "--moduleResolution", resolution]);
@@ -149,12 +153,8 @@ fn check_python(python: &Path, folder: &Path) {
 fn the_readme_of_the_wheel_is_true() {
     let (_packages, file) = packages();
     let folder = tempfile::tempdir().expect("a folder");
-    let python = environment(&folder.path().join("environment"));
-    run(
-        &python,
-        &["-m", "pip", "install", "--quiet", "--no-index", &file("-py3-none-any.whl")],
-        folder.path(),
-    );
+    let python = environment(folder.path());
+    install(&python, &["--no-index", &file("-py3-none-any.whl")]);
     check_python(&python, folder.path());
 }
 
