@@ -40,7 +40,7 @@ use crate::schema::{Form, Schema};
 use crate::source::SourceMap;
 
 /// Makes drone interface specifications executable: reads `.msg` definitions and specification
-/// tables, and generates Rust types, JSON Schemas, documentation and test vectors from them.
+/// tables, and generates Rust types, JSON Schemas, documentation, test vectors, TypeScript and Python from them.
 #[derive(Debug, Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", version)]
 struct Cli {
@@ -51,7 +51,7 @@ struct Cli {
 /// The commands, to be embedded among those of another command line.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Generate Rust types, JSON Schemas, documentation and test vectors from the definitions.
+    /// Generate Rust types, JSON Schemas, documentation, test vectors, TypeScript and Python from the definitions.
     Codegen(CodegenArgs),
     /// Lay out definitions and error-code tables: spacing, comments, annotations, columns.
     Fmt(FmtArgs),

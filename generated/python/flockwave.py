@@ -6,8 +6,6 @@ Origin: https://doc.collmot.com/public/skybrush-protocol-spec/latest/
 Revision: 2.10
 """
 
-from __future__ import annotations
-
 import sys
 from typing import Any, Literal, Optional, Union
 
@@ -332,7 +330,7 @@ Disputed: any negative percentage says "unknown" in the text; the schema takes -
 class BeaconBasicProperties(TypedDict):
     """What hardly ever changes about a beacon."""
 
-    id: ObjectId
+    id: "ObjectId"
     """The beacon."""
 
     name: str
@@ -342,16 +340,16 @@ class BeaconBasicProperties(TypedDict):
 class BeaconStatusInfo(TypedDict):
     """The state of one beacon."""
 
-    id: ObjectId
+    id: "ObjectId"
     """The beacon."""
 
-    timestamp: Timestamp
+    timestamp: "Timestamp"
     """When the server last heard of the beacon's state."""
 
-    position: NotRequired[GPSCoordinate]
+    position: NotRequired["GPSCoordinate"]
     """Where it is."""
 
-    heading: NotRequired[Heading]
+    heading: NotRequired["Heading"]
     """Where it points."""
 
     active: NotRequired[bool]
@@ -425,10 +423,10 @@ Length: 1 to 64.
 class ClockInfo(TypedDict):
     """The state of one clock."""
 
-    id: ClockId
+    id: "ClockId"
     """The clock."""
 
-    retrievedAt: Timestamp
+    retrievedAt: "Timestamp"
     """When the server read the clock, by its own time."""
 
     running: bool
@@ -443,7 +441,7 @@ class ClockInfo(TypedDict):
     Range: 0 or more.
     """
 
-    epoch: NotRequired[ClockEpoch]
+    epoch: NotRequired["ClockEpoch"]
     """From when on it counts. Left out, that is unknown or means nothing."""
 
 
@@ -491,7 +489,7 @@ class CommandResponse(TypedDict):
     The object is closed.
     """
 
-    type: CommandResponseType
+    type: "CommandResponseType"
     """How to show it."""
 
     data: Any
@@ -517,19 +515,19 @@ Length: 1 to 64.
 class ConnectionInfo(TypedDict):
     """What the server knows of one connection."""
 
-    id: ConnectionId
+    id: "ConnectionId"
     """The connection."""
 
-    purpose: ConnectionPurpose
+    purpose: "ConnectionPurpose"
     """What it is for."""
 
-    status: ConnectionStatus
+    status: "ConnectionStatus"
     """Its state."""
 
     description: NotRequired[str]
     """A description for people."""
 
-    timestamp: NotRequired[Timestamp]
+    timestamp: NotRequired["Timestamp"]
     """When the last packet came in, or where that isn't known, when the state last changed."""
 
 
@@ -633,13 +631,13 @@ Length: 1 or more; pattern: ^((/[^/]+)+|/)$.
 class DockStatusInfo(TypedDict):
     """The state of one docking station."""
 
-    id: ObjectId
+    id: "ObjectId"
     """The station."""
 
-    timestamp: Timestamp
+    timestamp: "Timestamp"
     """When the server last heard of the station's state."""
 
-    position: NotRequired[GPSCoordinate]
+    position: NotRequired["GPSCoordinate"]
     """Where it is."""
 
 
@@ -649,20 +647,20 @@ class DroneLightsConfiguration(TypedDict):
     Not stated: how many components there have to be.
     """
 
-    effect: NotRequired[LightEffect]
+    effect: NotRequired["LightEffect"]
     """The effect."""
 
-    color: NotRequired[list[ColorComponent]]
+    color: NotRequired[list["ColorComponent"]]
     """Its colour: red, green, blue."""
 
 
 class DroneShowConfiguration(TypedDict):
     """How a show is configured."""
 
-    start: StartConditions
+    start: "StartConditions"
     """How it starts."""
 
-    mapping: NotRequired[list[Union[ObjectId, None]]]
+    mapping: NotRequired[list[Union["ObjectId", None]]]
     """The UAV for each index that the show uses; null where none is known."""
 
     duration: NotRequired[float]
@@ -727,7 +725,7 @@ Length: 1 to 64.
 class ExtensionInfo(TypedDict):
     """What the server says of one of its extensions."""
 
-    id: ExtensionId
+    id: "ExtensionId"
     """The extension."""
 
     loaded: bool
@@ -743,7 +741,7 @@ class ExtensionInfo(TypedDict):
 class FirmwareUpdateTarget(TypedDict):
     """A part of objects that can take firmware."""
 
-    id: FirmwareUpdateTargetId
+    id: "FirmwareUpdateTargetId"
     """The target."""
 
     name: str
@@ -760,7 +758,7 @@ Length: 1 or more.
 class FlightLog(TypedDict):
     """A log with what is in it."""
 
-    id: FlightLogId
+    id: "FlightLogId"
     """The log."""
 
     kind: str
@@ -789,7 +787,7 @@ class FlightLogMetadata(TypedDict):
     Not stated: which kinds there are, what time timestamp is, and the units of timestamp and size; the same holds for FlightLog.
     """
 
-    id: FlightLogId
+    id: "FlightLogId"
     """The log."""
 
     kind: str
@@ -908,13 +906,13 @@ class License(TypedDict):
     Range: 1 or more.
     """
 
-    expiryDate: NotRequired[CalendarDate]
+    expiryDate: NotRequired["CalendarDate"]
     """The day on which it ends. Left out, it doesn't."""
 
-    restrictions: NotRequired[list[LicenseRestriction]]
+    restrictions: NotRequired[list["LicenseRestriction"]]
     """What it doesn't allow."""
 
-    features: NotRequired[list[LicenseFeature]]
+    features: NotRequired[list["LicenseFeature"]]
     """What it allows in addition."""
 
 
@@ -937,7 +935,7 @@ class LicenseFeature(TypedDict):
 class LicenseRestriction(TypedDict):
     """Something that a licence doesn't allow."""
 
-    type: LicenseRestrictionType
+    type: "LicenseRestrictionType"
     """What it is."""
 
     label: NotRequired[str]
@@ -975,13 +973,13 @@ class LogMessage(TypedDict):
     message: str
     """What it says."""
 
-    severity: NotRequired[LogSeverity]
+    severity: NotRequired["LogSeverity"]
     """How serious it is; left out, info."""
 
-    sender: NotRequired[ObjectId]
+    sender: NotRequired["ObjectId"]
     """The object that says it. Left out, the server does."""
 
-    timestamp: NotRequired[Timestamp]
+    timestamp: NotRequired["Timestamp"]
     """When it was made, or when the server received it."""
 
 
@@ -1091,10 +1089,10 @@ Disputed: the text calls the elements numbers, the schema integers. Here they ar
 class PreflightCheckInfo(TypedDict):
     """The checks of one UAV before flight."""
 
-    result: PreflightCheckResult
+    result: "PreflightCheckResult"
     """The result of all of them together."""
 
-    items: list[PreflightCheckItem]
+    items: list["PreflightCheckItem"]
     """The single checks."""
 
     message: NotRequired[str]
@@ -1104,10 +1102,10 @@ class PreflightCheckInfo(TypedDict):
 class PreflightCheckItem(TypedDict):
     """A single check before flight."""
 
-    id: ObjectId
+    id: "ObjectId"
     """Names the check. It has the form of an object's id without being one."""
 
-    result: PreflightCheckResult
+    result: "PreflightCheckResult"
     """How it turned out."""
 
     label: NotRequired[str]
@@ -1138,7 +1136,7 @@ class Progress(TypedDict):
     Disputed: percentage and message may be null by the text, but not by the schema. Here they may.
     """
 
-    percentage: NotRequired[Union[Percentage, None]]
+    percentage: NotRequired[Union["Percentage", None]]
     """How much is done; null where that can't be said."""
 
     message: NotRequired[Union[str, None]]
@@ -1163,10 +1161,10 @@ class RTKAntennaInfo(TypedDict):
     serialNumber: NotRequired[Union[str, None]]
     """Its serial number."""
 
-    position: NotRequired[Union[GPSCoordinate, None]]
+    position: NotRequired[Union["GPSCoordinate", None]]
     """Where it stands on the globe."""
 
-    positionECEF: NotRequired[Union[ECEFCoordinate, None]]
+    positionECEF: NotRequired[Union["ECEFCoordinate", None]]
     """Where it stands in the frame of the Earth."""
 
 
@@ -1176,13 +1174,13 @@ class RTKConfigurationPreset(TypedDict):
     title: str
     """Its name on displays."""
 
-    format: RTKMessageFormat
+    format: "RTKMessageFormat"
     """The format in which corrections come in."""
 
-    sources: list[RTKSource]
+    sources: list["RTKSource"]
     """The connections that they come from."""
 
-    type: NotRequired[RTKPresetType]
+    type: NotRequired["RTKPresetType"]
     """Where the preset comes from."""
 
 
@@ -1254,13 +1252,13 @@ class RTKSurveySettings(TypedDict):
     Unit: m (metres).
     """
 
-    messageSet: NotRequired[RTKMessageSet]
+    messageSet: NotRequired["RTKMessageSet"]
     """Which messages to send."""
 
-    position: NotRequired[ECEFCoordinate]
+    position: NotRequired["ECEFCoordinate"]
     """The position of the antenna."""
 
-    gnssTypes: NotRequired[list[GNSSType]]
+    gnssTypes: NotRequired[list["GNSSType"]]
     """Which satellite systems to use."""
 
 
@@ -1310,19 +1308,19 @@ class StartConditions(TypedDict):
     authorized: bool
     """Whether a person has allowed the start."""
 
-    clock: Union[ClockId, None]
+    clock: Union["ClockId", None]
     """The clock by which the time of the start counts; null for the time of the world."""
 
     time: Union[float, None]
     """When to start."""
 
-    method: StartMethod
+    method: "StartMethod"
     """What makes the show start."""
 
-    uavIds: list[ObjectId]
+    uavIds: list["ObjectId"]
     """The UAVs that start by themselves."""
 
-    authorizationScope: NotRequired[AuthorizationScope]
+    authorizationScope: NotRequired["AuthorizationScope"]
     """What the start is allowed for. Left out, live where it is allowed at all, none where not."""
 
 
@@ -1357,7 +1355,7 @@ class TimeAxisScheduleSegment(TypedDict):
     Disputed: the times are milliseconds in the schema, as their names have it, and seconds in the text. Both count from 1970; one example counts from the start of the show.
     """
 
-    type: TimeAxisSegmentType
+    type: "TimeAxisSegmentType"
     """What happens then."""
 
     startMs: int
@@ -1389,7 +1387,7 @@ class TimeSyncSnapshot(TypedDict):
     Not stated: in which direction the offset counts, and the unit of jitter.
     """
 
-    state: TimeSyncState
+    state: "TimeSyncState"
     """Whether it is right."""
 
     offset: Union[float, None]
@@ -1454,49 +1452,49 @@ class UAVStatusInfo(TypedDict):
     Disputed: the text of error code 65 names 131 as the code for the other case, where 132 is meant.
     """
 
-    id: ObjectId
+    id: "ObjectId"
     """The UAV."""
 
-    timestamp: Timestamp
+    timestamp: "Timestamp"
     """When the server last heard of the UAV's state."""
 
-    mode: NotRequired[FlightMode]
+    mode: NotRequired["FlightMode"]
     """What it is doing, or how it is steered."""
 
-    position: NotRequired[GPSCoordinate]
+    position: NotRequired["GPSCoordinate"]
     """Where it is on the globe."""
 
-    positionXYZ: NotRequired[PositionXYZ]
+    positionXYZ: NotRequired["PositionXYZ"]
     """Where it is in its own flat frame."""
 
-    gps: NotRequired[GPSFix]
+    gps: NotRequired["GPSFix"]
     """How good its position is."""
 
-    heading: NotRequired[Heading]
+    heading: NotRequired["Heading"]
     """Where its nose points."""
 
-    attitude: NotRequired[Attitude]
+    attitude: NotRequired["Attitude"]
     """How it is turned in space."""
 
-    velocity: NotRequired[VelocityNED]
+    velocity: NotRequired["VelocityNED"]
     """How it moves over the globe."""
 
-    velocityXYZ: NotRequired[VelocityXYZ]
+    velocityXYZ: NotRequired["VelocityXYZ"]
     """How it moves in its own flat frame."""
 
-    battery: NotRequired[BatteryInfo]
+    battery: NotRequired["BatteryInfo"]
     """State of its battery."""
 
-    light: NotRequired[ColorRGB565]
+    light: NotRequired["ColorRGB565"]
     """Colour of its main light, where it has one."""
 
-    rssi: NotRequired[list[Rssi]]
+    rssi: NotRequired[list["Rssi"]]
     """Strength of its signal, channel by channel."""
 
     errors: NotRequired[list[int]]
     """What is the matter with it, by the tables of error codes. Left out, nothing is."""
 
-    debug: NotRequired[Base64]
+    debug: NotRequired["Base64"]
     """Bytes that its algorithm gives for the search of mistakes."""
 
 
@@ -1531,13 +1529,13 @@ class Weather(TypedDict):
     Disputed: stationId is in the schema and in examples, but not in the text's table. An example calls magneticVector magneticField.
     """
 
-    position: GPSCoordinate
+    position: "GPSCoordinate"
     """The place."""
 
-    timestamp: Timestamp
+    timestamp: "Timestamp"
     """The time."""
 
-    stationId: NotRequired[ObjectId]
+    stationId: NotRequired["ObjectId"]
     """The weather station that says it."""
 
     code: NotRequired[int]
@@ -1546,16 +1544,16 @@ class Weather(TypedDict):
     Range: 200 to 804.
     """
 
-    sunrise: NotRequired[Timestamp]
+    sunrise: NotRequired["Timestamp"]
     """When the Sun rises; negative where it doesn't on that day."""
 
-    sunset: NotRequired[Timestamp]
+    sunset: NotRequired["Timestamp"]
     """When the Sun sets; negative where it doesn't on that day."""
 
-    temperature: NotRequired[Temperature]
+    temperature: NotRequired["Temperature"]
     """Temperature of the air."""
 
-    feelsLike: NotRequired[Temperature]
+    feelsLike: NotRequired["Temperature"]
     """The temperature that people feel."""
 
     pressure: NotRequired[int]
@@ -1564,13 +1562,13 @@ class Weather(TypedDict):
     Unit: Pa (pascals).
     """
 
-    humidity: NotRequired[Percentage]
+    humidity: NotRequired["Percentage"]
     """Relative humidity."""
 
-    dewPoint: NotRequired[Temperature]
+    dewPoint: NotRequired["Temperature"]
     """Below it water condenses."""
 
-    clouds: NotRequired[Percentage]
+    clouds: NotRequired["Percentage"]
     """How much of the sky is covered."""
 
     uvIndex: NotRequired[int]
@@ -1585,7 +1583,7 @@ class Weather(TypedDict):
     Range: 0 to 9.
     """
 
-    magneticVector: NotRequired[MagneticVector]
+    magneticVector: NotRequired["MagneticVector"]
     """The Earth's magnetic field there."""
 
     visibility: NotRequired[int]
@@ -1594,7 +1592,7 @@ class Weather(TypedDict):
     Unit: m (metres); range: 0 or more.
     """
 
-    windDirection: NotRequired[Heading]
+    windDirection: NotRequired["Heading"]
     """Where the wind comes from, clockwise from north."""
 
     windSpeed: NotRequired[int]
@@ -1652,7 +1650,7 @@ class AsyncCancelRequest(TypedDict):
     type: Literal["ASYNC-CANCEL"]
     """The type of the message."""
 
-    ids: list[ReceiptId]
+    ids: list["ReceiptId"]
     """The operations.
 
     No element stands in it twice.
@@ -1670,7 +1668,7 @@ class AsyncCancelResponse(TypedDict):
     type: Literal["ASYNC-CANCEL"]
     """The type of the message."""
 
-    success: NotRequired[list[ReceiptId]]
+    success: NotRequired[list["ReceiptId"]]
     """The operations that were cancelled.
 
     No element stands in it twice.
@@ -1691,7 +1689,7 @@ class AsyncRespNotification(TypedDict):
     type: Literal["ASYNC-RESP"]
     """The type of the message."""
 
-    id: ReceiptId
+    id: "ReceiptId"
     """The operation."""
 
     result: NotRequired[Any]
@@ -1714,7 +1712,7 @@ class AsyncResumeRequest(TypedDict):
     type: Literal["ASYNC-RESUME"]
     """The type of the message."""
 
-    ids: list[ReceiptId]
+    ids: list["ReceiptId"]
     """The operations.
 
     No element stands in it twice.
@@ -1735,7 +1733,7 @@ class AsyncResumeResponse(TypedDict):
     type: Literal["ASYNC-RESUME"]
     """The type of the message."""
 
-    success: NotRequired[list[ReceiptId]]
+    success: NotRequired[list["ReceiptId"]]
     """The operations that go on.
 
     No element stands in it twice.
@@ -1756,10 +1754,10 @@ class AsyncStNotification(TypedDict):
     type: Literal["ASYNC-ST"]
     """The type of the message."""
 
-    id: ReceiptId
+    id: "ReceiptId"
     """The operation."""
 
-    progress: Progress
+    progress: "Progress"
     """How far it has got."""
 
     suspended: NotRequired[bool]
@@ -1775,7 +1773,7 @@ class AsyncTimeoutNotification(TypedDict):
     type: Literal["ASYNC-TIMEOUT"]
     """The type of the message."""
 
-    ids: list[ReceiptId]
+    ids: list["ReceiptId"]
     """The operations.
 
     No element stands in it twice.
@@ -1807,7 +1805,7 @@ class AuthInfResponse(TypedDict):
     type: Literal["AUTH-INF"]
     """The type of the message."""
 
-    methods: list[AuthenticationMethod]
+    methods: list["AuthenticationMethod"]
     """The ways to log in."""
 
     required: bool
@@ -1827,7 +1825,7 @@ class AuthReqRequest(TypedDict):
     type: Literal["AUTH-REQ"]
     """The type of the message."""
 
-    method: AuthenticationMethod
+    method: "AuthenticationMethod"
     """The way to log in."""
 
     data: str
@@ -1903,7 +1901,7 @@ class BcnInfRequest(TypedDict):
     type: Literal["BCN-INF"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The beacons.
 
     No element stands in it twice.
@@ -1923,7 +1921,7 @@ class BcnInfResponse(TypedDict):
     type: Literal["BCN-INF"]
     """The type of the message."""
 
-    status: NotRequired[dict[str, BeaconStatusInfo]]
+    status: NotRequired[dict[str, "BeaconStatusInfo"]]
     """The state, by beacon."""
 
     error: NotRequired[dict[str, str]]
@@ -1941,7 +1939,7 @@ class BcnPropsRequest(TypedDict):
     type: Literal["BCN-PROPS"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The beacons.
 
     No element stands in it twice.
@@ -1961,13 +1959,13 @@ class BcnPropsResponse(TypedDict):
     type: Literal["BCN-PROPS"]
     """The type of the message."""
 
-    result: NotRequired[dict[str, BeaconBasicProperties]]
+    result: NotRequired[dict[str, "BeaconBasicProperties"]]
     """The properties, by beacon."""
 
     error: NotRequired[dict[str, str]]
     """Why there are none, by beacon."""
 
-    receipt: NotRequired[dict[str, ReceiptId]]
+    receipt: NotRequired[dict[str, "ReceiptId"]]
     """Where they come later: the receipt, by beacon."""
 
 
@@ -1982,7 +1980,7 @@ class ClkInfRequest(TypedDict):
     type: Literal["CLK-INF"]
     """The type of the message."""
 
-    ids: list[ClockId]
+    ids: list["ClockId"]
     """The clocks.
 
     No element stands in it twice.
@@ -2002,7 +2000,7 @@ class ClkInfResponse(TypedDict):
     type: Literal["CLK-INF"]
     """The type of the message."""
 
-    status: NotRequired[dict[str, ClockInfo]]
+    status: NotRequired[dict[str, "ClockInfo"]]
     """The state, by clock."""
 
     error: NotRequired[dict[str, str]]
@@ -2022,7 +2020,7 @@ class ClkInfNotification(TypedDict):
     type: Literal["CLK-INF"]
     """The type of the message."""
 
-    status: NotRequired[dict[str, ClockInfo]]
+    status: NotRequired[dict[str, "ClockInfo"]]
     """The state, by clock."""
 
 
@@ -2053,7 +2051,7 @@ class ClkListResponse(TypedDict):
     type: Literal["CLK-LIST"]
     """The type of the message."""
 
-    ids: list[ClockId]
+    ids: list["ClockId"]
     """The clocks.
 
     No element stands in it twice.
@@ -2069,7 +2067,7 @@ class ConnDelNotification(TypedDict):
     type: Literal["CONN-DEL"]
     """The type of the message."""
 
-    ids: list[ConnectionId]
+    ids: list["ConnectionId"]
     """The connections.
 
     No element stands in it twice.
@@ -2087,7 +2085,7 @@ class ConnInfRequest(TypedDict):
     type: Literal["CONN-INF"]
     """The type of the message."""
 
-    ids: list[ConnectionId]
+    ids: list["ConnectionId"]
     """The connections.
 
     No element stands in it twice.
@@ -2107,7 +2105,7 @@ class ConnInfResponse(TypedDict):
     type: Literal["CONN-INF"]
     """The type of the message."""
 
-    status: NotRequired[dict[str, ConnectionInfo]]
+    status: NotRequired[dict[str, "ConnectionInfo"]]
     """The state, by connection."""
 
     error: NotRequired[dict[str, str]]
@@ -2127,7 +2125,7 @@ class ConnInfNotification(TypedDict):
     type: Literal["CONN-INF"]
     """The type of the message."""
 
-    status: NotRequired[dict[str, ConnectionInfo]]
+    status: NotRequired[dict[str, "ConnectionInfo"]]
     """The state, by connection."""
 
 
@@ -2156,7 +2154,7 @@ class ConnListResponse(TypedDict):
     type: Literal["CONN-LIST"]
     """The type of the message."""
 
-    ids: list[ConnectionId]
+    ids: list["ConnectionId"]
     """The connections.
 
     No element stands in it twice.
@@ -2174,7 +2172,7 @@ class DevInfRequest(TypedDict):
     type: Literal["DEV-INF"]
     """The type of the message."""
 
-    paths: list[DeviceTreePath]
+    paths: list["DeviceTreePath"]
     """The channels and devices."""
 
 
@@ -2228,7 +2226,7 @@ class DevListRequest(TypedDict):
     type: Literal["DEV-LIST"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The objects.
 
     No element stands in it twice.
@@ -2248,7 +2246,7 @@ class DevListResponse(TypedDict):
     type: Literal["DEV-LIST"]
     """The type of the message."""
 
-    devices: NotRequired[dict[str, DeviceTreeNode]]
+    devices: NotRequired[dict[str, "DeviceTreeNode"]]
     """The trees, by object."""
 
     error: NotRequired[dict[str, str]]
@@ -2268,7 +2266,7 @@ class DevListsubRequest(TypedDict):
     type: Literal["DEV-LISTSUB"]
     """The type of the message."""
 
-    pathFilter: NotRequired[list[DeviceTreePath]]
+    pathFilter: NotRequired[list["DeviceTreePath"]]
     """Only subscriptions at or below these paths are wanted. Left out, all are."""
 
 
@@ -2285,7 +2283,7 @@ class DevListsubResponse(TypedDict):
     type: Literal["DEV-LISTSUB"]
     """The type of the message."""
 
-    paths: NotRequired[list[DeviceTreePath]]
+    paths: NotRequired[list["DeviceTreePath"]]
     """The subscriptions. A path stands there as often as it was subscribed to, and again for each filter that it fits."""
 
 
@@ -2302,7 +2300,7 @@ class DevSubRequest(TypedDict):
     type: Literal["DEV-SUB"]
     """The type of the message."""
 
-    paths: list[DeviceTreePath]
+    paths: list["DeviceTreePath"]
     """The channels and devices."""
 
     lazy: NotRequired[bool]
@@ -2320,7 +2318,7 @@ class DevSubResponse(TypedDict):
     type: Literal["DEV-SUB"]
     """The type of the message."""
 
-    success: NotRequired[list[DeviceTreePath]]
+    success: NotRequired[list["DeviceTreePath"]]
     """What the client is subscribed to now."""
 
     error: NotRequired[dict[str, str]]
@@ -2338,7 +2336,7 @@ class DevUnsubRequest(TypedDict):
     type: Literal["DEV-UNSUB"]
     """The type of the message."""
 
-    paths: list[DeviceTreePath]
+    paths: list["DeviceTreePath"]
     """The paths as they were subscribed to."""
 
     removeAll: NotRequired[bool]
@@ -2359,7 +2357,7 @@ class DevUnsubResponse(TypedDict):
     type: Literal["DEV-UNSUB"]
     """The type of the message."""
 
-    success: NotRequired[list[DeviceTreePath]]
+    success: NotRequired[list["DeviceTreePath"]]
     """What ended. With includeSubtrees there may be paths that the request doesn't have."""
 
     error: NotRequired[dict[str, str]]
@@ -2377,7 +2375,7 @@ class DockInfRequest(TypedDict):
     type: Literal["DOCK-INF"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The stations.
 
     No element stands in it twice.
@@ -2397,7 +2395,7 @@ class DockInfResponse(TypedDict):
     type: Literal["DOCK-INF"]
     """The type of the message."""
 
-    status: NotRequired[dict[str, DockStatusInfo]]
+    status: NotRequired[dict[str, "DockStatusInfo"]]
     """The state, by station."""
 
     error: NotRequired[dict[str, str]]
@@ -2415,7 +2413,7 @@ class ExtCfgRequest(TypedDict):
     type: Literal["EXT-CFG"]
     """The type of the message."""
 
-    ids: list[ExtensionId]
+    ids: list["ExtensionId"]
     """The extensions.
 
     No element stands in it twice.
@@ -2451,7 +2449,7 @@ class ExtInfRequest(TypedDict):
     type: Literal["EXT-INF"]
     """The type of the message."""
 
-    ids: list[ExtensionId]
+    ids: list["ExtensionId"]
     """The extensions.
 
     No element stands in it twice.
@@ -2471,7 +2469,7 @@ class ExtInfResponse(TypedDict):
     type: Literal["EXT-INF"]
     """The type of the message."""
 
-    status: NotRequired[dict[str, ExtensionInfo]]
+    status: NotRequired[dict[str, "ExtensionInfo"]]
     """The particulars, by extension."""
 
     error: NotRequired[dict[str, str]]
@@ -2505,13 +2503,13 @@ class ExtListResponse(TypedDict):
     type: Literal["EXT-LIST"]
     """The type of the message."""
 
-    loaded: list[ExtensionId]
+    loaded: list["ExtensionId"]
     """Those that are in use.
 
     No element stands in it twice.
     """
 
-    available: list[ExtensionId]
+    available: list["ExtensionId"]
     """Those that aren't and could be.
 
     No element stands in it twice.
@@ -2529,7 +2527,7 @@ class ExtLoadRequest(TypedDict):
     type: Literal["EXT-LOAD"]
     """The type of the message."""
 
-    ids: list[ExtensionId]
+    ids: list["ExtensionId"]
     """The extensions.
 
     No element stands in it twice.
@@ -2565,7 +2563,7 @@ class ExtReloadRequest(TypedDict):
     type: Literal["EXT-RELOAD"]
     """The type of the message."""
 
-    ids: list[ExtensionId]
+    ids: list["ExtensionId"]
     """The extensions.
 
     No element stands in it twice.
@@ -2634,7 +2632,7 @@ class ExtUnloadRequest(TypedDict):
     type: Literal["EXT-UNLOAD"]
     """The type of the message."""
 
-    ids: list[ExtensionId]
+    ids: list["ExtensionId"]
     """The extensions.
 
     No element stands in it twice.
@@ -2670,7 +2668,7 @@ class FwObjectListRequest(TypedDict):
     type: Literal["FW-OBJECT-LIST"]
     """The type of the message."""
 
-    supports: NotRequired[list[FirmwareUpdateTargetId]]
+    supports: NotRequired[list["FirmwareUpdateTargetId"]]
     """Only objects that have all these targets are wanted. Left out, all that have any.
 
     No element stands in it twice.
@@ -2688,7 +2686,7 @@ class FwObjectListResponse(TypedDict):
     type: Literal["FW-OBJECT-LIST"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The objects.
 
     No element stands in it twice.
@@ -2706,7 +2704,7 @@ class FwTargetInfRequest(TypedDict):
     type: Literal["FW-TARGET-INF"]
     """The type of the message."""
 
-    ids: list[FirmwareUpdateTargetId]
+    ids: list["FirmwareUpdateTargetId"]
     """The targets.
 
     No element stands in it twice.
@@ -2726,7 +2724,7 @@ class FwTargetInfResponse(TypedDict):
     type: Literal["FW-TARGET-INF"]
     """The type of the message."""
 
-    result: NotRequired[dict[str, FirmwareUpdateTarget]]
+    result: NotRequired[dict[str, "FirmwareUpdateTarget"]]
     """The particulars, by target."""
 
     error: NotRequired[dict[str, str]]
@@ -2744,7 +2742,7 @@ class FwTargetListRequest(TypedDict):
     type: Literal["FW-TARGET-LIST"]
     """The type of the message."""
 
-    supportedBy: NotRequired[list[ObjectId]]
+    supportedBy: NotRequired[list["ObjectId"]]
     """Only targets that all these objects have are wanted. Left out, all are.
 
     No element stands in it twice.
@@ -2762,7 +2760,7 @@ class FwTargetListResponse(TypedDict):
     type: Literal["FW-TARGET-LIST"]
     """The type of the message."""
 
-    ids: list[FirmwareUpdateTargetId]
+    ids: list["FirmwareUpdateTargetId"]
     """The targets.
 
     No element stands in it twice.
@@ -2780,16 +2778,16 @@ class FwUploadRequest(TypedDict):
     type: Literal["FW-UPLOAD"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The objects.
 
     No element stands in it twice.
     """
 
-    target: FirmwareUpdateTargetId
+    target: "FirmwareUpdateTargetId"
     """The part of them that takes it."""
 
-    blob: Base64
+    blob: "Base64"
     """The firmware."""
 
 
@@ -2808,13 +2806,13 @@ class FwUploadResponse(TypedDict):
     type: Literal["FW-UPLOAD"]
     """The type of the message."""
 
-    result: NotRequired[dict[str, Union[bool, str, CommandResponse]]]
+    result: NotRequired[dict[str, Union[bool, str, "CommandResponse"]]]
     """Whether it succeeded, by object."""
 
     error: NotRequired[dict[str, str]]
     """Why it failed, by object."""
 
-    receipt: NotRequired[dict[str, ReceiptId]]
+    receipt: NotRequired[dict[str, "ReceiptId"]]
     """Where the result comes later: the receipt, by object."""
 
 
@@ -2843,7 +2841,7 @@ class LcnInfResponse(TypedDict):
     type: Literal["LCN-INF"]
     """The type of the message."""
 
-    license: License
+    license: "License"
     """The licence."""
 
 
@@ -2858,10 +2856,10 @@ class LogDataRequest(TypedDict):
     type: Literal["LOG-DATA"]
     """The type of the message."""
 
-    uavId: ObjectId
+    uavId: "ObjectId"
     """The UAV."""
 
-    logId: FlightLogId
+    logId: "FlightLogId"
     """The log."""
 
 
@@ -2878,13 +2876,13 @@ class LogDataResponse(TypedDict):
     type: Literal["LOG-DATA"]
     """The type of the message."""
 
-    result: NotRequired[FlightLog]
+    result: NotRequired["FlightLog"]
     """The log."""
 
     error: NotRequired[str]
     """Why there is none."""
 
-    receipt: NotRequired[ReceiptId]
+    receipt: NotRequired["ReceiptId"]
     """Where it comes later: the receipt."""
 
 
@@ -2899,7 +2897,7 @@ class LogInfRequest(TypedDict):
     type: Literal["LOG-INF"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The UAVs.
 
     No element stands in it twice.
@@ -2919,13 +2917,13 @@ class LogInfResponse(TypedDict):
     type: Literal["LOG-INF"]
     """The type of the message."""
 
-    result: NotRequired[dict[str, list[FlightLogMetadata]]]
+    result: NotRequired[dict[str, list["FlightLogMetadata"]]]
     """Its logs, by UAV."""
 
     error: NotRequired[dict[str, str]]
     """Why nothing is known, by UAV."""
 
-    receipt: NotRequired[dict[str, ReceiptId]]
+    receipt: NotRequired[dict[str, "ReceiptId"]]
     """Where the result comes later: the receipt, by UAV."""
 
 
@@ -2940,7 +2938,7 @@ class ObjCmdRequest(TypedDict):
     type: Literal["OBJ-CMD"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The objects.
 
     No element stands in it twice.
@@ -2971,13 +2969,13 @@ class ObjCmdResponse(TypedDict):
     type: Literal["OBJ-CMD"]
     """The type of the message."""
 
-    result: NotRequired[dict[str, Union[str, CommandResponse]]]
+    result: NotRequired[dict[str, Union[str, "CommandResponse"]]]
     """What the command gave back, by object."""
 
     error: NotRequired[dict[str, str]]
     """Why it failed, by object."""
 
-    receipt: NotRequired[dict[str, ReceiptId]]
+    receipt: NotRequired[dict[str, "ReceiptId"]]
     """Where the result comes later: the receipt, by object."""
 
 
@@ -2990,7 +2988,7 @@ class ObjDelNotification(TypedDict):
     type: Literal["OBJ-DEL"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The objects.
 
     No element stands in it twice.
@@ -3010,7 +3008,7 @@ class ObjListRequest(TypedDict):
     type: Literal["OBJ-LIST"]
     """The type of the message."""
 
-    filter: NotRequired[list[ObjectType]]
+    filter: NotRequired[list["ObjectType"]]
     """Only objects of these types are wanted. Left out, all are.
 
     No element stands in it twice.
@@ -3028,7 +3026,7 @@ class ObjListResponse(TypedDict):
     type: Literal["OBJ-LIST"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The objects.
 
     No element stands in it twice.
@@ -3046,7 +3044,7 @@ class PrmGetRequest(TypedDict):
     type: Literal["PRM-GET"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The objects.
 
     No element stands in it twice.
@@ -3075,7 +3073,7 @@ class PrmGetResponse(TypedDict):
     error: NotRequired[dict[str, str]]
     """Why there is none, by object."""
 
-    receipt: NotRequired[dict[str, ReceiptId]]
+    receipt: NotRequired[dict[str, "ReceiptId"]]
     """Where it comes later: the receipt, by object."""
 
 
@@ -3090,7 +3088,7 @@ class PrmSetRequest(TypedDict):
     type: Literal["PRM-SET"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The objects.
 
     No element stands in it twice.
@@ -3122,7 +3120,7 @@ class PrmSetResponse(TypedDict):
     error: NotRequired[dict[str, str]]
     """Why it failed, by object."""
 
-    receipt: NotRequired[dict[str, ReceiptId]]
+    receipt: NotRequired[dict[str, "ReceiptId"]]
     """Where the result comes later: the receipt, by object."""
 
 
@@ -3137,7 +3135,7 @@ class PrmSetManyRequest(TypedDict):
     type: Literal["PRM-SET-MANY"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The objects.
 
     No element stands in it twice.
@@ -3160,13 +3158,13 @@ class PrmSetManyResponse(TypedDict):
     type: Literal["PRM-SET-MANY"]
     """The type of the message."""
 
-    result: NotRequired[dict[str, ParameterOutcome]]
+    result: NotRequired[dict[str, "ParameterOutcome"]]
     """How it turned out, by object."""
 
     error: NotRequired[dict[str, str]]
     """Why it failed, by object."""
 
-    receipt: NotRequired[dict[str, ReceiptId]]
+    receipt: NotRequired[dict[str, "ReceiptId"]]
     """Where the result comes later: the receipt, by object."""
 
 
@@ -3181,7 +3179,7 @@ class RtkInfRequest(TypedDict):
     type: Literal["RTK-INF"]
     """The type of the message."""
 
-    ids: list[RTKPresetId]
+    ids: list["RTKPresetId"]
     """The presets.
 
     No element stands in it twice.
@@ -3203,7 +3201,7 @@ class RtkInfResponse(TypedDict):
     type: Literal["RTK-INF"]
     """The type of the message."""
 
-    preset: NotRequired[dict[str, RTKConfigurationPreset]]
+    preset: NotRequired[dict[str, "RTKConfigurationPreset"]]
     """The particulars, by preset."""
 
     error: NotRequired[dict[str, str]]
@@ -3237,7 +3235,7 @@ class RtkListResponse(TypedDict):
     type: Literal["RTK-LIST"]
     """The type of the message."""
 
-    ids: list[RTKPresetId]
+    ids: list["RTKPresetId"]
     """The presets.
 
     No element stands in it twice.
@@ -3303,19 +3301,19 @@ class RtkStatResponse(TypedDict):
     type: Literal["RTK-STAT"]
     """The type of the message."""
 
-    antenna: RTKAntennaInfo
+    antenna: "RTKAntennaInfo"
     """The antenna of the base station."""
 
-    messages: dict[str, RTKMessageObservations]
+    messages: dict[str, "RTKMessageObservations"]
     """What comes in, by kind of message, such as rtcm3/1077."""
 
-    messages_tx: NotRequired[dict[str, RTKMessageObservations]]
+    messages_tx: NotRequired[dict[str, "RTKMessageObservations"]]
     """What goes on to UAVs, by kind of message."""
 
-    cnr: dict[str, CarrierToNoiseRatio]
+    cnr: dict[str, "CarrierToNoiseRatio"]
     """How well the station receives, by satellite."""
 
-    survey: RTKSurveyStatus
+    survey: "RTKSurveyStatus"
     """How far the station has got in finding its own position."""
 
 
@@ -3332,7 +3330,7 @@ class RtkSurveyRequest(TypedDict):
     type: Literal["RTK-SURVEY"]
     """The type of the message."""
 
-    settings: NotRequired[RTKSurveySettings]
+    settings: NotRequired["RTKSurveySettings"]
     """How to go about it."""
 
 
@@ -3349,7 +3347,7 @@ class RtkSurveyResponse(TypedDict):
     type: Literal["RTK-SURVEY"]
     """The type of the message."""
 
-    settings: NotRequired[RTKSurveySettings]
+    settings: NotRequired["RTKSurveySettings"]
     """How it goes about it."""
 
 
@@ -3378,7 +3376,7 @@ class ShowCfgResponse(TypedDict):
     type: Literal["SHOW-CFG"]
     """The type of the message."""
 
-    configuration: DroneShowConfiguration
+    configuration: "DroneShowConfiguration"
     """The configuration."""
 
 
@@ -3395,7 +3393,7 @@ class ShowCrthPlanRequest(TypedDict):
     type: Literal["SHOW-CRTH-PLAN"]
     """The type of the message."""
 
-    show: Base64
+    show: "Base64"
     """The show, as a file of the format .skyc."""
 
     preferred_distance: NotRequired[Union[float, None]]
@@ -3458,7 +3456,7 @@ class ShowCrthPlanResponse(TypedDict):
     type: Literal["SHOW-CRTH-PLAN"]
     """The type of the message."""
 
-    show: Base64
+    show: "Base64"
     """The show with the ways home, in the same format."""
 
     showDuration: float
@@ -3467,7 +3465,7 @@ class ShowCrthPlanResponse(TypedDict):
     Unit: s (seconds).
     """
 
-    stats: list[CollectiveRTHPlanStatistics]
+    stats: list["CollectiveRTHPlanStatistics"]
     """Figures for each moment."""
 
 
@@ -3498,7 +3496,7 @@ class ShowCrthStartResponse(TypedDict):
     type: Literal["SHOW-CRTH-START"]
     """The type of the message."""
 
-    schedule: list[TimeAxisScheduleSegment]
+    schedule: list["TimeAxisScheduleSegment"]
     """How the time of the show goes on from now."""
 
 
@@ -3527,7 +3525,7 @@ class ShowLightsResponse(TypedDict):
     type: Literal["SHOW-LIGHTS"]
     """The type of the message."""
 
-    configuration: DroneLightsConfiguration
+    configuration: "DroneLightsConfiguration"
     """What they are told."""
 
 
@@ -3542,7 +3540,7 @@ class ShowSetcfgRequest(TypedDict):
     type: Literal["SHOW-SETCFG"]
     """The type of the message."""
 
-    configuration: DroneShowConfiguration
+    configuration: "DroneShowConfiguration"
     """The configuration."""
 
 
@@ -3557,7 +3555,7 @@ class ShowSetlightsRequest(TypedDict):
     type: Literal["SHOW-SETLIGHTS"]
     """The type of the message."""
 
-    configuration: DroneLightsConfiguration
+    configuration: "DroneLightsConfiguration"
     """What they are told."""
 
 
@@ -3585,7 +3583,7 @@ class SysMsgNotification(TypedDict):
     type: Literal["SYS-MSG"]
     """The type of the message."""
 
-    items: list[LogMessage]
+    items: list["LogMessage"]
     """The messages.
 
     Length: 1 or more.
@@ -3635,7 +3633,7 @@ class SysPortsResponse(TypedDict):
     type: Literal["SYS-PORTS"]
     """The type of the message."""
 
-    ports: dict[str, PortNumber]
+    ports: dict[str, "PortNumber"]
     """The port of each service, by its name."""
 
 
@@ -3668,7 +3666,7 @@ class SysTimeResponse(TypedDict):
     type: Literal["SYS-TIME"]
     """The type of the message."""
 
-    timestamp: Timestamp
+    timestamp: "Timestamp"
     """The time when the request came in, or after an adjustment, the time that is now set."""
 
 
@@ -3700,7 +3698,7 @@ class SysVerResponse(TypedDict):
     software: str
     """The name of the program."""
 
-    version: Version
+    version: "Version"
     """The version of the program."""
 
     name: NotRequired[str]
@@ -3737,7 +3735,7 @@ class TimesyncStatusResponse(TypedDict):
     type: Literal["TIMESYNC-STATUS"]
     """The type of the message."""
 
-    status: TimeSyncSnapshot
+    status: "TimeSyncSnapshot"
     """How the clock stands."""
 
 
@@ -3752,7 +3750,7 @@ class TimesyncStatusNotification(TypedDict):
     type: Literal["TIMESYNC-STATUS"]
     """The type of the message."""
 
-    status: TimeSyncSnapshot
+    status: "TimeSyncSnapshot"
     """How the clock stands."""
 
 
@@ -3769,13 +3767,13 @@ class UavCalibRequest(TypedDict):
     type: Literal["UAV-CALIB"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The UAVs.
 
     No element stands in it twice.
     """
 
-    component: NotRequired[CalibrationComponent]
+    component: NotRequired["CalibrationComponent"]
     """What to calibrate."""
 
     parameters: NotRequired[dict[str, Any]]
@@ -3801,7 +3799,7 @@ class UavCalibResponse(TypedDict):
     error: NotRequired[dict[str, str]]
     """Why it failed, by UAV."""
 
-    receipt: NotRequired[dict[str, ReceiptId]]
+    receipt: NotRequired[dict[str, "ReceiptId"]]
     """Where the result comes later: the receipt, by UAV."""
 
 
@@ -3816,13 +3814,13 @@ class UavFlyRequest(TypedDict):
     type: Literal["UAV-FLY"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The UAVs.
 
     No element stands in it twice.
     """
 
-    target: GPSCoordinate
+    target: "GPSCoordinate"
     """The place. Without altitudes a UAV should stay at the altitude that it has."""
 
 
@@ -3845,7 +3843,7 @@ class UavFlyResponse(TypedDict):
     error: NotRequired[dict[str, str]]
     """Why it failed, by UAV."""
 
-    receipt: NotRequired[dict[str, ReceiptId]]
+    receipt: NotRequired[dict[str, "ReceiptId"]]
     """Where the result comes later: the receipt, by UAV."""
 
 
@@ -3860,13 +3858,13 @@ class UavHaltRequest(TypedDict):
     type: Literal["UAV-HALT"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The UAVs.
 
     No element stands in it twice.
     """
 
-    transport: NotRequired[TransportOptions]
+    transport: NotRequired["TransportOptions"]
     """How the command should reach the UAVs."""
 
 
@@ -3889,7 +3887,7 @@ class UavHaltResponse(TypedDict):
     error: NotRequired[dict[str, str]]
     """Why it failed, by UAV."""
 
-    receipt: NotRequired[dict[str, ReceiptId]]
+    receipt: NotRequired[dict[str, "ReceiptId"]]
     """Where the result comes later: the receipt, by UAV."""
 
 
@@ -3906,13 +3904,13 @@ class UavHoverRequest(TypedDict):
     type: Literal["UAV-HOVER"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The UAVs.
 
     No element stands in it twice.
     """
 
-    transport: NotRequired[TransportOptions]
+    transport: NotRequired["TransportOptions"]
     """How the command should reach the UAVs."""
 
 
@@ -3935,7 +3933,7 @@ class UavHoverResponse(TypedDict):
     error: NotRequired[dict[str, str]]
     """Why it failed, by UAV."""
 
-    receipt: NotRequired[dict[str, ReceiptId]]
+    receipt: NotRequired[dict[str, "ReceiptId"]]
     """Where the result comes later: the receipt, by UAV."""
 
 
@@ -3950,7 +3948,7 @@ class UavInfRequest(TypedDict):
     type: Literal["UAV-INF"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The UAVs.
 
     No element stands in it twice.
@@ -3970,7 +3968,7 @@ class UavInfResponse(TypedDict):
     type: Literal["UAV-INF"]
     """The type of the message."""
 
-    status: NotRequired[dict[str, UAVStatusInfo]]
+    status: NotRequired[dict[str, "UAVStatusInfo"]]
     """The state, by UAV."""
 
     error: NotRequired[dict[str, str]]
@@ -3990,7 +3988,7 @@ class UavInfNotification(TypedDict):
     type: Literal["UAV-INF"]
     """The type of the message."""
 
-    status: NotRequired[dict[str, UAVStatusInfo]]
+    status: NotRequired[dict[str, "UAVStatusInfo"]]
     """The state, by UAV."""
 
 
@@ -4005,13 +4003,13 @@ class UavLandRequest(TypedDict):
     type: Literal["UAV-LAND"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The UAVs.
 
     No element stands in it twice.
     """
 
-    transport: NotRequired[TransportOptions]
+    transport: NotRequired["TransportOptions"]
     """How the command should reach the UAVs."""
 
 
@@ -4034,7 +4032,7 @@ class UavLandResponse(TypedDict):
     error: NotRequired[dict[str, str]]
     """Why it failed, by UAV."""
 
-    receipt: NotRequired[dict[str, ReceiptId]]
+    receipt: NotRequired[dict[str, "ReceiptId"]]
     """Where the result comes later: the receipt, by UAV."""
 
 
@@ -4065,7 +4063,7 @@ class UavListResponse(TypedDict):
     type: Literal["UAV-LIST"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The UAVs.
 
     No element stands in it twice.
@@ -4083,7 +4081,7 @@ class UavMotorRequest(TypedDict):
     type: Literal["UAV-MOTOR"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The UAVs.
 
     No element stands in it twice.
@@ -4095,7 +4093,7 @@ class UavMotorRequest(TypedDict):
     force: NotRequired[bool]
     """Whether to do it even if it isn't safe. Left out, it isn't forced."""
 
-    transport: NotRequired[TransportOptions]
+    transport: NotRequired["TransportOptions"]
     """How the command should reach the UAVs."""
 
 
@@ -4118,7 +4116,7 @@ class UavMotorResponse(TypedDict):
     error: NotRequired[dict[str, str]]
     """Why it failed, by UAV."""
 
-    receipt: NotRequired[dict[str, ReceiptId]]
+    receipt: NotRequired[dict[str, "ReceiptId"]]
     """Where the result comes later: the receipt, by UAV."""
 
 
@@ -4133,7 +4131,7 @@ class UavPrefltRequest(TypedDict):
     type: Literal["UAV-PREFLT"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The UAVs.
 
     No element stands in it twice.
@@ -4153,7 +4151,7 @@ class UavPrefltResponse(TypedDict):
     type: Literal["UAV-PREFLT"]
     """The type of the message."""
 
-    status: NotRequired[dict[str, PreflightCheckInfo]]
+    status: NotRequired[dict[str, "PreflightCheckInfo"]]
     """The checks, by UAV."""
 
     error: NotRequired[dict[str, str]]
@@ -4173,7 +4171,7 @@ class UavPrefltNotification(TypedDict):
     type: Literal["UAV-PREFLT"]
     """The type of the message."""
 
-    status: NotRequired[dict[str, PreflightCheckInfo]]
+    status: NotRequired[dict[str, "PreflightCheckInfo"]]
     """The checks, by UAV."""
 
 
@@ -4188,7 +4186,7 @@ class UavRstRequest(TypedDict):
     type: Literal["UAV-RST"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The UAVs.
 
     No element stands in it twice.
@@ -4197,7 +4195,7 @@ class UavRstRequest(TypedDict):
     component: NotRequired[str]
     """What to restart, by a name of the UAV's own. Empty or left out, the whole UAV."""
 
-    transport: NotRequired[TransportOptions]
+    transport: NotRequired["TransportOptions"]
     """How the command should reach the UAVs."""
 
 
@@ -4220,7 +4218,7 @@ class UavRstResponse(TypedDict):
     error: NotRequired[dict[str, str]]
     """Why it failed, by UAV."""
 
-    receipt: NotRequired[dict[str, ReceiptId]]
+    receipt: NotRequired[dict[str, "ReceiptId"]]
     """Where the result comes later: the receipt, by UAV."""
 
 
@@ -4235,13 +4233,13 @@ class UavRthRequest(TypedDict):
     type: Literal["UAV-RTH"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The UAVs.
 
     No element stands in it twice.
     """
 
-    transport: NotRequired[TransportOptions]
+    transport: NotRequired["TransportOptions"]
     """How the command should reach the UAVs."""
 
 
@@ -4264,7 +4262,7 @@ class UavRthResponse(TypedDict):
     error: NotRequired[dict[str, str]]
     """Why it failed, by UAV."""
 
-    receipt: NotRequired[dict[str, ReceiptId]]
+    receipt: NotRequired[dict[str, "ReceiptId"]]
     """Where the result comes later: the receipt, by UAV."""
 
 
@@ -4281,13 +4279,13 @@ class UavSignalRequest(TypedDict):
     type: Literal["UAV-SIGNAL"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The UAVs.
 
     No element stands in it twice.
     """
 
-    signals: NotRequired[list[UAVSignal]]
+    signals: NotRequired[list["UAVSignal"]]
     """How to. A UAV should pass over those that it doesn't know."""
 
     duration: NotRequired[float]
@@ -4296,7 +4294,7 @@ class UavSignalRequest(TypedDict):
     Unit: ms (milliseconds); range: 0 or more.
     """
 
-    transport: NotRequired[TransportOptions]
+    transport: NotRequired["TransportOptions"]
     """How the command should reach the UAVs."""
 
 
@@ -4319,7 +4317,7 @@ class UavSignalResponse(TypedDict):
     error: NotRequired[dict[str, str]]
     """Why it failed, by UAV."""
 
-    receipt: NotRequired[dict[str, ReceiptId]]
+    receipt: NotRequired[dict[str, "ReceiptId"]]
     """Where the result comes later: the receipt, by UAV."""
 
 
@@ -4334,13 +4332,13 @@ class UavSleepRequest(TypedDict):
     type: Literal["UAV-SLEEP"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The UAVs.
 
     No element stands in it twice.
     """
 
-    transport: NotRequired[TransportOptions]
+    transport: NotRequired["TransportOptions"]
     """How the command should reach the UAVs."""
 
 
@@ -4363,7 +4361,7 @@ class UavSleepResponse(TypedDict):
     error: NotRequired[dict[str, str]]
     """Why it failed, by UAV."""
 
-    receipt: NotRequired[dict[str, ReceiptId]]
+    receipt: NotRequired[dict[str, "ReceiptId"]]
     """Where the result comes later: the receipt, by UAV."""
 
 
@@ -4378,13 +4376,13 @@ class UavTakeoffRequest(TypedDict):
     type: Literal["UAV-TAKEOFF"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The UAVs.
 
     No element stands in it twice.
     """
 
-    transport: NotRequired[TransportOptions]
+    transport: NotRequired["TransportOptions"]
     """How the command should reach the UAVs."""
 
 
@@ -4407,7 +4405,7 @@ class UavTakeoffResponse(TypedDict):
     error: NotRequired[dict[str, str]]
     """Why it failed, by UAV."""
 
-    receipt: NotRequired[dict[str, ReceiptId]]
+    receipt: NotRequired[dict[str, "ReceiptId"]]
     """Where the result comes later: the receipt, by UAV."""
 
 
@@ -4424,13 +4422,13 @@ class UavTestRequest(TypedDict):
     type: Literal["UAV-TEST"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The UAVs.
 
     No element stands in it twice.
     """
 
-    component: NotRequired[TestComponent]
+    component: NotRequired["TestComponent"]
     """What to test."""
 
     parameters: NotRequired[dict[str, Any]]
@@ -4456,7 +4454,7 @@ class UavTestResponse(TypedDict):
     error: NotRequired[dict[str, str]]
     """Why it failed, by UAV."""
 
-    receipt: NotRequired[dict[str, ReceiptId]]
+    receipt: NotRequired[dict[str, "ReceiptId"]]
     """Where the result comes later: the receipt, by UAV."""
 
 
@@ -4471,7 +4469,7 @@ class UavVerRequest(TypedDict):
     type: Literal["UAV-VER"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The UAVs.
 
     No element stands in it twice.
@@ -4497,7 +4495,7 @@ class UavVerResponse(TypedDict):
     error: NotRequired[dict[str, str]]
     """Why it failed, by UAV."""
 
-    receipt: NotRequired[dict[str, ReceiptId]]
+    receipt: NotRequired[dict[str, "ReceiptId"]]
     """Where the result comes later: the receipt, by UAV."""
 
 
@@ -4512,13 +4510,13 @@ class UavWakeupRequest(TypedDict):
     type: Literal["UAV-WAKEUP"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The UAVs.
 
     No element stands in it twice.
     """
 
-    transport: NotRequired[TransportOptions]
+    transport: NotRequired["TransportOptions"]
     """How the command should reach the UAVs."""
 
 
@@ -4541,7 +4539,7 @@ class UavWakeupResponse(TypedDict):
     error: NotRequired[dict[str, str]]
     """Why it failed, by UAV."""
 
-    receipt: NotRequired[dict[str, ReceiptId]]
+    receipt: NotRequired[dict[str, "ReceiptId"]]
     """Where the result comes later: the receipt, by UAV."""
 
 
@@ -4556,7 +4554,7 @@ class WthAtRequest(TypedDict):
     type: Literal["WTH-AT"]
     """The type of the message."""
 
-    position: GPSCoordinate
+    position: "GPSCoordinate"
     """The place. Its altitudes are mostly ignored."""
 
 
@@ -4571,7 +4569,7 @@ class WthAtResponse(TypedDict):
     type: Literal["WTH-AT"]
     """The type of the message."""
 
-    weather: NotRequired[Weather]
+    weather: NotRequired["Weather"]
     """The weather. Its position is the place that was asked for, or that of the one station that gave it. Left out where nobody knows."""
 
 
@@ -4586,7 +4584,7 @@ class WthInfRequest(TypedDict):
     type: Literal["WTH-INF"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The stations.
 
     No element stands in it twice.
@@ -4606,7 +4604,7 @@ class WthInfResponse(TypedDict):
     type: Literal["WTH-INF"]
     """The type of the message."""
 
-    status: NotRequired[dict[str, Weather]]
+    status: NotRequired[dict[str, "Weather"]]
     """The weather, by station."""
 
     error: NotRequired[dict[str, str]]
@@ -4640,7 +4638,7 @@ class WthListResponse(TypedDict):
     type: Literal["WTH-LIST"]
     """The type of the message."""
 
-    ids: list[ObjectId]
+    ids: list["ObjectId"]
     """The stations.
 
     No element stands in it twice.
@@ -4893,13 +4891,13 @@ class ErrorCode(OpenIntEnum):
         return None if found is None else found[1]
 
     @property
-    def alternatives(self) -> tuple[ErrorCode, ...]:
+    def alternatives(self) -> "tuple[ErrorCode, ...]":
         """Codes for the same condition at other severities, of which one is used at a time."""
         found = _KNOWN.get(int(self))
         return () if found is None else tuple(ErrorCode(code) for code in found[2])
 
     @property
-    def see_also(self) -> tuple[ErrorCode, ...]:
+    def see_also(self) -> "tuple[ErrorCode, ...]":
         """Codes that its description refers to."""
         found = _KNOWN.get(int(self))
         return () if found is None else tuple(ErrorCode(code) for code in found[3])

@@ -6,8 +6,6 @@ Origin: https://github.com/PX4/px4_msgs
 Revision: release/1.15, and 1.17 before its release
 """
 
-from __future__ import annotations
-
 import sys
 from enum import IntFlag
 from typing import Final, Union
@@ -110,7 +108,7 @@ class ArmingCheckReply(TypedDict):
     Type: uint8; counts the entries in use of events.
     """
 
-    events: list[Event]
+    events: list["Event"]
     """Reasons against arming, to be forwarded to ground stations; entries from num_events on are to be ignored
 
     Type: Event[5].
@@ -184,7 +182,7 @@ class ArmingCheckReply(TypedDict):
 
 
 class ArmingCheckReplyHealthComponentIndex(OpenIntEnum):
-    """HEALTH_COMPONENT_INDEX_* of ArmingCheckReply. Known values; there may be others, which firmware of another version has."""
+    """The values HEALTH_COMPONENT_INDEX of ArmingCheckReply; there may be others, which firmware of another version has."""
 
     NONE = 0
     """The reply speaks for no health component"""
@@ -489,7 +487,7 @@ class BatteryStatus(TypedDict):
 
 
 class BatteryStatusBatterySource(OpenIntEnum):
-    """BATTERY_SOURCE_* of BatteryStatus. Known values; there may be others, which firmware of another version has."""
+    """The values BATTERY_SOURCE of BatteryStatus; there may be others, which firmware of another version has."""
 
     POWER_MODULE = 0
     """Power module that measures voltage and current"""
@@ -502,7 +500,7 @@ class BatteryStatusBatterySource(OpenIntEnum):
 
 
 class BatteryStatusBatteryFault(IntFlag):
-    """BATTERY_FAULT_* of BatteryStatus. Flags, any of which may be set; bits without a name may be set, too."""
+    """The flags BATTERY_FAULT of BatteryStatus, any of which may be set; so may bits without a name."""
 
     DEEP_DISCHARGE = 1
     """Discharged too far"""
@@ -536,7 +534,7 @@ class BatteryStatusBatteryFault(IntFlag):
 
 
 class BatteryStatusBatteryWarning(OpenIntEnum):
-    """BATTERY_WARNING_*, BATTERY_STATE_* of BatteryStatus. Known values; there may be others, which firmware of another version has."""
+    """The values BATTERY_WARNING, BATTERY_STATE of BatteryStatus; there may be others, which firmware of another version has."""
 
     NONE = 0
     """Voltage is not low"""
@@ -564,7 +562,7 @@ class BatteryStatusBatteryWarning(OpenIntEnum):
 
 
 class BatteryStatusBatteryMode(OpenIntEnum):
-    """BATTERY_MODE_* of BatteryStatus. Known values; there may be others, which firmware of another version has."""
+    """The values BATTERY_MODE of BatteryStatus; there may be others, which firmware of another version has."""
 
     UNKNOWN = 0
     """Normal operation, or a battery without modes"""

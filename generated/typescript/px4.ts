@@ -140,13 +140,13 @@ export interface ArmingCheckReply {
   mode_req_manual_control: boolean;
 }
 
-/** HEALTH_COMPONENT_INDEX\_\* of ArmingCheckReply. Known values; there may be others, which firmware of another version has. */
+/** The values HEALTH_COMPONENT_INDEX of ArmingCheckReply; there may be others, which firmware of another version has. */
 export const ArmingCheckReplyHealthComponentIndex = {
   /** The reply speaks for no health component */
   NONE: 0,
 } as const;
 
-/** HEALTH_COMPONENT_INDEX\_\* of ArmingCheckReply. Known values; there may be others, which firmware of another version has. */
+/** The values HEALTH_COMPONENT_INDEX of ArmingCheckReply; there may be others, which firmware of another version has. */
 export type ArmingCheckReplyHealthComponentIndex = (typeof ArmingCheckReplyHealthComponentIndex)[keyof typeof ArmingCheckReplyHealthComponentIndex] | (number & {});
 
 /** The constants of ArmingCheckReply. */
@@ -445,7 +445,7 @@ export interface BatteryStatus {
   nominal_voltage: number | null;
 }
 
-/** BATTERY_SOURCE\_\* of BatteryStatus. Known values; there may be others, which firmware of another version has. */
+/** The values BATTERY_SOURCE of BatteryStatus; there may be others, which firmware of another version has. */
 export const BatteryStatusBatterySource = {
   /** Power module that measures voltage and current */
   POWER_MODULE: 0,
@@ -455,10 +455,10 @@ export const BatteryStatusBatterySource = {
   ESCS: 2,
 } as const;
 
-/** BATTERY_SOURCE\_\* of BatteryStatus. Known values; there may be others, which firmware of another version has. */
+/** The values BATTERY_SOURCE of BatteryStatus; there may be others, which firmware of another version has. */
 export type BatteryStatusBatterySource = (typeof BatteryStatusBatterySource)[keyof typeof BatteryStatusBatterySource] | (number & {});
 
-/** BATTERY_FAULT\_\* of BatteryStatus. Flags, any of which may be set; bits without a name may be set, too. */
+/** The flags BATTERY_FAULT of BatteryStatus, any of which may be set; so may bits without a name. */
 export const BatteryStatusBatteryFault = {
   /** Discharged too far */
   DEEP_DISCHARGE: 1,
@@ -482,10 +482,10 @@ export const BatteryStatusBatteryFault = {
   HARDWARE_FAILURE: 512,
 } as const;
 
-/** BATTERY_FAULT\_\* of BatteryStatus. Flags, any of which may be set; bits without a name may be set, too. */
+/** The flags BATTERY_FAULT of BatteryStatus, any of which may be set; so may bits without a name. */
 export type BatteryStatusBatteryFault = number;
 
-/** BATTERY_WARNING\_\*, BATTERY_STATE\_\* of BatteryStatus. Known values; there may be others, which firmware of another version has. */
+/** The values BATTERY_WARNING, BATTERY_STATE of BatteryStatus; there may be others, which firmware of another version has. */
 export const BatteryStatusBatteryWarning = {
   /** Voltage is not low */
   NONE: 0,
@@ -505,10 +505,10 @@ export const BatteryStatusBatteryWarning = {
   OVER_TEMPERATURE: 10,
 } as const;
 
-/** BATTERY_WARNING\_\*, BATTERY_STATE\_\* of BatteryStatus. Known values; there may be others, which firmware of another version has. */
+/** The values BATTERY_WARNING, BATTERY_STATE of BatteryStatus; there may be others, which firmware of another version has. */
 export type BatteryStatusBatteryWarning = (typeof BatteryStatusBatteryWarning)[keyof typeof BatteryStatusBatteryWarning] | (number & {});
 
-/** BATTERY_MODE\_\* of BatteryStatus. Known values; there may be others, which firmware of another version has. */
+/** The values BATTERY_MODE of BatteryStatus; there may be others, which firmware of another version has. */
 export const BatteryStatusBatteryMode = {
   /** Normal operation, or a battery without modes */
   UNKNOWN: 0,
@@ -518,7 +518,7 @@ export const BatteryStatusBatteryMode = {
   HOT_SWAP: 2,
 } as const;
 
-/** BATTERY_MODE\_\* of BatteryStatus. Known values; there may be others, which firmware of another version has. */
+/** The values BATTERY_MODE of BatteryStatus; there may be others, which firmware of another version has. */
 export type BatteryStatusBatteryMode = (typeof BatteryStatusBatteryMode)[keyof typeof BatteryStatusBatteryMode] | (number & {});
 
 /** The constants of BatteryStatus. */

@@ -9,6 +9,8 @@
 //! The types are those of what `json.loads` gives: integers of any size are `int`, arrays are `list`, also where each
 //! position has a meaning of its own; floats may be `None`, which stands for NaN.
 //!
+//! Annotations are evaluated when a module is imported: the classes know at run time, too, which keys may be left out.
+//!
 //! # Open sets
 //!
 //! A field that holds an enum is an `int`; the class of the enum names the values that are known, and keeps all others:
@@ -78,7 +80,6 @@ fn init(modules: &[Module]) -> String {
 fn head(module: &Module, uses: &Uses) -> String {
     let mut text = header(&format!("the definitions of package {}", text::line(&module.package)));
     text.push_str(&text::docstring(&module.text, ""));
-    text.push_str("\nfrom __future__ import annotations\n");
     let mut imports = Vec::new();
     imports.extend((!uses.recent.is_empty()).then(|| "import sys\n".to_owned()));
     imports.extend(uses.is_flags_used.then(|| "from enum import IntFlag\n".to_owned()));
@@ -127,8 +128,6 @@ fn body(module: &Module, uses: &mut Uses) -> String {
 fn open_enum() -> String {
     header("the definitions")
         + r#""""Enums that keep values which they have no name for."""
-
-from __future__ import annotations
 
 from enum import IntEnum
 from typing import Any

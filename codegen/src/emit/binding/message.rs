@@ -53,10 +53,17 @@ fn field_type(declarer: &mut Declarer<'_>, message: &Message, field: &Field) -> 
 }
 
 fn enumeration(owner: &Message, found: &Enum, name: &str) -> Declaration {
-    let what = if found.is_flags {
-        "Flags, any of which may be set; bits without a name may be set, too."
+    let prefixes = found.prefixes.join(", ");
+    let text = if found.is_flags {
+        format!(
+            "The flags {prefixes} of {}, any of which may be set; so may bits without a name.",
+            owner.name
+        )
     } else {
-        "Known values; there may be others, which firmware of another version has."
+        format!(
+            "The values {prefixes} of {}; there may be others, which firmware of another version has.",
+            owner.name
+        )
     };
     let mut scope = Scope::default();
     let members = found.members.iter().map(|member| Named {
@@ -66,7 +73,7 @@ fn enumeration(owner: &Message, found: &Enum, name: &str) -> Declaration {
     });
     Declaration {
         name: name.to_owned(),
-        text: format!("{}_* of {}. {what}", found.prefixes.join("_*, "), owner.name),
+        text,
         kind: Kind::Enumeration { is_flags: found.is_flags, members: members.collect() },
     }
 }

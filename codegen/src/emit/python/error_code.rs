@@ -75,13 +75,13 @@ fn properties() -> String {
         return None if found is None else found[1]
 
     @property
-    def alternatives(self) -> tuple[{ERROR_CODE}, ...]:
+    def alternatives(self) -> "tuple[{ERROR_CODE}, ...]":
         """Codes for the same condition at other severities, of which one is used at a time."""
         found = _KNOWN.get(int(self))
         return () if found is None else tuple({ERROR_CODE}(code) for code in found[2])
 
     @property
-    def see_also(self) -> tuple[{ERROR_CODE}, ...]:
+    def see_also(self) -> "tuple[{ERROR_CODE}, ...]":
         """Codes that its description refers to."""
         found = _KNOWN.get(int(self))
         return () if found is None else tuple({ERROR_CODE}(code) for code in found[3])

@@ -1,6 +1,6 @@
 //! A declaration as Python writes it.
 
-use super::types::{Place, is_attribute, ty, value, words};
+use super::types::{is_attribute, ty, value, words};
 use super::{Uses, text};
 use crate::emit::binding::{Declaration, Kind, Named, Property, quoted};
 use crate::value::Value;
@@ -14,7 +14,7 @@ pub(super) fn declaration(declaration: &Declaration, uses: &mut Uses) -> String 
         Kind::Record { properties, .. } => record(name, said, properties, uses),
         Kind::Alias(aliased) => {
             uses.recent.insert("TypeAlias");
-            let aliased = ty(aliased, Place::Expression, uses);
+            let aliased = ty(aliased, uses);
             format!("{name}: TypeAlias = {aliased}\n{}", text::docstring(said, ""))
         }
         Kind::Enumeration { is_flags, members } => {
@@ -57,8 +57,7 @@ pub(super) fn named(members: &[Named], separator: &str) -> Vec<String> {
 
 fn record(name: &str, said: &str, properties: &[Property], uses: &mut Uses) -> String {
     uses.recent.insert("TypedDict");
-    let types: Vec<String> =
-        properties.iter().map(|property| property_type(property, Place::Annotation, uses)).collect();
+    let types: Vec<String> = properties.iter().map(|property| property_type(property, uses)).collect();
     let is_word = |key: &str| types.iter().any(|ty| words(ty).any(|word| word == key));
     // A name in a class hides that of a type from those below it.
     if properties.iter().all(|property| is_attribute(&property.key) && !is_word(&property.key)) {
@@ -73,9 +72,9 @@ fn record(name: &str, said: &str, properties: &[Property], uses: &mut Uses) -> S
     }
     let members: String = properties
         .iter()
-        .map(|property| {
+        .zip(&types)
+        .map(|(property, ty)| {
             let indent = "        ";
-            let ty = property_type(property, Place::Expression, uses);
             format!("{}{indent}{}: {ty},\n", text::comment(&property.text, indent), quoted(&property.key))
         })
         .collect();
@@ -85,8 +84,8 @@ fn record(name: &str, said: &str, properties: &[Property], uses: &mut Uses) -> S
     )
 }
 
-fn property_type(property: &Property, place: Place, uses: &mut Uses) -> String {
-    let ty = ty(&property.ty, place, uses);
+fn property_type(property: &Property, uses: &mut Uses) -> String {
+    let ty = ty(&property.ty, uses);
     if property.is_required {
         return ty;
     }

@@ -4,17 +4,8 @@ use super::Uses;
 use crate::emit::binding::{Type, float, is_python_keyword, quoted};
 use crate::value::Value;
 
-/// Where a type is written.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Place {
-    /// In an annotation, which Python doesn't evaluate.
-    Annotation,
-    /// In an expression, where names that come later stand between quotes.
-    Expression,
-}
-
-/// A type.
-pub(super) fn ty(found: &Type, place: Place, uses: &mut Uses) -> String {
+/// A type. Names stand between quotes, as what they name may come later.
+pub(super) fn ty(found: &Type, uses: &mut Uses) -> String {
     match found {
         Type::Any => {
             uses.typing.insert("Any");
@@ -35,33 +26,33 @@ pub(super) fn ty(found: &Type, place: Place, uses: &mut Uses) -> String {
         }
         Type::Named { module, name } => {
             let path = module.as_ref().map_or_else(|| name.clone(), |module| format!("{module}.{name}"));
-            if place == Place::Expression { format!("\"{path}\"") } else { path }
+            format!("\"{path}\"")
         }
-        Type::List(element) => format!("list[{}]", ty(element, place, uses)),
-        Type::Map(value) => format!("dict[str, {}]", ty(value, place, uses)),
+        Type::List(element) => format!("list[{}]", ty(element, uses)),
+        Type::Map(value) => format!("dict[str, {}]", ty(value, uses)),
         // `json.loads` gives a list, which can't tell its positions apart.
         Type::Tuple(elements) => {
             let elements = elements.iter().map(|(_, _, element)| element.clone()).collect();
-            format!("list[{}]", ty(&Type::Either(elements), place, uses))
+            format!("list[{}]", ty(&Type::Either(elements), uses))
         }
         Type::Either(_) => {
             let mut alternatives = Vec::new();
-            flatten(found, place, uses, &mut alternatives);
+            flatten(found, uses, &mut alternatives);
             union(alternatives, uses)
         }
     }
 }
 
 /// Writes each alternative of alternatives once.
-fn flatten(found: &Type, place: Place, uses: &mut Uses, into: &mut Vec<String>) {
+fn flatten(found: &Type, uses: &mut Uses, into: &mut Vec<String>) {
     match found {
         Type::Either(alternatives) => {
             for inner in alternatives {
-                flatten(inner, place, uses, into);
+                flatten(inner, uses, into);
             }
         }
         other => {
-            let text = ty(other, place, uses);
+            let text = ty(other, uses);
             if !into.contains(&text) {
                 into.push(text);
             }

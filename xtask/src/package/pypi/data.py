@@ -1,7 +1,5 @@
 """The JSON Schemas and test vectors that come with this package."""
 
-from __future__ import annotations
-
 import json
 import sys
 from importlib.resources import files
