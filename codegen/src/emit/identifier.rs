@@ -21,6 +21,7 @@ impl Scope {
     }
 
     /// The first of `names` that has not been given to a type; the last with a number, where all have.
+    #[cfg(feature = "rust")]
     pub(crate) fn first_free_type(&mut self, names: &[String]) -> String {
         let free = names.iter().find(|name| !self.0.contains(*name));
         let name = free.or(names.last()).cloned().unwrap_or_default();

@@ -96,11 +96,10 @@ fn head(module: &Module, uses: &Uses) -> String {
         text.push_str(&own.concat());
     }
     if !uses.recent.is_empty() {
-        text.push_str("\nif sys.version_info >= (3, 11):\n");
         let names = list(&uses.recent);
-        text.push_str(
-            &["    from typing import ", "\nelse:\n    from typing_extensions import ", "\n"].join(&names),
-        );
+        text.push_str("\nif sys.version_info >= (3, 11):\n");
+        text.extend(["    from typing import ", &names, "\n"]);
+        text.extend(["else:\n    from typing_extensions import ", &names, "\n"]);
     }
     text
 }
@@ -117,8 +116,7 @@ fn body(module: &Module, uses: &mut Uses) -> String {
     }
     let names: String = names.into_iter().map(|name| format!("    \"{name}\",\n")).collect();
     let all = if names.is_empty() {
-        uses.typing.insert("List");
-        "\n__all__: List[str] = []\n".to_owned()
+        "\n__all__: list[str] = []\n".to_owned()
     } else {
         format!("\n__all__ = [\n{names}]\n")
     };

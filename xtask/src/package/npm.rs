@@ -35,7 +35,9 @@ pub(super) fn package(content: &Content) -> Result<Package, String> {
 
 fn package_json(files: &[File]) -> Value {
     let modules = files.iter().filter_map(|file| file.path.strip_suffix(".cjs"));
-    let mut exports: Map<String, Value> = modules.map(|name| (entry(name), conditions(name))).collect();
+    let mut entries: Vec<(String, Value)> = modules.map(|name| (entry(name), conditions(name))).collect();
+    entries.sort_by(|(left, _), (right, _)| left.cmp(right));
+    let mut exports: Map<String, Value> = entries.into_iter().collect();
     for data in ["schemas/*", "vectors/*", "manifest.json", "package.json"] {
         exports.insert(format!("./{data}"), format!("./{data}").into());
     }

@@ -62,12 +62,11 @@ const TYPESCRIPT: [&str; 43] = [
 ];
 
 /// Words that generated code uses itself.
-const USED: [&str; 26] = [
+const USED: [&str; 25] = [
     "Any",
     "Final",
     "Infinity",
     "IntFlag",
-    "List",
     "Literal",
     "NaN",
     "NotRequired",

@@ -17,7 +17,7 @@ pub(super) fn ty(found: &Type) -> String {
         Type::Strings { values, is_open } => {
             let mut all: Vec<String> = values.iter().map(|value| quoted(value)).collect();
             all.extend(is_open.then(|| any_other("string", values.is_empty())));
-            all.join(" | ")
+            union(&all)
         }
         Type::Integers { values, is_open } => integers(values, *is_open),
         Type::Named { module, name } | Type::Enumeration { module, name } => match module {
@@ -33,13 +33,17 @@ pub(super) fn ty(found: &Type) -> String {
             });
             format!("[{}]", elements.collect::<Vec<_>>().join(", "))
         }
-        Type::Either(alternatives) => alternatives.iter().map(ty).collect::<Vec<_>>().join(" | "),
+        Type::Either(alternatives) => union(&alternatives.iter().map(ty).collect::<Vec<_>>()),
     }
 }
 
 /// All values of a primitive type, without swallowing those that stand beside it.
 pub(super) fn any_other(primitive: &str, is_alone: bool) -> String {
     if is_alone { primitive.to_owned() } else { format!("({primitive} & {{}})") }
+}
+
+fn union(alternatives: &[String]) -> String {
+    if alternatives.is_empty() { "never".to_owned() } else { alternatives.join(" | ") }
 }
 
 /// Values that no `number` is equal to have no literal type.
@@ -50,7 +54,8 @@ fn integers(values: &[i64], is_open: bool) -> String {
         return "number".to_owned();
     }
     let is_alone = exact.is_empty();
-    exact.into_iter().chain(is_open.then(|| any_other("number", is_alone))).collect::<Vec<_>>().join(" | ")
+    let other = is_open.then(|| any_other("number", is_alone));
+    union(&exact.into_iter().chain(other).collect::<Vec<_>>())
 }
 
 fn needs_brackets(element: &Type) -> bool {
