@@ -9,17 +9,14 @@ use flate2::read::GzDecoder;
 use serde_json::Value;
 use zip::ZipArchive;
 
-use crate::tools::xtask;
+use crate::tools::package;
 
 /// The texts of an archive by path.
 type Files = BTreeMap<String, String>;
 
 /// The packages: of npm, the wheel, the source distribution.
 fn packages() -> [Files; 3] {
-    let folder = tempfile::tempdir().expect("a folder");
-    xtask(&["package", "--out", &folder.path().display().to_string()]);
-    let path = |ending: &str| folder.path().join(format!("uavspec-{}{ending}", env!("CARGO_PKG_VERSION")));
-    [tape(&path(".tgz")), wheel(&path("-py3-none-any.whl")), tape(&path(".tar.gz"))]
+    [tape(&package(".tgz")), wheel(&package("-py3-none-any.whl")), tape(&package(".tar.gz"))]
 }
 
 fn tape(path: &Path) -> Files {

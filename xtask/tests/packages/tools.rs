@@ -37,6 +37,17 @@ pub(crate) fn write(path: &Path, text: &str) {
     fs::write(path, text).expect("a file");
 }
 
+/// The path of the package whose name ends so. All are made once, for all tests.
+pub(crate) fn package(ending: &str) -> PathBuf {
+    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
+    let folder = FOLDER.get_or_init(|| {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("packages");
+        xtask(&["package", "--out", &folder.display().to_string()]);
+        folder
+    });
+    folder.join(format!("uavspec-{}{ending}", env!("CARGO_PKG_VERSION")))
+}
+
 /// A folder with the type checkers of npm.
 pub(crate) fn node_tools() -> &'static Path {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();

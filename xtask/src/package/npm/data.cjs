@@ -10,7 +10,7 @@ function read(...path) {
 
 function find(kind, name, ending) {
   if (!manifest()[kind].includes(name)) {
-    throw new RangeError(`no ${kind} called ${JSON.stringify(name)}; manifest().${kind} lists all names`);
+    throw new RangeError(`${JSON.stringify(name)} is not among the ${kind}; manifest().${kind} lists them`);
   }
   return read(kind === "bundles" ? "schemas" : kind, `${name}${ending}`);
 }

@@ -113,7 +113,7 @@ def vectors(name: str) -> Vectors:
 
 def _find(kind: Literal["bundles", "schemas", "vectors"], name: str, ending: str) -> Any:
     if name not in manifest()[kind]:
-        raise LookupError(f"no {kind} called {name!r}; manifest()[{kind!r}] lists all names")
+        raise LookupError(f"{name!r} is not among the {kind}; manifest()[{kind!r}] lists them")
     folder = "schemas" if kind == "bundles" else kind
     return _read(f"{folder}/{name}{ending}")
 
