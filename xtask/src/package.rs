@@ -19,12 +19,14 @@ use self::content::Content;
 
 /// Arguments of `package`.
 #[derive(Args)]
-#[command(after_help = "Examples:
+#[command(after_help = concat!(
+    "Examples:
   cargo xtask package                 target/package/uavspec-….tgz, .whl and .tar.gz
-  npm install ./target/package/uavspec-0.1.0.tgz
-  pip install target/package/uavspec-0.1.0-py3-none-any.whl
+  npm install ./target/package/uavspec-", env!("CARGO_PKG_VERSION"), ".tgz
+  pip install target/package/uavspec-", env!("CARGO_PKG_VERSION"), "-py3-none-any.whl
 
-The version is that of the workspace. The packages are made from definitions/, not from generated/.")]
+The version is that of the workspace. The packages are made from definitions/, not from generated/."
+))]
 pub(crate) struct PackageArgs {
     /// Folder for the packages; target/package, where absent.
     #[arg(long, value_name = "DIR")]
