@@ -42,7 +42,7 @@ use crate::source::SourceMap;
 use crate::translation::{self, Translations};
 
 /// Makes drone interface specifications executable: reads `.msg` definitions and specification
-/// tables, and generates Rust types, JSON Schemas, documentation and test vectors from them.
+/// tables, and generates Rust types, JSON Schemas, documentation, test vectors, TypeScript and Python from them.
 #[derive(Debug, Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", version)]
 struct Cli {
@@ -53,7 +53,7 @@ struct Cli {
 /// The commands, to be embedded among those of another command line.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Generate Rust types, JSON Schemas, documentation and test vectors from the definitions.
+    /// Generate Rust types, JSON Schemas, documentation, test vectors, TypeScript and Python from the definitions.
     Codegen(CodegenArgs),
     /// Lay out definitions and error-code tables: spacing, comments, annotations, columns.
     Fmt(FmtArgs),
@@ -374,6 +374,8 @@ fn emit_all(
                 emit::docs::emit(schema, translations, sources, &options.read()?)
             }
             EmitterOptions::Vectors(options) => emit::vectors::emit(schema, options),
+            EmitterOptions::TypeScript(options) => emit::typescript::emit(schema, options),
+            EmitterOptions::Python => emit::python::emit(schema),
         };
         Ok(Folder { path: output.path.clone(), files })
     })

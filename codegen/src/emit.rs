@@ -1,11 +1,15 @@
 //! Output: each emitter turns a schema into files, and none touches a disk.
 
+mod binding;
 pub mod docs;
+mod identifier;
 pub mod inspect;
 pub mod json_schema;
 pub(crate) mod prose;
+pub mod python;
 #[cfg(feature = "rust")]
 pub mod rust;
+pub mod typescript;
 pub mod vectors;
 
 /// The start of the mark that every generated file bears in its first lines.

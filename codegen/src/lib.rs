@@ -1,7 +1,7 @@
 //! Reads drone interface specifications in the form their authors write them, and generates from them.
 //!
 //! ```text
-//!  text ──msg, table──▶ syntax tree ──schema::resolve──▶ Schema ──▶ emit (rust, json_schema, docs, vectors)
+//!  text ──msg, table──▶ syntax tree ──schema::resolve──▶ Schema ──▶ emit (rust, json_schema, docs, vectors, typescript, python)
 //!                            │                                ├──▶ dynamic (codecs and checks at run time)
 //!                            └──▶ format                      ├──▶ lint ──────┐
 //!                                                             └──▶ breaking ──┴──▶ report
@@ -39,6 +39,7 @@
 //! - Translations ([`translation`]) stand beside the model, by keys that last: whoever emits pages looks up what to
 //!   show, and knows which texts are still in English.
 //! - Two sets of definitions that are compared stand in one [`SourceMap`], so that a finding names places in both.
+//! - TypeScript and Python print one lowering of the model (`emit::binding`), so that names can't differ between them.
 //! - A vector's JSON and its verdict come from the model, its bytes from [`dynamic`]; ids say what is tried,
 //!   not what comes of it, so that they last.
 //!

@@ -2,6 +2,7 @@
 
 mod bench;
 mod docs;
+mod package;
 
 use std::env;
 use std::ffi::OsString;
@@ -39,6 +40,8 @@ enum Command {
   cargo xtask docs --open                generate, build, and show the site
   cargo xtask docs --output public       build it into another folder")]
     Docs(docs::DocsArgs),
+    /// Make the packages for npm and pip; needs neither of them.
+    Package(package::PackageArgs),
     /// Measure and print; needs the corpus.
     #[command(after_help = "Examples:
   cargo xtask bench codegen      time to read, to emit and to write PX4's 261 messages, at 1, 4 and 16 times
@@ -56,6 +59,7 @@ fn main() -> ExitCode {
         Command::Specification(command) => command.run(),
         Command::Conformance { arguments } => conformance(arguments),
         Command::Docs(args) => docs::run(&args),
+        Command::Package(args) => args.run(),
         Command::Bench { what } => bench::run(what),
     }
 }

@@ -109,6 +109,26 @@ fn works_from_any_folder_below_and_gives_the_same_bytes() {
 }
 
 #[test]
+fn typescript_and_python_are_outputs_like_the_others() {
+    let folder = workspace();
+    let outputs =
+        "[output]\ntypescript = { path = \"out/node\", form = \"compiled\" }\npython = \"out/python\"\n";
+    write(&folder, "uavspec.toml", &CONFIG.replace("[output]\n", outputs));
+    run(&folder, &["codegen"], 0);
+    for path in ["node/demo.js", "node/demo.cjs", "node/demo.d.cts", "python/demo.py", "python/py.typed"] {
+        assert!(folder.path().join("out").join(path).exists(), "{path} is missing");
+    }
+    run(&folder, &["codegen", "--check"], 0);
+    write(&folder, "uavspec.toml", &CONFIG.replace("[output]\n", "[output]\ntypescript = \"out/node\"\n"));
+    run(&folder, &["codegen"], 0);
+    assert_eq!(tree(&folder.path().join("out/node")).len(), 3, "two modules and the list of them");
+    let arguments = ["--package", "demo", "--dialect", "px4", "--input", "msg", "--out", "other"];
+    run(&folder, &[&["codegen", "--emit", "typescript,python"], &arguments[..]].concat(), 0);
+    assert!(folder.path().join("other/typescript/demo.ts").exists());
+    assert!(folder.path().join("other/python/demo.py").exists());
+}
+
+#[test]
 fn removes_orphans_but_never_a_file_of_the_user() {
     let folder = workspace();
     run(&folder, &["codegen"], 0);

@@ -12,7 +12,7 @@ pub(super) use self::lint::PresetName;
 use self::lint::{Lint, PlannedLint};
 use super::Failure;
 use crate::diagnostic::render;
-use crate::emit::{docs, json_schema, vectors};
+use crate::emit::{docs, json_schema, typescript, vectors};
 use crate::schema::Form;
 use crate::source::SourceMap;
 
@@ -31,6 +31,11 @@ pub(super) enum Emitter {
     Docs,
     /// Test vectors, as JSON.
     Vectors,
+    /// TypeScript modules.
+    #[value(name = "typescript")]
+    TypeScript,
+    /// Python modules.
+    Python,
 }
 
 /// A `uavspec.toml` that has been read.
@@ -72,13 +77,15 @@ struct Outputs {
     json_schema: Option<Output<JsonSchemaTable>>,
     docs: Option<Output<DocsTable>>,
     vectors: Option<Output<VectorsTable>>,
+    typescript: Option<Output<TypeScriptTable>>,
+    python: Option<Output<PythonTable>>,
 }
 
 /// An output: its folder, or a table of the folder and options.
 #[derive(Debug, Deserialize)]
 #[serde(
     untagged,
-    expecting = "expected a path, or a table of `path` and `root`, `readme` (rust), `base` (json_schema, vectors) or `title`, `rules`, `contents` (docs)"
+    expecting = "expected a path, or a table of `path` and `root`, `readme` (rust), `base` (json_schema, vectors), `title`, `rules`, `contents` (docs) or `form` (typescript)"
 )]
 enum Output<T> {
     Path(PathBuf),
@@ -116,6 +123,28 @@ struct DocsTable {
 struct VectorsTable {
     path: PathBuf,
     base: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TypeScriptTable {
+    path: PathBuf,
+    #[serde(default)]
+    form: FormName,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PythonTable {
+    path: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum FormName {
+    #[default]
+    Source,
+    Compiled,
 }
 
 #[derive(Debug, Deserialize)]
@@ -194,6 +223,8 @@ pub(super) enum EmitterOptions {
     JsonSchema(json_schema::Options),
     Docs(DocsOptions),
     Vectors(vectors::Options),
+    TypeScript(typescript::Options),
+    Python,
 }
 
 /// Options of the emitter of documentation.
@@ -330,6 +361,19 @@ impl Config {
             let options = docs::Options { rules, beside, ..docs_options(title) };
             plan(&path, EmitterOptions::Docs(DocsOptions { options, contents }));
         }
+        if let Some(output) = outputs.typescript {
+            let TypeScriptTable { path, form } =
+                output.table(|path| TypeScriptTable { path, form: FormName::default() });
+            let form = match form {
+                FormName::Source => typescript::Form::Source,
+                FormName::Compiled => typescript::Form::Compiled,
+            };
+            plan(&path, EmitterOptions::TypeScript(typescript::Options { form }));
+        }
+        if let Some(output) = outputs.python {
+            let PythonTable { path } = output.table(|path| PythonTable { path });
+            plan(&path, EmitterOptions::Python);
+        }
         let packages = self
             .file
             .packages
@@ -416,6 +460,10 @@ impl Plan {
                     EmitterOptions::Docs(DocsOptions { options: docs_options(None), contents: None }),
                 ),
                 Emitter::Vectors => ("vectors", EmitterOptions::Vectors(vectors_options(None))),
+                Emitter::TypeScript => {
+                    ("typescript", EmitterOptions::TypeScript(typescript::Options::default()))
+                }
+                Emitter::Python => ("python", EmitterOptions::Python),
             })
             .map(|(folder, emitter)| PlannedOutput { path: out.join(folder), emitter })
             .collect();

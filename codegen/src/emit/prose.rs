@@ -3,7 +3,6 @@
 use std::fmt::Write as _;
 
 /// A text of several lines, as paragraphs and simple lists.
-#[cfg(feature = "rust")]
 pub(crate) fn block(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len() + 16);
     for (index, line) in text.lines().enumerate() {

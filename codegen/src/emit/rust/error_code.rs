@@ -3,12 +3,11 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
-use super::identifier::{Scope, ident, upper_case};
+use super::identifier::ident;
 use super::{Context, documentation, header, inner_documentation, layout_file, types};
+use crate::emit::identifier::error_code_names;
 use crate::emit::prose;
 use crate::schema::{ErrorCode, Package};
-use uavspec_runtime::Severity;
-
 /// The text of the module.
 pub(super) fn emit(context: &Context<'_>, package: &Package) -> String {
     let codes: Vec<&ErrorCode> = package.error_tables.iter().flat_map(|table| &table.codes).collect();
@@ -21,38 +20,9 @@ pub(super) fn emit(context: &Context<'_>, package: &Package) -> String {
     header(&sources.join(", ")) + &layout_file(tokens(package, &codes))
 }
 
-/// The name of each code's constant: its abbreviation; where several codes share one, with the
-/// severity; where that is not enough, with the number.
-fn constant_names(codes: &[&ErrorCode]) -> Vec<Ident> {
-    let plain = |code: &ErrorCode| match &code.abbreviation {
-        Some(abbreviation) if !upper_case(abbreviation).is_empty() => upper_case(abbreviation),
-        _ => format!("CODE_{}", code.code),
-    };
-    let severity = |code: &ErrorCode| Severity::of(code.code).name().to_uppercase();
-    let mut scope = Scope::default();
-    codes
-        .iter()
-        .map(|code| {
-            let name = plain(code);
-            let alike = |with_severity: bool| {
-                let same = |other: &&&ErrorCode| {
-                    plain(other) == name && (!with_severity || severity(other) == severity(code))
-                };
-                codes.iter().filter(same).count() > 1
-            };
-            let name = match (alike(false), alike(true)) {
-                (false, _) => name,
-                (true, false) => format!("{name}_{}", severity(code)),
-                (true, true) => format!("{name}_{}", code.code),
-            };
-            ident(&scope.unique(&name))
-        })
-        .collect()
-}
-
 fn tokens(package: &Package, codes: &[&ErrorCode]) -> TokenStream {
     let module_doc = inner_documentation(&format!("The error codes of package `{}`.", package.name));
-    let names = constant_names(codes);
+    let names: Vec<Ident> = error_code_names(codes).iter().map(|name| ident(name)).collect();
     let name_of = |wanted: &u32| {
         if let Some(index) = codes.iter().position(|code| code.code == *wanted) {
             let name = &names[index];

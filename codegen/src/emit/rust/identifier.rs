@@ -1,8 +1,8 @@
 //! Identifiers: the one place where names of definitions become names of Rust.
 
-use std::collections::HashSet;
-
 use proc_macro2::{Ident, Span};
+
+pub(super) use crate::emit::identifier::{Scope, pascal_case, snake_case, type_name, upper_case};
 
 /// Words that are no identifiers in edition 2024, but raw ones are.
 const KEYWORDS: [&str; 49] = [
@@ -15,39 +15,6 @@ const KEYWORDS: [&str; 49] = [
 
 /// Words that are no identifiers, not even raw ones.
 const NEVER: [&str; 5] = ["self", "Self", "super", "crate", "_"];
-
-/// Names that have been given in a module, a type or a struct.
-#[derive(Default)]
-pub(super) struct Scope(HashSet<String>);
-
-impl Scope {
-    /// `name`, or with `_` and a number after it where it has been given already.
-    pub(super) fn unique(&mut self, name: &str) -> String {
-        self.numbered(name, "_")
-    }
-
-    /// The same for names of types, which hold no `_`.
-    pub(super) fn unique_type(&mut self, name: &str) -> String {
-        self.numbered(name, "")
-    }
-
-    /// The first of `names` that has not been given to a type; the last with a number, where all have.
-    pub(super) fn first_free_type(&mut self, names: &[String]) -> String {
-        let free = names.iter().find(|name| !self.0.contains(*name));
-        let name = free.or(names.last()).cloned().unwrap_or_default();
-        self.unique_type(&name)
-    }
-
-    fn numbered(&mut self, name: &str, separator: &str) -> String {
-        let mut candidate = name.to_owned();
-        let mut number = 2;
-        while !self.0.insert(candidate.clone()) {
-            candidate = format!("{name}{separator}{number}");
-            number += 1;
-        }
-        candidate
-    }
-}
 
 /// The identifier that is written `name`, which is in the right case already.
 pub(super) fn ident(name: &str) -> Ident {
@@ -70,92 +37,9 @@ pub(super) fn module_name(name: &str) -> String {
     if NEVER.contains(&name.as_str()) { name + "_" } else { name }
 }
 
-/// The name of a message as that of a type: as it is, but for `_` and a small first letter.
-pub(super) fn type_name(name: &str) -> String {
-    name.split('_')
-        .filter_map(|part| {
-            let (first, rest) = part.split_at_checked(1)?;
-            Some(first.to_ascii_uppercase() + rest)
-        })
-        .collect()
-}
-
-/// `HealthComponentIndex`, from any case.
-pub(super) fn pascal_case(name: &str) -> String {
-    words(name)
-        .into_iter()
-        .map(|word| {
-            let (first, rest) = word.split_at(1);
-            first.to_ascii_uppercase() + &rest.to_ascii_lowercase()
-        })
-        .collect()
-}
-
-/// `health_component_index`, from any case.
-pub(super) fn snake_case(name: &str) -> String {
-    words(name).into_iter().map(str::to_ascii_lowercase).collect::<Vec<_>>().join("_")
-}
-
-/// `HEALTH_COMPONENT_INDEX`, from any case.
-pub(super) fn upper_case(name: &str) -> String {
-    words(name).into_iter().map(str::to_ascii_uppercase).collect::<Vec<_>>().join("_")
-}
-
-/// Splits a name at what is no letter or digit, and where the case says that a word begins.
-fn words(name: &str) -> Vec<&str> {
-    let bytes = name.as_bytes();
-    let mut words = Vec::new();
-    let mut start = 0;
-    for at in 0..=bytes.len() {
-        let is_break = match bytes.get(at) {
-            None => true,
-            Some(byte) if !byte.is_ascii_alphanumeric() => true,
-            Some(byte) if byte.is_ascii_uppercase() && at > start => {
-                let next_is_lower = bytes.get(at + 1).is_some_and(u8::is_ascii_lowercase);
-                !bytes[at - 1].is_ascii_uppercase() || next_is_lower
-            }
-            Some(_) => false,
-        };
-        if !is_break {
-            continue;
-        }
-        if let Some(word) = name.get(start..at).filter(|word| !word.is_empty() && word.is_ascii()) {
-            words.push(word);
-        }
-        let is_letter = bytes.get(at).is_some_and(u8::is_ascii_alphanumeric);
-        start = if is_letter { at } else { at + 1 };
-    }
-    words
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn names_take_the_case_that_is_asked_for() {
-        for (name, snake, pascal) in [
-            ("ArmingCheckReply", "arming_check_reply", "ArmingCheckReply"),
-            ("HEALTH_COMPONENT_INDEX", "health_component_index", "HealthComponentIndex"),
-            ("Ekf2Timestamps", "ekf2_timestamps", "Ekf2Timestamps"),
-            ("UInt8MultiArray", "u_int8_multi_array", "UInt8MultiArray"),
-            ("GPSData", "gps_data", "GpsData"),
-            ("COMM T/O", "comm_t_o", "CommTO"),
-            ("vehicle_status", "vehicle_status", "VehicleStatus"),
-        ] {
-            assert_eq!((snake_case(name).as_str(), pascal_case(name).as_str()), (snake, pascal));
-            assert_eq!(upper_case(name), snake.to_uppercase());
-        }
-    }
-
-    #[test]
-    fn types_are_called_as_their_messages_are() {
-        for (name, expected) in
-            [("ColorRGBA", "ColorRGBA"), ("vehicle_status", "VehicleStatus"), ("Go_Request", "GoRequest")]
-        {
-            assert_eq!(type_name(name), expected);
-        }
-    }
 
     #[test]
     fn words_of_the_language_become_identifiers() {
@@ -164,12 +48,5 @@ mod tests {
         {
             assert_eq!(ident(name).to_string(), expected);
         }
-    }
-
-    #[test]
-    fn a_name_is_given_once() {
-        let mut scope = Scope::default();
-        let names: Vec<String> = ["a", "a", "a_2", "a"].into_iter().map(|name| scope.unique(name)).collect();
-        assert_eq!(names, ["a", "a_2", "a_2_2", "a_3"]);
     }
 }

@@ -1,0 +1,170 @@
+//! The modules: what each package declares.
+
+use std::collections::BTreeSet;
+
+use super::names::{Names, identifier};
+use super::{Declaration, Kind, KnownCode, Module, Type, json_type, message, text};
+use crate::emit::identifier::error_code_names;
+use crate::schema::json_type::Direction;
+use crate::schema::{EnumRef, ErrorCode, MessageId, Package, Schema};
+
+/// What declarations are made from.
+pub(super) struct Declarer<'s> {
+    pub(super) schema: &'s Schema,
+    pub(super) names: &'s Names,
+    /// Names of the modules that were referred to.
+    imports: BTreeSet<String>,
+}
+
+impl Declarer<'_> {
+    /// The type of a message, as the module of `package` writes it.
+    pub(super) fn message(&mut self, package: usize, id: MessageId) -> Type {
+        let module = self.module(package, self.schema.message(id).package);
+        Type::Named { module, name: self.names.message(id).to_owned() }
+    }
+
+    /// The type of an enum, as the module of `package` writes it.
+    pub(super) fn enumeration(&mut self, package: usize, reference: EnumRef) -> Type {
+        let owner = reference.message;
+        if self.names.message(owner).is_empty() {
+            return Type::Integer;
+        }
+        let module = self.module(package, self.schema.message(owner).package);
+        let name = self.names.enums[owner.0 as usize][reference.index].clone();
+        Type::Enumeration { module, name }
+    }
+
+    fn module(&mut self, from: usize, to: usize) -> Option<String> {
+        let name = &self.names.modules[to];
+        if from == to {
+            return None;
+        }
+        self.imports.insert(name.clone());
+        Some(name.clone())
+    }
+}
+
+/// The modules of all packages that define something, by name.
+pub(in crate::emit) fn modules(schema: &Schema) -> Vec<Module> {
+    let mut names = Names::of(schema);
+    let packages = schema.packages.iter().enumerate().filter(|(_, package)| !package.is_empty());
+    let mut modules: Vec<Module> =
+        packages.map(|(index, package)| module(schema, &mut names, index, package)).collect();
+    modules.sort_by(|left, right| left.name.cmp(&right.name));
+    modules
+}
+
+fn module(schema: &Schema, names: &mut Names, index: usize, package: &Package) -> Module {
+    let mut declarer = Declarer { schema, names, imports: BTreeSet::new() };
+    let parts = package.interfaces.iter().flat_map(|interface| &interface.parts);
+    let mut declarations = Vec::new();
+    for id in package.messages.iter().chain(parts) {
+        declarations.append(&mut message::declare(&mut declarer, *id));
+    }
+    for id in &package.json_types {
+        let name = declarer.names.json_type(*id);
+        declarations.push(json_type::declare(&declarer, name, schema.json_type(*id)));
+    }
+    for id in &package.json_messages {
+        let message = schema.json_message(*id);
+        for part in &message.parts {
+            let name = &declarer.names.parts[&(*id, part.direction)];
+            declarations.push(json_type::declare_part(&declarer, name, message, part));
+        }
+    }
+    let imports = declarer.imports;
+    declarations.append(&mut directions(schema, names, index, package));
+    declarations.append(&mut all_messages(schema, names, index, package));
+    Module {
+        name: names.modules[index].clone(),
+        package: package.name.clone(),
+        text: text::package(package),
+        imports,
+        declarations,
+        error_codes: error_codes(package),
+    }
+}
+
+/// For each direction the bodies by the type of the message, and any of them.
+fn directions(schema: &Schema, names: &mut Names, index: usize, package: &Package) -> Vec<Declaration> {
+    let mut declarations = Vec::new();
+    for direction in Direction::ALL {
+        let bodies: Vec<(String, Type)> = package
+            .json_messages
+            .iter()
+            .filter_map(|id| Some((schema.json_message(*id), names.parts.get(&(*id, direction))?)))
+            .map(|(message, name)| (message.name.clone(), named(name)))
+            .collect();
+        if bodies.is_empty() {
+            continue;
+        }
+        let (what, plural) = match direction {
+            Direction::Request => ("a message from a client, which expects an answer", "requests"),
+            Direction::Response => ("the answer to a request", "responses"),
+            Direction::Notification => ("a message from a server that wasn't asked", "notifications"),
+        };
+        let union = Type::Either(bodies.iter().map(|(_, ty)| ty.clone()).collect());
+        declarations.push(Declaration {
+            name: names.more(index, &format!("{}s", direction.title())),
+            text: format!("The bodies of {plural} by the type of the message."),
+            kind: Kind::Messages(bodies),
+        });
+        declarations.push(Declaration {
+            name: names.more(index, direction.title()),
+            text: format!("The body of {what}; its field type says which."),
+            kind: Kind::Alias(union),
+        });
+    }
+    declarations
+}
+
+/// All messages by name, and any of them.
+fn all_messages(schema: &Schema, names: &mut Names, index: usize, package: &Package) -> Vec<Declaration> {
+    let plain = package.messages.iter();
+    let mut entries: Vec<(String, Type)> =
+        plain.map(|id| (schema.message(*id).name.clone(), named(names.message(*id)))).collect();
+    entries.extend(package.json_messages.iter().map(|id| {
+        let message = schema.json_message(*id);
+        let bodies = message.parts.iter().map(|part| named(&names.parts[&(*id, part.direction)]));
+        (message.name.clone(), Type::Either(bodies.collect()))
+    }));
+    if entries.is_empty() {
+        return Vec::new();
+    }
+    let union = Type::Either(entries.iter().map(|(_, ty)| ty.clone()).collect());
+    vec![
+        Declaration {
+            name: names.more(index, "Messages"),
+            text: "The messages by name.".to_owned(),
+            kind: Kind::Messages(entries),
+        },
+        Declaration {
+            name: names.more(index, "Message"),
+            text: "Any of the messages.".to_owned(),
+            kind: Kind::Alias(union),
+        },
+    ]
+}
+
+fn named(name: &str) -> Type {
+    Type::Named { module: None, name: name.to_owned() }
+}
+
+fn error_codes(package: &Package) -> Vec<KnownCode> {
+    let mut codes: Vec<&ErrorCode> = package.error_tables.iter().flat_map(|table| &table.codes).collect();
+    let names = error_code_names(&codes);
+    let mut known: Vec<KnownCode> = codes
+        .drain(..)
+        .zip(names)
+        .map(|(code, name)| KnownCode {
+            name: identifier(&name),
+            code: code.code,
+            abbreviation: code.abbreviation.clone(),
+            description: code.description.clone(),
+            alternatives: code.alternatives.clone(),
+            see_also: code.see_also.clone(),
+        })
+        .collect();
+    known.sort_by_key(|code| code.code);
+    known
+}

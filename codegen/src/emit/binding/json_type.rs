@@ -1,0 +1,111 @@
+//! Declarations of types and messages of pages.
+
+use super::declare::Declarer;
+use super::{Declaration, ERROR_CODE, Kind, Property, Type, text};
+use crate::schema::json_type::{
+    Definition, Expression, JsonMessage, JsonPart, JsonType, Member, Object, Set, SetValues,
+};
+
+/// A type of a page.
+pub(super) fn declare(declarer: &Declarer<'_>, name: &str, found: &JsonType) -> Declaration {
+    let documentation = text::documentation(&found.docs, || {
+        format!("The type {}, which its page says no more of.", found.name)
+    });
+    let (kind, text) = match &found.definition {
+        Definition::Object(object) => (record(declarer, found.package, object), documentation),
+        Definition::Tuple(elements) => {
+            let lines = elements.iter().map(|element| {
+                let said = text::with_facts(&element.description, &text::limits(&element.typed.limits));
+                format!("- {}: {}", element.name, said.replace("\n\n", " "))
+            });
+            let lines: Vec<String> = lines.collect();
+            let properties = properties(declarer, found.package, elements).into_iter();
+            let elements = properties.map(|found| (found.key, found.is_required, found.ty)).collect();
+            (Kind::Alias(Type::Tuple(elements)), format!("{documentation}\n\n{}", lines.join("\n")))
+        }
+        Definition::Set(set) => {
+            let (ty, lines) = set_type(set);
+            (Kind::Alias(ty), format!("{documentation}\n\n{}", lines.join("\n")))
+        }
+        Definition::Named(typed) => {
+            let text = text::with_facts(&documentation, &text::limits(&typed.limits));
+            (Kind::Alias(expression(declarer, found.package, &typed.ty)), text)
+        }
+    };
+    Declaration { name: name.to_owned(), text, kind }
+}
+
+/// The body of a message in a direction.
+pub(super) fn declare_part(
+    declarer: &Declarer<'_>,
+    name: &str,
+    message: &JsonMessage,
+    part: &JsonPart,
+) -> Declaration {
+    let mut paragraphs = vec![format!("Body of a {} of type {}.", part.direction, message.name)];
+    paragraphs.extend([message.docs.text(), part.docs.text()].into_iter().filter(|text| !text.is_empty()));
+    if !part.answers.is_empty() {
+        paragraphs.push(format!("Answered by {}.", part.answers.join(", ")));
+    }
+    let kind = record(declarer, message.package, &part.body);
+    Declaration { name: name.to_owned(), text: paragraphs.join("\n\n"), kind }
+}
+
+fn record(declarer: &Declarer<'_>, package: usize, object: &Object) -> Kind {
+    Kind::Record { properties: properties(declarer, package, &object.fields), is_closed: object.is_closed }
+}
+
+fn properties(declarer: &Declarer<'_>, package: usize, members: &[Member]) -> Vec<Property> {
+    let property = |member: &Member| Property {
+        key: member.name.clone(),
+        is_required: member.is_required,
+        ty: expression(declarer, package, &member.typed.ty),
+        text: text::with_facts(&member.description, &text::limits(&member.typed.limits)),
+    };
+    members.iter().map(property).collect()
+}
+
+fn set_type(set: &Set) -> (Type, Vec<String>) {
+    let is_open = set.is_open;
+    let line = |value: String, description: &str| match description {
+        "" => format!("- {value}"),
+        said => format!("- {value}: {said}"),
+    };
+    match &set.values {
+        SetValues::Integers(found) => (
+            Type::Integers { values: found.iter().map(|found| found.value).collect(), is_open },
+            found.iter().map(|found| line(found.value.to_string(), &found.description)).collect(),
+        ),
+        SetValues::Strings(found) => (
+            Type::Strings { values: found.iter().map(|found| found.value.clone()).collect(), is_open },
+            found.iter().map(|found| line(format!("{:?}", found.value), &found.description)).collect(),
+        ),
+    }
+}
+
+fn expression(declarer: &Declarer<'_>, package: usize, found: &Expression) -> Type {
+    let inner = |inner: &Expression| expression(declarer, package, inner);
+    match found {
+        Expression::Any => Type::Any,
+        Expression::Null => Type::Null,
+        Expression::Boolean => Type::Boolean,
+        Expression::Integer => Type::Integer,
+        Expression::Number => Type::Number,
+        Expression::String => Type::String,
+        Expression::ErrorCode => error_code(declarer, package),
+        Expression::ErrorList => Type::List(Box::new(error_code(declarer, package))),
+        Expression::Named(id) => Type::Named { module: None, name: declarer.names.json_type(*id).to_owned() },
+        Expression::List(element) => Type::List(Box::new(inner(element))),
+        Expression::Map(value) => Type::Map(Box::new(inner(value))),
+        Expression::Either(alternatives) => Type::Either(alternatives.iter().map(inner).collect()),
+        Expression::OneOf(values) => Type::Strings { values: values.clone(), is_open: false },
+    }
+}
+
+/// Pages may speak of error codes without a table of them.
+fn error_code(declarer: &Declarer<'_>, package: usize) -> Type {
+    if declarer.schema.packages[package].error_tables.is_empty() {
+        return Type::Integer;
+    }
+    Type::Enumeration { module: None, name: ERROR_CODE.to_owned() }
+}

@@ -1,0 +1,224 @@
+//! What is called how. A word that either language keeps for itself is one in both.
+
+use std::collections::BTreeMap;
+
+use super::{ERROR_CODE, ERROR_CODE_INFO, SEVERITY};
+use crate::emit::identifier::{Scope, pascal_case, snake_case, type_name};
+use crate::schema::json_type::Direction;
+use crate::schema::{JsonMessageId, JsonTypeId, MessageId, Package, Schema};
+
+/// Keywords of Python.
+const PYTHON: [&str; 35] = [
+    "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue", "def",
+    "del", "elif", "else", "except", "finally", "for", "from", "global", "if", "import", "in", "is",
+    "lambda", "nonlocal", "not", "or", "pass", "raise", "return", "try", "while", "with", "yield",
+];
+
+/// Further words of TypeScript and JavaScript that can't be names of modules, constants or elements.
+const TYPESCRIPT: [&str; 43] = [
+    "abstract",
+    "any",
+    "arguments",
+    "bigint",
+    "boolean",
+    "case",
+    "catch",
+    "const",
+    "debugger",
+    "default",
+    "delete",
+    "do",
+    "enum",
+    "eval",
+    "export",
+    "extends",
+    "false",
+    "function",
+    "implements",
+    "instanceof",
+    "interface",
+    "let",
+    "new",
+    "null",
+    "number",
+    "object",
+    "package",
+    "private",
+    "protected",
+    "public",
+    "static",
+    "string",
+    "super",
+    "switch",
+    "symbol",
+    "this",
+    "throw",
+    "true",
+    "typeof",
+    "undefined",
+    "unknown",
+    "var",
+    "void",
+];
+
+/// Words that generated code uses itself.
+const USED: [&str; 25] = [
+    "Any",
+    "Final",
+    "Infinity",
+    "IntFlag",
+    "Literal",
+    "NaN",
+    "NotRequired",
+    "OpenIntEnum",
+    "Optional",
+    "TypeAlias",
+    "TypedDict",
+    "Union",
+    "annotations",
+    "bool",
+    "classmethod",
+    "dict",
+    "float",
+    "int",
+    "isinstance",
+    "list",
+    "property",
+    "str",
+    "sys",
+    "tuple",
+    "type",
+];
+
+/// Names of modules that are no packages.
+const MODULES: [&str; 3] = ["data", "index", "manifest"];
+
+/// The names of all declarations.
+pub(super) struct Names {
+    /// By package.
+    pub(super) modules: Vec<String>,
+    /// By message; empty where it isn't declared.
+    pub(super) messages: Vec<String>,
+    /// By message, the name of its constants.
+    pub(super) constants: Vec<String>,
+    /// By message, the names of its enums.
+    pub(super) enums: Vec<Vec<String>>,
+    /// By type.
+    pub(super) json_types: Vec<String>,
+    /// By message and direction.
+    pub(super) parts: BTreeMap<(JsonMessageId, Direction), String>,
+    /// By package, the names that no definition gives: of unions of messages, and the like.
+    scopes: Vec<Scope>,
+}
+
+/// The identifier that is nearest to `name`.
+pub(in crate::emit) fn identifier(name: &str) -> String {
+    let plain: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    if plain.is_empty() || plain.starts_with(|c: char| c.is_ascii_digit()) {
+        return format!("_{plain}");
+    }
+    let is_kept = [&PYTHON[..], &TYPESCRIPT, &USED].iter().any(|words| words.contains(&plain.as_str()));
+    if is_kept { plain + "_" } else { plain }
+}
+
+/// Whether `word` is a keyword of Python.
+pub(in crate::emit) fn is_python_keyword(word: &str) -> bool {
+    PYTHON.contains(&word)
+}
+
+impl Names {
+    /// Names everything that `schema` defines.
+    pub(super) fn of(schema: &Schema) -> Self {
+        let count = schema.messages.len();
+        let mut names = Self {
+            modules: Vec::new(),
+            messages: vec![String::new(); count],
+            constants: vec![String::new(); count],
+            enums: vec![Vec::new(); count],
+            json_types: vec![String::new(); schema.json_types.len()],
+            parts: BTreeMap::new(),
+            scopes: Vec::new(),
+        };
+        let mut modules = Scope::default();
+        for reserved in MODULES {
+            modules.unique(reserved);
+        }
+        for package in &schema.packages {
+            names.modules.push(modules.unique(&identifier(&snake_case(&package.name))));
+            let scope = names.package(schema, package);
+            names.scopes.push(scope);
+        }
+        names
+    }
+
+    /// A name in the module of a package that no definition gives.
+    pub(super) fn more(&mut self, package: usize, name: &str) -> String {
+        self.scopes[package].unique_type(name)
+    }
+
+    pub(super) fn message(&self, id: MessageId) -> &str {
+        &self.messages[id.0 as usize]
+    }
+
+    pub(super) fn json_type(&self, id: JsonTypeId) -> &str {
+        &self.json_types[id.0 as usize]
+    }
+
+    fn package(&mut self, schema: &Schema, package: &Package) -> Scope {
+        let mut scope = Scope::default();
+        if !package.error_tables.is_empty() {
+            for reserved in [ERROR_CODE, ERROR_CODE_INFO, SEVERITY] {
+                scope.unique_type(reserved);
+            }
+        }
+        let parts = package.interfaces.iter().flat_map(|interface| &interface.parts);
+        let messages: Vec<MessageId> = package.messages.iter().chain(parts).copied().collect();
+        // Types come first, so that what belongs to one of them never takes the name of another.
+        for id in &messages {
+            let name = identifier(&type_name(&schema.message(*id).name));
+            self.messages[id.0 as usize] = scope.unique_type(&name);
+        }
+        for id in &package.json_types {
+            let name = identifier(&type_name(&schema.json_type(*id).name));
+            self.json_types[id.0 as usize] = scope.unique_type(&name);
+        }
+        for id in &package.json_messages {
+            let message = schema.json_message(*id);
+            for part in &message.parts {
+                let name = format!("{}{}", pascal_case(&message.name), part.direction.title());
+                self.parts.insert((*id, part.direction), scope.unique_type(&identifier(&name)));
+            }
+        }
+        for id in messages {
+            let name = self.message(id).to_owned();
+            self.constants[id.0 as usize] = scope.unique_type(&format!("{name}Constants"));
+            let enums = schema.message(id).enums.iter().map(|found| {
+                let prefix = found.prefixes.first().map_or("Value", String::as_str);
+                scope.unique_type(&format!("{name}{}", pascal_case(prefix)))
+            });
+            self.enums[id.0 as usize] = enums.collect();
+        }
+        scope
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_identifiers_of_both_languages() {
+        for (name, expected) in [
+            ("None", "None_"),
+            ("class", "class_"),
+            ("typeof", "typeof_"),
+            ("Union", "Union_"),
+            ("a-b", "a_b"),
+            ("3D", "_3D"),
+            ("", "_"),
+            ("Wind", "Wind"),
+        ] {
+            assert_eq!(identifier(name), expected);
+        }
+    }
+}

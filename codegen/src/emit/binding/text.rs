@@ -1,0 +1,119 @@
+//! What is said of declarations, in plain words.
+
+use crate::schema::json_type::Limits;
+use crate::schema::{Constant, Docs, Element, Field, Message, Package, Parameter, Range, Schema, Special};
+use crate::unit;
+use crate::value::Value;
+
+/// A description and facts, each a paragraph of its own.
+pub(super) fn with_facts(description: &str, facts: &[String]) -> String {
+    let facts = facts.join("; ");
+    let mut text = description.trim().to_owned();
+    let Some(first) = facts.chars().next() else { return text };
+    if !text.is_empty() {
+        text.push_str("\n\n");
+    }
+    text.extend(first.to_uppercase());
+    text.push_str(&facts[first.len_utf8()..]);
+    text.push('.');
+    text
+}
+
+/// What a definition says of itself, or what it is, where it doesn't say.
+pub(super) fn documentation(docs: &Docs, default: impl FnOnce() -> String) -> String {
+    let text = docs.text();
+    if text.is_empty() { default() } else { text }
+}
+
+/// What is said of a package.
+pub(super) fn package(package: &Package) -> String {
+    let mut lines = vec![format!("Package {}, in the {} dialect.", package.name, package.form.name())];
+    lines.extend(package.origin.as_ref().map(|origin| format!("Origin: {origin}")));
+    lines.extend(package.revision.as_ref().map(|revision| format!("Revision: {revision}")));
+    lines.join("\n\n")
+}
+
+/// What is said of a message.
+pub(super) fn message(message: &Message) -> String {
+    let mut facts = Vec::new();
+    if !message.topics.is_empty() {
+        facts.push(format!("topics: {}", message.topics.join(", ")));
+    }
+    facts.extend(message.version.map(|version| format!("message version: {version}")));
+    facts.extend(message.queue_length.map(|length| format!("queue length: {length}")));
+    let default = || format!("The message {}, which its definition says no more of.", message.name);
+    with_facts(&documentation(&message.docs, default), &facts)
+}
+
+/// What is said of a field of a message.
+pub(super) fn field(schema: &Schema, message: &Message, field: &Field) -> String {
+    let mut facts = vec![format!("type: {}", schema.type_text(message, field.ty))];
+    let group = field.group.and_then(|group| message.groups.get(group));
+    facts.extend(group.map(|group| format!("group: {}", group.summary)));
+    facts.extend(unit(field.unit.as_deref()));
+    facts.extend(field.range.as_ref().and_then(range).map(|range| format!("range: {range}")));
+    facts.extend(field.invalid.as_ref().map(|invalid| format!("no data: {}", special(invalid))));
+    facts.extend(field.uncontrolled.as_ref().map(|found| format!("not controlled: {}", special(found))));
+    facts.extend(field.frame.as_ref().map(|frame| format!("frame: {frame}")));
+    let counted = field.counts.and_then(|array| message.fields.get(array));
+    facts.extend(counted.map(|array| format!("counts the entries in use of {}", array.name)));
+    let is_float = matches!(field.ty.element, Element::Scalar(scalar) if scalar.is_float());
+    facts.extend(is_float.then(|| "null stands for NaN".to_owned()));
+    with_facts(&field.description, &facts)
+}
+
+/// What is said of a constant.
+pub(super) fn constant(constant: &Constant) -> String {
+    let text = match constant.name.as_str() {
+        _ if !constant.description.is_empty() => constant.description.as_str(),
+        "MESSAGE_VERSION" => "Version of the message, raised when its fields change.",
+        "ORB_QUEUE_LENGTH" => "How many messages a topic holds before the oldest is lost.",
+        _ => "",
+    };
+    let is_used = |parameter: &Parameter| !matches!(parameter.description.as_str(), "" | "Unused" | "Empty");
+    let parameters = constant.parameters.iter().enumerate().filter(|(_, found)| is_used(found));
+    let lines: Vec<String> = parameters
+        .map(|(index, found)| {
+            let facts: Vec<String> =
+                unit(found.unit.as_deref()).into_iter().chain(found.range.as_ref().and_then(range)).collect();
+            let facts = if facts.is_empty() { String::new() } else { format!(" ({})", facts.join("; ")) };
+            format!("- parameter {}: {}{facts}", index + 1, found.description)
+        })
+        .collect();
+    [text, &lines.join("\n")].into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join("\n\n")
+}
+
+/// What annotations say of values of a page.
+pub(super) fn limits(limits: &Limits) -> Vec<String> {
+    let int = |value: u32| Value::Int(value.into());
+    let length = Range { low: limits.least.map(int), high: limits.most.map(int) };
+    let mut facts: Vec<String> = unit(limits.unit.as_deref()).into_iter().collect();
+    facts.extend(limits.range.as_ref().and_then(range).map(|range| format!("range: {range}")));
+    facts.extend(range(&length).map(|length| format!("length: {length}")));
+    facts.extend(limits.is_unique.then(|| "no element stands in it twice".to_owned()));
+    facts.extend(limits.pattern.as_ref().map(|pattern| format!("pattern: {pattern}")));
+    facts.extend(limits.format.as_ref().map(|format| format!("format: {format}")));
+    facts
+}
+
+fn unit(symbol: Option<&str>) -> Option<String> {
+    let symbol = symbol.filter(|symbol| *symbol != unit::NONE)?;
+    Some(match unit::lookup(symbol) {
+        Some(unit) => format!("unit: {symbol} ({})", unit.name),
+        None => format!("unit: {symbol}"),
+    })
+}
+
+fn range(range: &Range) -> Option<String> {
+    match (&range.low, &range.high) {
+        (Some(low), Some(high)) => Some(format!("{low} to {high}")),
+        (Some(low), None) => Some(format!("{low} or more")),
+        (None, Some(high)) => Some(format!("at most {high}")),
+        (None, None) => None,
+    }
+}
+
+fn special(special: &Special) -> String {
+    let value = special.value.as_ref().map_or_else(|| "empty".to_owned(), Value::to_string);
+    if special.text.is_empty() { value } else { format!("{value} ({})", special.text) }
+}

@@ -1,0 +1,72 @@
+//! Docstrings and comments: texts of definitions come out as text, whatever they hold.
+
+use crate::emit::prose;
+
+/// A docstring on lines of its own; nothing where there is no text.
+pub(super) fn docstring(text: &str, indent: &str) -> String {
+    if text.is_empty() {
+        return String::new();
+    }
+    let escaped = escaped(text.trim_end());
+    let mut lines = escaped.lines().map(|line| visible(line.trim_end()));
+    let first = lines.next().unwrap_or_default();
+    let mut rest = String::new();
+    for line in lines {
+        rest.push('\n');
+        if !line.is_empty() {
+            rest.push_str(indent);
+            rest.push_str(&line);
+        }
+    }
+    if rest.is_empty() {
+        return format!("{indent}\"\"\"{first}\"\"\"\n");
+    }
+    format!("{indent}\"\"\"{first}{rest}\n{indent}\"\"\"\n")
+}
+
+/// Backslashes, and quotes of which three in a row or one at the end would end the text.
+fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    let mut rest = text.chars().peekable();
+    while let Some(character) = rest.next() {
+        let is_end = character == '"' && matches!(rest.peek(), None | Some('"'));
+        if is_end || character == '\\' {
+            escaped.push('\\');
+        }
+        escaped.push(character);
+    }
+    escaped
+}
+
+/// Lines of comment; none where there is no text.
+pub(super) fn comment(text: &str, indent: &str) -> String {
+    text.lines().map(|line| format!("{indent}# {}", visible(line)).trim_end().to_owned() + "\n").collect()
+}
+
+/// A text on the one line of a comment.
+pub(super) fn line(text: &str) -> String {
+    visible(text)
+}
+
+fn visible(line: &str) -> String {
+    line.chars().map(prose::visible).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_ends_a_docstring_but_its_end() {
+        for (text, expected) in [
+            ("a \"b\" c", r#""""a "b" c""""#),
+            ("say \"hi\"", r#""""say "hi\"""""#),
+            (r#"ends \""#, r#""""ends \\\"""""#),
+            (r#"a """ b"#, r#""""a \"\"" b""""#),
+            ("a\u{202e}b", "\"\"\"a\u{fffd}b\"\"\""),
+        ] {
+            assert_eq!(docstring(text, "").trim_end(), expected);
+        }
+        assert_eq!(docstring("a\n\nb", "  "), "  \"\"\"a\n\n  b\n  \"\"\"\n");
+    }
+}

@@ -1,0 +1,109 @@
+//! Types and values as Python writes them.
+
+use super::Uses;
+use crate::emit::binding::{Type, float, is_python_keyword, quoted};
+use crate::value::Value;
+
+/// A type. Names stand between quotes, as what they name may come later.
+pub(super) fn ty(found: &Type, uses: &mut Uses) -> String {
+    match found {
+        Type::Any => {
+            uses.typing.insert("Any");
+            "Any".to_owned()
+        }
+        Type::Null => "None".to_owned(),
+        Type::Boolean => "bool".to_owned(),
+        Type::Integer | Type::Enumeration { .. } => "int".to_owned(),
+        Type::Number => "float".to_owned(),
+        Type::String => "str".to_owned(),
+        Type::Strings { values, is_open } => {
+            let literals: Vec<String> = values.iter().map(|value| quoted(value)).collect();
+            values_of("str", &literals, *is_open, uses)
+        }
+        Type::Integers { values, is_open } => {
+            let literals: Vec<String> = values.iter().map(ToString::to_string).collect();
+            values_of("int", &literals, *is_open, uses)
+        }
+        Type::Named { module, name } => {
+            let path = module.as_ref().map_or_else(|| name.clone(), |module| format!("{module}.{name}"));
+            format!("\"{path}\"")
+        }
+        Type::List(element) => format!("list[{}]", ty(element, uses)),
+        Type::Map(value) => format!("dict[str, {}]", ty(value, uses)),
+        // `json.loads` gives a list, which can't tell its positions apart.
+        Type::Tuple(elements) => {
+            let elements = elements.iter().map(|(_, _, element)| element.clone()).collect();
+            format!("list[{}]", ty(&Type::Either(elements), uses))
+        }
+        Type::Either(_) => {
+            let mut alternatives = Vec::new();
+            flatten(found, uses, &mut alternatives);
+            union(alternatives, uses)
+        }
+    }
+}
+
+/// Writes each alternative of alternatives once.
+fn flatten(found: &Type, uses: &mut Uses, into: &mut Vec<String>) {
+    match found {
+        Type::Either(alternatives) => {
+            for inner in alternatives {
+                flatten(inner, uses, into);
+            }
+        }
+        other => {
+            let text = ty(other, uses);
+            if !into.contains(&text) {
+                into.push(text);
+            }
+        }
+    }
+}
+
+fn values_of(primitive: &str, literals: &[String], is_open: bool, uses: &mut Uses) -> String {
+    if literals.is_empty() {
+        return primitive.to_owned();
+    }
+    uses.typing.insert("Literal");
+    let literal = format!("Literal[{}]", literals.join(", "));
+    if is_open { union(vec![literal, primitive.to_owned()], uses) } else { literal }
+}
+
+fn union(mut alternatives: Vec<String>, uses: &mut Uses) -> String {
+    if alternatives.len() == 1 {
+        return alternatives.remove(0);
+    }
+    if alternatives.is_empty() {
+        // Elements of an array that has none.
+        uses.typing.insert("Any");
+        return "Any".to_owned();
+    }
+    uses.typing.insert("Union");
+    format!("Union[{}]", alternatives.join(", "))
+}
+
+/// A value of a definition.
+pub(super) fn value(found: &Value) -> String {
+    match found {
+        Value::Bool(true) => "True".to_owned(),
+        Value::Bool(false) => "False".to_owned(),
+        Value::Int(value) => value.to_string(),
+        Value::Float(value) => float(*value).unwrap_or_else(|| format!("float(\"{value}\")").to_lowercase()),
+        Value::Text(text) => quoted(text),
+        Value::List(values) => format!("[{}]", values.iter().map(value).collect::<Vec<_>>().join(", ")),
+    }
+}
+
+/// Whether a key can be written as the name of an attribute of a class, which gives names with two `_` before them
+/// another form.
+pub(super) fn is_attribute(key: &str) -> bool {
+    key.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+        && key.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+        && !key.starts_with("__")
+        && !is_python_keyword(key)
+}
+
+/// The names that a type is written with.
+pub(super) fn words(ty: &str) -> impl Iterator<Item = &str> {
+    ty.split(|c: char| !c.is_ascii_alphanumeric() && c != '_')
+}

@@ -1,0 +1,157 @@
+//! TypeScript: a module for each package, with the types of its messages as JSON, its constants, enums and error
+//! codes; and `index`, which has each package as a namespace.
+//!
+//! Names are those of [`super::python`]. Whatever else is known of a value – its range, its unit, its length –
+//! stands in the comment above it: types of TypeScript can't say it, the JSON Schemas do.
+//!
+//! # Numbers
+//!
+//! Integers of 64 bits are `number`, since that is what `JSON.parse` makes of them: beyond 2^53 it gives their neighbour.
+//! Constants of which no `number` is exact are of type `bigint`. Floats may be `null`, which stands for NaN.
+//!
+//! # Open sets
+//!
+//! Enums and sets of known values are open: the type names the values that are known, for completion, and takes all
+//! others.
+
+mod comment;
+mod error_code;
+mod item;
+mod types;
+
+use super::binding::{Module, modules};
+use super::{GENERATED_BY, OutputFile};
+use crate::schema::Schema;
+
+/// How modules are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Form {
+    /// As TypeScript, to stand among other source files: `px4.ts`.
+    #[default]
+    Source,
+    /// As a package ships it: `px4.js` and `px4.cjs`, for ECMAScript modules and `CommonJS`, with `px4.d.ts` and
+    /// `px4.d.cts`, their types.
+    Compiled,
+}
+
+/// How TypeScript is emitted.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Options {
+    /// How modules are written.
+    pub form: Form,
+}
+
+/// The language of a file.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Language {
+    /// Types and values together.
+    TypeScript,
+    /// Values, as an ECMAScript module.
+    JavaScript,
+    /// Values, as `CommonJS`.
+    CommonJs,
+    /// Types of what a `CommonJS` module exports.
+    Declarations,
+}
+
+impl Language {
+    fn has_types(self) -> bool {
+        matches!(self, Self::TypeScript | Self::Declarations)
+    }
+
+    fn ending(self) -> &'static str {
+        match self {
+            Self::TypeScript => "ts",
+            Self::JavaScript => "js",
+            Self::CommonJs => "cjs",
+            Self::Declarations => "d.cts",
+        }
+    }
+
+    /// The ending by which other modules name it.
+    fn imported_ending(self) -> &'static str {
+        match self {
+            Self::TypeScript | Self::JavaScript => "js",
+            Self::CommonJs | Self::Declarations => "cjs",
+        }
+    }
+}
+
+/// Emits a module for each package and the index, sorted by path.
+pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
+    let modules = modules(schema);
+    let languages: &[Language] = match options.form {
+        Form::Source => &[Language::TypeScript],
+        Form::Compiled => &[Language::JavaScript, Language::CommonJs, Language::Declarations],
+    };
+    let mut files = Vec::new();
+    for language in languages {
+        let path = |name: &str| format!("{name}.{}", language.ending());
+        files.push(OutputFile { path: path("index"), text: index(&modules, *language) });
+        let of_packages = modules.iter();
+        files.extend(
+            of_packages
+                .map(|module| OutputFile { path: path(&module.name), text: package(module, *language) }),
+        );
+    }
+    if options.form == Form::Compiled {
+        let names = modules.iter().map(|module| module.name.as_str()).chain(["index"]);
+        files.extend(names.map(types_of_module));
+    }
+    files.sort_by(|left, right| left.path.cmp(&right.path));
+    files
+}
+
+/// The types of an ECMAScript module: those of its twin, so that they stand in the package once.
+fn types_of_module(name: &str) -> OutputFile {
+    let text = format!("{}export * from \"./{name}.cjs\";\n", header("the definitions"));
+    OutputFile { path: format!("{name}.d.ts"), text }
+}
+
+fn header(from: &str) -> String {
+    format!("// {GENERATED_BY} from {from}. Do not edit: run `cargo xtask codegen`.\n\n")
+}
+
+fn index(modules: &[Module], language: Language) -> String {
+    let mut text = header("the definitions");
+    if language == Language::CommonJs {
+        text.push_str("\"use strict\";\n\n");
+    }
+    text.extend(modules.iter().map(|module| {
+        let (name, ending) = (&module.name, language.imported_ending());
+        let documentation = comment::block(&module.text, "");
+        if language == Language::CommonJs {
+            format!("{documentation}exports.{name} = require(\"./{name}.{ending}\");\n")
+        } else {
+            format!("{documentation}export * as {name} from \"./{name}.{ending}\";\n")
+        }
+    }));
+    if modules.is_empty() && language != Language::CommonJs {
+        text.push_str("export {};\n");
+    }
+    text
+}
+
+fn package(module: &Module, language: Language) -> String {
+    let mut text = header(&format!("the definitions of package {}", comment::line(&module.package)));
+    if language == Language::CommonJs {
+        text.push_str("\"use strict\";\n\n");
+    }
+    if language.has_types() && !module.imports.is_empty() {
+        let ending = language.imported_ending();
+        let imports = module.imports.iter();
+        text.extend(imports.map(|name| format!("import type * as {name} from \"./{name}.{ending}\";\n")));
+        text.push('\n');
+    }
+    let mut items: Vec<String> =
+        module.declarations.iter().map(|declaration| item::declaration(declaration, language)).collect();
+    if !module.error_codes.is_empty() {
+        items.extend(error_code::items(&module.error_codes, language));
+    }
+    items.retain(|item| !item.is_empty());
+    if items.is_empty() && language != Language::CommonJs {
+        // Without an export it would be no module.
+        items.push("export {};\n".to_owned());
+    }
+    text + &items.join("\n")
+}

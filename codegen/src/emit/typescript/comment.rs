@@ -1,0 +1,25 @@
+//! Comments: texts of definitions come out as text, whatever they hold.
+
+use crate::emit::prose;
+
+/// A documentation comment; nothing where there is no text.
+pub(super) fn block(text: &str, indent: &str) -> String {
+    if text.is_empty() {
+        return String::new();
+    }
+    // Neither the end of a comment nor the start of a tag.
+    let text = prose::block(text).replace("*/", "*&#47;").replace('@', "\\@");
+    if !text.contains('\n') {
+        return format!("{indent}/** {text} */\n");
+    }
+    let lines = text.lines().map(|line| match line {
+        "" => format!("{indent} *\n"),
+        line => format!("{indent} * {line}\n"),
+    });
+    format!("{indent}/**\n{}{indent} */\n", lines.collect::<String>())
+}
+
+/// A text on the one line of a comment.
+pub(super) fn line(text: &str) -> String {
+    text.chars().map(prose::visible).collect()
+}

@@ -1,0 +1,186 @@
+//! TypeScript and Python: what is in the modules, as far as it can be told without either language. `xtask` has the
+//! tests that run their type checkers.
+
+mod support;
+
+use std::collections::BTreeSet;
+
+use uavspec_codegen::emit::{OutputFile, python, typescript};
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::{Form, Schema};
+use uavspec_codegen::{SourceMap, read};
+
+const WIND: &str = "# Wind over ground: */ \"\"\" {@link x} \\\n\nuint8 KIND_STEADY=0 # Blows\nuint8 KIND_GUST=1\n\
+                    uint64 GREATEST=18446744073709551615\nfloat32 NONE=nan\n\nuint64 timestamp # [us] Since start\n\
+                    float32[2] speed # [m/s] [@range 0, 60] Along both axes\nuint8 kind # [@enum KIND] What it does\n\
+                    char[8] name # Of the wind\nuint8 lambda # A keyword\n";
+
+fn schema(form: Form, files: &[(&str, &str)]) -> Schema {
+    let mut sources = SourceMap::default();
+    let mut package = support::package("demo", form);
+    for (path, text) in files {
+        package.sources.push(sources.add(*path, text.as_bytes().to_vec()).expect("a text"));
+    }
+    let (schema, diagnostics) = read(&sources, &[package]);
+    assert!(
+        diagnostics.iter().all(|found| found.level() != uavspec_codegen::diagnostic::Level::Error),
+        "{diagnostics:?}"
+    );
+    schema
+}
+
+fn px4(files: &[(&str, &str)]) -> Schema {
+    schema(Form::Msg(Dialect::Px4), files)
+}
+
+fn text<'f>(files: &'f [OutputFile], path: &str) -> &'f str {
+    &files.iter().find(|file| file.path == path).unwrap_or_else(|| panic!("no {path}")).text
+}
+
+#[track_caller]
+fn has(text: &str, wanted: &str) {
+    assert!(text.contains(wanted), "{wanted}\n--- is not in\n{text}");
+}
+
+fn of_form(schema: &Schema, form: typescript::Form) -> Vec<OutputFile> {
+    typescript::emit(schema, &typescript::Options { form })
+}
+
+#[test]
+fn fields_have_the_types_of_their_json() {
+    let schema = px4(&[("Wind.msg", WIND)]);
+    let modules = of_form(&schema, typescript::Form::Source);
+    let module = text(&modules, "demo.ts");
+    for line in [
+        "timestamp: number;",
+        "speed: (number | null)[];",
+        "kind: WindKind;",
+        "name: string;",
+        "lambda: number;",
+    ] {
+        has(module, &format!("\n  {line}\n"));
+    }
+    has(
+        module,
+        "   * Type: float32\\[2\\]; unit: m/s (metres per second); range: 0 to 60; null stands for NaN.\n",
+    );
+    has(module, "export type WindKind = (typeof WindKind)[keyof typeof WindKind] | (number & {});");
+    has(module, "GREATEST: 18446744073709551615n,");
+    has(module, "NONE: NaN,");
+    let modules = python::emit(&schema);
+    let module = text(&modules, "demo.py");
+    for line in
+        ["\"speed\": list[Union[float, None]],", "\"kind\": int,", "\"name\": str,", "\"lambda\": int,"]
+    {
+        has(module, &format!("\n        {line}\n"));
+    }
+    has(module, "class WindKind(OpenIntEnum):");
+    has(module, "GREATEST: Final = 18446744073709551615\n");
+    has(module, "NONE: Final = float(\"nan\")\n");
+}
+
+#[test]
+fn texts_end_neither_comments_nor_strings() {
+    let schema = px4(&[("Wind.msg", WIND)]);
+    let modules = of_form(&schema, typescript::Form::Source);
+    let module = text(&modules, "demo.ts");
+    has(module, "Wind over ground: \\*&#47; \"\"\" {\\@link x} \\\\\n");
+    assert_eq!(module.matches("/**").count(), module.matches("*/").count());
+    has(text(&python::emit(&schema), "demo.py"), "Wind over ground: */ \\\"\\\"\" {@link x} \\\\\n");
+}
+
+/// The names that a module of Python declares for others.
+fn python_names(module: &str) -> BTreeSet<String> {
+    let list = module.split("__all__ = [").nth(1).and_then(|rest| rest.split(']').next()).expect("a list");
+    list.lines()
+        .filter_map(|line| line.trim().trim_end_matches(',').strip_prefix('"')?.strip_suffix('"'))
+        .map(str::to_owned)
+        .collect()
+}
+
+/// The names that follow any of `starts` at the start of a line.
+fn names_after(module: &str, starts: &[&str]) -> BTreeSet<String> {
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let after = |line: &str| {
+        let rest = starts.iter().find_map(|start| line.strip_prefix(start))?;
+        Some(rest[..rest.find(|c| !is_part(c)).unwrap_or(rest.len())].to_owned())
+    };
+    module.lines().filter_map(after).collect()
+}
+
+#[test]
+fn names_are_the_same_in_both_languages() {
+    let gliders = include_str!("fixtures/ok/type-tables/gliders.md");
+    let odd = include_str!("fixtures/ok/type-tables-names/odd.md");
+    let schemas = [
+        schema(Form::Table, &[("gliders.md", gliders)]),
+        schema(Form::Table, &[("odd.md", odd)]),
+        px4(&[("Wind.msg", WIND), ("None.msg", "uint64 timestamp\n"), ("Message.msg", "Wind[2] wind\n")]),
+    ];
+    for schema in &schemas {
+        let starts = ["export interface ", "export type ", "export const "];
+        let modules = of_form(schema, typescript::Form::Source);
+        let mut typescript = names_after(text(&modules, "demo.ts"), &starts);
+        let python = python_names(text(&python::emit(schema), "demo.py"));
+        // Maps from names to types are of no use to Python.
+        for map in ["Messages", "Requests", "Responses", "Notifications"] {
+            typescript.remove(map);
+        }
+        assert_eq!(typescript, python);
+        assert!(typescript.len() > 5, "{typescript:?}");
+    }
+    let names = python_names(text(&python::emit(&schemas[2]), "demo.py"));
+    for name in ["None_", "Message", "Message2", "WindConstants", "WindKind"] {
+        assert!(names.contains(name), "{name} in {names:?}");
+    }
+}
+
+#[test]
+fn both_kinds_of_modules_export_what_is_declared() {
+    let page = "# Errors\n\n## Warnings (64-127)\n\n| Code | Abbreviation | Description |\n|---|---|---|\n| 66 | WINCH | Rope slack |\n";
+    for schema in [px4(&[("Wind.msg", WIND)]), schema(Form::Table, &[("errors.md", page)])] {
+        let modules = of_form(&schema, typescript::Form::Compiled);
+        let paths: Vec<&str> = modules.iter().map(|file| file.path.as_str()).collect();
+        assert_eq!(
+            paths,
+            [
+                "demo.cjs",
+                "demo.d.cts",
+                "demo.d.ts",
+                "demo.js",
+                "index.cjs",
+                "index.d.cts",
+                "index.d.ts",
+                "index.js"
+            ]
+        );
+        let values = |path: &str, starts: &[&str]| names_after(text(&modules, path), starts);
+        let declared = values("demo.d.cts", &["export declare const ", "export declare function "]);
+        assert!(declared.len() > 1, "{declared:?}");
+        assert_eq!(values("demo.js", &["export const ", "export function "]), declared);
+        assert_eq!(values("demo.cjs", &["exports."]), declared);
+        has(text(&modules, "index.js"), "export * as demo from \"./demo.js\";");
+        has(text(&modules, "index.cjs"), "exports.demo = require(\"./demo.cjs\");");
+        has(text(&modules, "demo.d.ts"), "export * from \"./demo.cjs\";");
+    }
+}
+
+#[test]
+fn real_definitions_keep_their_names_apart() {
+    let Some(folder) = support::shared("corpus/px4/main/msg") else { return };
+    let mut sources = SourceMap::default();
+    let mut package = support::package("px4", Form::Msg(Dialect::Px4));
+    for path in support::files_below(&folder, &["msg"]) {
+        let text = std::fs::read(&path).expect("a definition");
+        package.sources.push(sources.add(path.display().to_string(), text).expect("a text"));
+    }
+    let (schema, _) = read(&sources, &[package]);
+    let modules = of_form(&schema, typescript::Form::Source);
+    let module = text(&modules, "px4.ts");
+    let declared = module.lines().filter(|line| line.starts_with("export interface ")).count();
+    assert_eq!(declared, names_after(module, &["export interface "]).len());
+    assert!(declared > 250, "{declared}");
+    let python = python::emit(&schema);
+    let classes = text(&python, "px4.py").lines().filter(|line| line.starts_with("class ")).count();
+    assert_eq!(classes, names_after(text(&python, "px4.py"), &["class "]).len());
+}

@@ -1,0 +1,93 @@
+//! What goes into the packages, whichever they are: texts that come from the definitions, licences, and a manifest.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+use uavspec_codegen::cli::read_definitions;
+use uavspec_codegen::emit::{OutputFile, json_schema, python, typescript, vectors};
+
+use super::metadata::VERSION;
+
+/// Endings of files that the manifest lists without them.
+const BUNDLE: &str = ".bundle.schema.json";
+const SCHEMA: &str = ".schema.json";
+const VECTORS: &str = ".vectors.json";
+
+/// The schema of files of vectors, which stands beside them.
+const VECTORS_SCHEMA: &str = "vectors.schema.json";
+
+/// A file of a package, by its path in it.
+#[derive(Clone)]
+pub(super) struct File {
+    pub(super) path: String,
+    pub(super) text: String,
+}
+
+impl File {
+    /// A file whose lines end in the same way on each machine, whatever a checkout made of them.
+    pub(super) fn new(path: impl Into<String>, text: &str) -> Self {
+        Self { path: path.into(), text: text.replace("\r\n", "\n") }
+    }
+}
+
+/// What both packages hold.
+pub(super) struct Content {
+    /// Modules for JavaScript, with their types.
+    pub(super) javascript: Vec<File>,
+    /// Modules for Python.
+    pub(super) python: Vec<File>,
+    /// Schemas and vectors, and the manifest that lists them.
+    pub(super) data: Vec<File>,
+    /// The licences.
+    pub(super) licences: Vec<File>,
+}
+
+impl Content {
+    /// Makes all of it from the definitions in the repository at `root`.
+    pub(super) fn of(root: &Path) -> Result<Self, String> {
+        let (_, schema) = read_definitions(root.join("definitions/uavspec.toml"))
+            .map_err(|failure| failure.to_string().trim_start_matches("error: ").to_owned())?;
+        let schemas = json_schema::emit(&schema, &json_schema::Options::default());
+        let vectors = vectors::emit(&schema, &vectors::Options::default());
+        // The same cases once more, for runners of the JSON Schema Test Suite.
+        let is_own = |file: &&OutputFile| file.path.ends_with(VECTORS) || file.path == VECTORS_SCHEMA;
+        let vectors: Vec<&OutputFile> = vectors.iter().filter(is_own).collect();
+        let mut data = vec![File::new("manifest.json", &manifest(&schemas, &vectors)?)];
+        data.extend(schemas.iter().map(|file| File::new(format!("schemas/{}", file.path), &file.text)));
+        data.extend(vectors.iter().map(|file| File::new(format!("vectors/{}", file.path), &file.text)));
+        let options = typescript::Options { form: typescript::Form::Compiled };
+        Ok(Self {
+            javascript: files(&typescript::emit(&schema, &options)),
+            python: files(&python::emit(&schema)),
+            data,
+            licences: vec![
+                File::new("LICENSE-APACHE", include_str!("../../../LICENSE-APACHE")),
+                File::new("LICENSE-MIT", include_str!("../../../LICENSE-MIT")),
+            ],
+        })
+    }
+}
+
+fn files(emitted: &[OutputFile]) -> Vec<File> {
+    emitted.iter().map(|file| File::new(file.path.clone(), &file.text)).collect()
+}
+
+/// The names of all schemas, bundles and vectors.
+fn manifest(schemas: &[OutputFile], vectors: &[&OutputFile]) -> Result<String, String> {
+    let names = |files: &mut dyn Iterator<Item = &OutputFile>, ending: &str| -> Vec<Value> {
+        files.filter_map(|file| file.path.strip_suffix(ending)).map(Value::from).collect()
+    };
+    let is_bundle = |file: &&OutputFile| file.path.ends_with(BUNDLE);
+    let manifest = json!({
+        "version": VERSION,
+        "bundles": names(&mut schemas.iter(), BUNDLE),
+        "schemas": names(&mut schemas.iter().filter(|file| !is_bundle(file)), SCHEMA),
+        "vectors": names(&mut vectors.iter().copied(), VECTORS),
+    });
+    pretty(&manifest)
+}
+
+/// JSON as people read it, with a line break at its end.
+pub(super) fn pretty(value: &Value) -> Result<String, String> {
+    serde_json::to_string_pretty(value).map(|text| text + "\n").map_err(|error| error.to_string())
+}

@@ -1,0 +1,1 @@
+export { bundle, manifest, schema, vectors } from "./data.cjs";

@@ -1,0 +1,129 @@
+//! What is in the archives, read without npm and Python.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{Cursor, Read as _};
+use std::path::Path;
+
+use flate2::read::GzDecoder;
+use serde_json::Value;
+use zip::ZipArchive;
+
+use crate::tools::package;
+
+/// The texts of an archive by path.
+type Files = BTreeMap<String, String>;
+
+/// The packages: of npm, the wheel, the source distribution.
+fn packages() -> [Files; 3] {
+    [tape(&package(".tgz")), wheel(&package("-py3-none-any.whl")), tape(&package(".tar.gz"))]
+}
+
+fn tape(path: &Path) -> Files {
+    let mut archive = tar::Archive::new(GzDecoder::new(File::open(path).expect("an archive")));
+    let mut files = Files::new();
+    for entry in archive.entries().expect("entries") {
+        let mut entry = entry.expect("an entry");
+        let path = entry.path().expect("a path").display().to_string();
+        let header = entry.header();
+        let found = (header.mode().ok(), header.uid().ok(), header.gid().ok(), header.mtime().ok());
+        assert_eq!(found, (Some(0o644), Some(0), Some(0), Some(499_162_500)), "{path}");
+        let mut text = String::new();
+        entry.read_to_string(&mut text).expect("UTF-8");
+        assert!(files.insert(path.clone(), text).is_none(), "{path} is there twice");
+    }
+    files
+}
+
+fn wheel(path: &Path) -> Files {
+    let bytes = fs::read(path).expect("an archive");
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).expect("an archive");
+    let mut files = Files::new();
+    for index in 0..archive.len() {
+        let mut entry = archive.by_index(index).expect("an entry");
+        let path = entry.name().expect("a name").into_owned();
+        assert_eq!(entry.last_modified(), Some(zip::DateTime::default()), "{path}");
+        assert_eq!(entry.unix_mode().map(|mode| mode & 0o777), Some(0o644), "{path}");
+        let mut text = String::new();
+        entry.read_to_string(&mut text).expect("UTF-8");
+        files.insert(path, text);
+    }
+    files
+}
+
+#[test]
+fn archives_hold_what_they_should() {
+    let [npm, wheel, source] = packages();
+    for (path, text) in npm.iter().chain(&wheel).chain(&source) {
+        assert!(!text.contains('\r'), "{path} has line ends of another system");
+    }
+    let manifest: Value = serde_json::from_str(&npm["package/package.json"]).expect("JSON");
+    assert_eq!(
+        (&manifest["version"], &manifest["license"]),
+        (&env!("CARGO_PKG_VERSION").into(), &"MIT OR Apache-2.0".into())
+    );
+    let mut targets = Vec::new();
+    leaves(&manifest["exports"], &mut targets);
+    assert!(targets.len() >= 20, "{targets:?}");
+    for target in targets {
+        let path = target.replacen('.', "package", 1);
+        let is_there = match path.strip_suffix('*') {
+            Some(folder) => npm.keys().any(|path| path.starts_with(folder)),
+            None => npm.contains_key(&path),
+        };
+        assert!(is_there, "{target} is exported, and absent");
+    }
+
+    let version = env!("CARGO_PKG_VERSION");
+    let information = format!("uavspec-{version}.dist-info");
+    let record = &wheel[&format!("{information}/RECORD")];
+    let listed: Vec<&str> = record.lines().filter_map(|line| line.split(',').next()).collect();
+    assert_eq!(listed.len(), wheel.len());
+    assert!(listed.iter().all(|path| wheel.contains_key(*path)), "{listed:?}");
+    assert_eq!(wheel[&format!("{information}/METADATA")], source[&format!("uavspec-{version}/PKG-INFO")]);
+
+    // The data is the same, and that of the repository.
+    let generated = Path::new(env!("CARGO_MANIFEST_DIR")).join("../generated");
+    for path in [
+        "schemas/px4/Event.schema.json",
+        "schemas/flockwave.bundle.schema.json",
+        "vectors/px4/Event.vectors.json",
+    ] {
+        let text = fs::read_to_string(generated.join(path)).expect("a generated file").replace("\r\n", "\n");
+        assert_eq!(npm[&format!("package/{path}")], text);
+        assert_eq!(wheel[&format!("uavspec/{path}")], text);
+        assert_eq!(source[&format!("uavspec-{version}/uavspec/{path}")], text);
+    }
+    for (files, folder) in [
+        (&npm, "package".to_owned()),
+        (&wheel, format!("{information}/licenses")),
+        (&source, format!("uavspec-{version}")),
+    ] {
+        assert!(files[&format!("{folder}/LICENSE-MIT")].starts_with("MIT License"));
+        assert!(files[&format!("{folder}/LICENSE-APACHE")].contains("Apache License"));
+    }
+}
+
+/// All strings within a value.
+fn leaves<'v>(value: &'v Value, into: &mut Vec<&'v str>) {
+    match value {
+        Value::String(text) => into.push(text),
+        Value::Object(members) => members.values().for_each(|inner| leaves(inner, into)),
+        _ => {}
+    }
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("file");
+    fs::write(&path, "").expect("a file");
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_xtask"))
+        .args(["package", "--out"])
+        .arg(&path)
+        .output()
+        .expect("xtask runs");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("file: ") && said.contains("--out"), "{said}");
+}

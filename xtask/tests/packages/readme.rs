@@ -1,0 +1,161 @@
+//! Packages that are installed do what their READMEs say: each example is run, and prints the text below it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::tools::{environment, install, node_tool, package, python_with_tools, run, write};
+
+/// An example and what it prints.
+struct Example {
+    language: String,
+    code: String,
+    printed: String,
+}
+
+/// The fenced blocks that a block of plain text follows.
+fn examples(readme: &str) -> Vec<Example> {
+    let mut blocks = Vec::new();
+    let mut lines = readme.lines();
+    while let Some(line) = lines.next() {
+        let Some(language) = line.strip_prefix("```") else { continue };
+        let text: String =
+            lines.by_ref().take_while(|line| *line != "```").map(|line| format!("{line}\n")).collect();
+        blocks.push((language.to_owned(), text));
+    }
+    let pairs = blocks.windows(2).filter(|pair| pair[0].0 != "text" && pair[1].0 == "text");
+    pairs
+        .map(|pair| Example {
+            language: pair[0].0.clone(),
+            code: pair[0].1.clone(),
+            printed: pair[1].1.clone(),
+        })
+        .collect()
+}
+
+#[test]
+#[ignore = "needs Node and npm"]
+fn the_readme_of_the_npm_package_is_true() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    write(&folder.join("package.json"), "{ \"private\": true }\n");
+    run("npm", &["install", "--offline", "--no-audit", "--no-fund", &path_of(".tgz")], folder);
+    let readme = fs::read_to_string(folder.join("node_modules/uavspec/README.md")).expect("a README");
+    let examples = examples(&readme);
+    let count = |language: &str| examples.iter().filter(|example| example.language == language).count();
+    assert!(count("js") > 0 && count("cjs") > 0 && count("ts") > 1, "an example of each language");
+    let ending = |example: &Example| match example.language.as_str() {
+        "js" => "mjs".to_owned(),
+        "ts" => "mts".to_owned(),
+        other => other.to_owned(),
+    };
+    let mut typed = Vec::new();
+    for (index, example) in examples.iter().enumerate() {
+        let source = format!("example-{index}.{}", ending(example));
+        write(&folder.join(&source), &example.code);
+        typed.extend(is_module_source(&source).then_some(source));
+    }
+    write_entries(folder);
+    typed.extend(["entries.mts".to_owned(), "entries.cts".to_owned()]);
+    compile(folder, &typed);
+    for (index, example) in examples.iter().enumerate() {
+        let program = format!("example-{index}.{}", ending(example).replace("mts", "mjs"));
+        assert_eq!(run("node", &[&program], folder), example.printed, "{}", example.code);
+    }
+    for program in ["entries.mjs", "entries.cjs"] {
+        assert_eq!(run("node", &[program], folder), "true 1 2 true\n", "{program}");
+    }
+}
+
+/// The path of the package whose name ends so, as programs take it.
+fn path_of(ending: &str) -> String {
+    package(ending).display().to_string()
+}
+
+fn is_module_source(path: &str) -> bool {
+    Path::new(path).extension().is_some_and(|ending| ending == "mts")
+}
+
+/// Compiles sources in each way in which TypeScript finds packages; what Node runs is left behind.
+fn compile(folder: &Path, sources: &[String]) {
+    let compiler = node_tool("typescript/bin/tsc");
+    let (modern, common): (Vec<&str>, Vec<&str>) =
+        sources.iter().map(String::as_str).partition(|source| is_module_source(source));
+    for (module, resolution) in [("esnext", "bundler"), ("nodenext", "nodenext"), ("node16", "node16")] {
+        let mut arguments = vec![compiler.as_str(), "--strict", "--target", "es2022", "--lib", "es2022,dom"];
+        arguments.extend(["--module", module, "--moduleResolution", resolution]);
+        arguments.extend(&modern);
+        match resolution {
+            // Bundlers have no `import … = require`.
+            "bundler" => arguments.push("--skipLibCheck"),
+            // The declarations of the package are looked at as a whole in the last run alone, as that takes long.
+            "nodenext" => arguments.extend([&["--skipLibCheck"], &common[..]].concat()),
+            _ => arguments.extend(&common),
+        }
+        run("node", &arguments, folder);
+    }
+}
+
+/// Programs that import and require each entry, and use its types.
+fn write_entries(folder: &Path) {
+    let uses = "const known: boolean = flockwave.errorCode(1).isKnown;\nconst low: 1 = px4.BatteryStatusBatteryWarning.LOW;\n\
+                const bundles: readonly string[] = data.manifest().bundles;\n\
+                const same: boolean = index.px4.BatteryStatusBatteryWarning.LOW === low;\n\
+                console.log(known, low, bundles.length, same);\n";
+    let mut esm = String::new();
+    let mut cjs = String::new();
+    for (name, entry) in [
+        ("index", "uavspec"),
+        ("px4", "uavspec/px4"),
+        ("flockwave", "uavspec/flockwave"),
+        ("data", "uavspec/data"),
+    ] {
+        esm.extend(["import * as ", name, " from \"", entry, "\";\n"]);
+        cjs.extend(["import ", name, " = require(\"", entry, "\");\n"]);
+    }
+    write(&folder.join("entries.mts"), &(esm + uses));
+    write(&folder.join("entries.cts"), &(cjs + uses));
+}
+
+/// Runs the examples of an installed package, and has them and the package type-checked.
+fn check_python(python: &Path, folder: &Path) {
+    let place = "import importlib.metadata as m; print(m.distribution('uavspec').locate_file(''))";
+    let site = PathBuf::from(run(python, &["-c", place], folder).trim());
+    let readme = run(
+        python,
+        &["-c", "import importlib.metadata as m; print(m.metadata('uavspec')['Description'])"],
+        folder,
+    );
+    let examples = examples(&readme);
+    assert!(examples.len() > 3, "an example a section: {readme}");
+    for (index, example) in examples.iter().enumerate() {
+        assert_eq!(example.language, "python");
+        let source = format!("example_{index}.py");
+        write(&folder.join(&source), &example.code);
+        assert_eq!(run(python, &[&source], folder), example.printed, "{}", example.code);
+    }
+    let executable = python.display().to_string();
+    let mut arguments = vec!["-m", "mypy", "--strict", "--python-executable", &executable];
+    let sources: Vec<String> = (0..examples.len()).map(|index| format!("example_{index}.py")).collect();
+    arguments.extend(sources.iter().map(String::as_str));
+    run(python_with_tools(), &arguments, folder);
+    let package = site.join("uavspec");
+    assert!(package.join("py.typed").exists(), "{} says that it has types", package.display());
+}
+
+#[test]
+#[ignore = "needs Python and the network"]
+fn the_readme_of_the_wheel_is_true() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let python = environment(folder.path());
+    install(&python, &["--no-index", &path_of("-py3-none-any.whl")]);
+    check_python(&python, folder.path());
+}
+
+#[test]
+#[ignore = "needs Python and the network"]
+fn the_readme_of_the_source_distribution_is_true() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let python = environment(folder.path());
+    install(&python, &[&path_of(".tar.gz")]);
+    check_python(&python, folder.path());
+}
