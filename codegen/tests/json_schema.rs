@@ -273,7 +273,12 @@ fn alternatives_exclude_each_other_where_every_reader_sees_that_they_do() {
     };
     let text = "float32 a  # [@range 0, 1] [@invalid -1] [@uncontrolled 2]\n";
     assert_eq!(keyword(text), Some("oneOf"));
-    px4_field(text).expect("A", "a", &[json!(0.5), json!(-1), json!(2), json!(null)], &[json!(1.5), json!("0")]);
+    px4_field(text).expect(
+        "A",
+        "a",
+        &[json!(0.5), json!(-1), json!(2), json!(null)],
+        &[json!(1.5), json!("0")],
+    );
     assert_eq!(keyword("float32 a  # [@range 0, 1] [@invalid -1] [@uncontrolled -1]\n"), Some("anyOf"));
     // To a reader with floats of 64 bits, the least value that isn't used is the greatest that is.
     let text = "uint64 a  # [@range 0, 18446744073709551614] [@invalid 18446744073709551615]\n";

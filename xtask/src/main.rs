@@ -1,6 +1,7 @@
 //! The chores of this repository: the commands of uavspec-codegen, and its own.
 
 mod bench;
+mod interop;
 
 use std::env;
 use std::ffi::OsString;
@@ -33,6 +34,13 @@ enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "ARGUMENT")]
         arguments: Vec<OsString>,
     },
+    /// Give the published schemas and all test vectors to validators and generators of other makers.
+    #[command(after_help = "Examples:
+  cargo xtask interop                  all tools that can be run; installs below target/interop what needs no root
+  cargo xtask interop --quick --check  what CI does
+  cargo xtask interop --only ajv,boon
+  cargo xtask interop --list")]
+    Interop(interop::Arguments),
     /// Measure and print; needs the corpus.
     #[command(after_help = "Examples:
   cargo xtask bench codegen      time to read, to emit and to write PX4's 261 messages, at 1, 4 and 16 times
@@ -49,6 +57,7 @@ fn main() -> ExitCode {
     match Cli::parse().command {
         Command::Specification(command) => command.run(),
         Command::Conformance { arguments } => conformance(arguments),
+        Command::Interop(arguments) => interop::run(&arguments),
         Command::Bench { what } => bench::run(what),
     }
 }

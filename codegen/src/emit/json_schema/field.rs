@@ -6,8 +6,8 @@ use uavspec_runtime::Scalar;
 
 use super::address::Target;
 use super::annotation::{annotation, annotations, filled, prefixes, range, unit};
-use super::bounds::{self, Bounds};
 use super::any_of_type;
+use super::bounds::{self, Bounds};
 use super::tree::{Member, Node, member};
 use crate::schema::{Element, Enum, EnumRef, Field, Form, Message, Schema, Shape, Special};
 use crate::value::Value;
@@ -109,10 +109,13 @@ impl<'s> FieldSchema<'s> {
     /// 64-bit floats large integers are their neighbours: a value that fits two would be none.
     fn are_apart(self, used: &Bounds, scalar: Scalar) -> bool {
         let specials = [&self.field.invalid, &self.field.uncontrolled].into_iter().flatten();
-        let values = specials.filter_map(|special| special.value.as_ref()).map(|value| bounds::held(value, scalar));
+        let values =
+            specials.filter_map(|special| special.value.as_ref()).map(|value| bounds::held(value, scalar));
         let exact = values.filter(|value| !used.hold(value)).map(|value| Bounds::exactly(&value, scalar));
         let all: Vec<Bounds> = once(used.clone()).chain(exact).collect();
-        all.iter().enumerate().all(|(index, bounds)| all.iter().skip(index + 1).all(|other| bounds.is_apart(other)))
+        all.iter()
+            .enumerate()
+            .all(|(index, bounds)| all.iter().skip(index + 1).all(|other| bounds.is_apart(other)))
     }
 
     /// The special values that lie outside of what is used. NaN needs no mention: it is null, which all
