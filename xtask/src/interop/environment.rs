@@ -119,8 +119,7 @@ impl Installation {
         if self.may_install {
             eprintln!("interop: compiling {}", tool.adapter);
             let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-            let mut build = command(cargo, ["build", "--quiet", "--locked", "--bin", &tool.adapter]);
-            build.args(tool.package.iter().flat_map(|package| ["--package", package]));
+            let mut build = command(cargo, ["build", "--quiet", "--locked", "--package", &tool.adapter]);
             build.arg("--manifest-path").arg(self.source.join("rust/Cargo.toml"));
             execute(build.arg("--target-dir").arg(&target))?;
         }

@@ -18,10 +18,8 @@ pub(super) struct Tool {
     /// The latest draft of JSON Schema that it knows.
     pub(super) draft: String,
     pub(super) environment: Environment,
-    /// The adapter: a file of the environment's folder, or a binary of the Rust package.
+    /// The adapter: a file of the environment's folder, or a package of the Rust workspace.
     pub(super) adapter: String,
-    /// The package that the adapter is in, for Rust.
-    pub(super) package: Option<String>,
     /// The only form of schemas that it can be given, where it can't be given both.
     pub(super) form: Option<Form>,
     /// Whether it is part of the quick run.

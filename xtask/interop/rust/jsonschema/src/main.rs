@@ -9,7 +9,8 @@ fn main() -> Result<(), Failure> {
         let resources = documents.into_iter().map(|(address, text)| (address, Resource::from_contents(text)));
         let registry = Registry::new().extend(resources)?.prepare()?;
         Ok(move |address: &str| {
-            let reference = json!({ "$schema": "https://json-schema.org/draft/2020-12/schema", "$ref": address });
+            let reference =
+                json!({ "$schema": "https://json-schema.org/draft/2020-12/schema", "$ref": address });
             let validator = jsonschema::options().with_registry(&registry).build(&reference)?;
             Ok(move |text: &str| {
                 let instance = serde_json::from_str(text).map_err(|error| error.to_string())?;
