@@ -21,7 +21,7 @@ const ROS2: Form = Form::Msg(Dialect::Ros2);
 /// Keywords that assert, apply or describe, in the drafts from 2019-09 on and in draft 7 alike (`$defs`
 /// is there what `definitions` is, and references into it hold). A strict validator takes no other. The one
 /// exception is `prefixItems`, which no earlier draft knows, and which they pass over.
-const KEYWORDS: [&str; 26] = [
+const KEYWORDS: [&str; 27] = [
     "$schema",
     "$id",
     "$comment",
@@ -33,6 +33,7 @@ const KEYWORDS: [&str; 26] = [
     "type",
     "const",
     "anyOf",
+    "oneOf",
     "allOf",
     "properties",
     "required",
@@ -254,13 +255,35 @@ fn enums_name_their_values_and_stay_open() {
         { "const": 0, "title": "OFF", "description": "All off" },
         { "const": 1, "title": "ON" },
         { "const": 1, "title": "RUN", "description": "The same" },
-        true
+        { "type": "integer" }
     ]);
     assert_eq!(documents.field("A", "a")["anyOf"], expected);
     let array = px4_field("uint8 M_X = 4\nuint8[2] a  # [@enum M]\n");
     array.expect("A", "a", &[json!([4, 5])], &[json!([4, 300]), json!([4])]);
     let both = px4_field("uint8 M_X = 4\nuint8 a  # [@enum M] [@range 0, 5] [@invalid 255]\n");
     both.expect("A", "a", &[json!(4), json!(255)], &[json!(6), json!(254)]);
+}
+
+#[test]
+fn alternatives_exclude_each_other_where_every_reader_sees_that_they_do() {
+    let keyword = |text: &str| {
+        let documents = px4_field(text);
+        let field = documents.field("A", "a");
+        ["oneOf", "anyOf"].into_iter().find(|keyword| field.get(*keyword).is_some())
+    };
+    let text = "float32 a  # [@range 0, 1] [@invalid -1] [@uncontrolled 2]\n";
+    assert_eq!(keyword(text), Some("oneOf"));
+    px4_field(text).expect(
+        "A",
+        "a",
+        &[json!(0.5), json!(-1), json!(2), json!(null)],
+        &[json!(1.5), json!("0")],
+    );
+    assert_eq!(keyword("float32 a  # [@range 0, 1] [@invalid -1] [@uncontrolled -1]\n"), Some("anyOf"));
+    // To a reader with floats of 64 bits, the least value that isn't used is the greatest that is.
+    let text = "uint64 a  # [@range 0, 18446744073709551614] [@invalid 18446744073709551615]\n";
+    assert_eq!(keyword(text), Some("anyOf"));
+    assert_eq!(keyword("uint64 a  # [@range 0, 7] [@invalid 18446744073709551615]\n"), Some("oneOf"));
 }
 
 #[test]
@@ -634,7 +657,7 @@ fn check_keywords(place: &str, schema: &Json) {
         assert!(KEYWORDS.contains(&keyword.as_str()), "{place} is unknown");
         match keyword.as_str() {
             "items" | "additionalProperties" => check_keywords(&place, value),
-            "anyOf" | "allOf" | "prefixItems" => {
+            "anyOf" | "oneOf" | "allOf" | "prefixItems" => {
                 value.as_array().expect("a list").iter().for_each(|part| check_keywords(&place, part));
             }
             "properties" => {
@@ -725,8 +748,8 @@ fn px4_of_the_corpus() {
         if release == "main" {
             // The instances are random: they keep to types and lengths, but not to ranges and counts.
             check_instances(&documents, "oracle/cdr/px4-main.json", |kind| {
-                use ValidationErrorKind::{AnyOf, Maximum, Minimum};
-                matches!(kind, AnyOf { .. } | Maximum { .. } | Minimum { .. })
+                use ValidationErrorKind::{AnyOf, Maximum, Minimum, OneOfNotValid};
+                matches!(kind, AnyOf { .. } | OneOfNotValid { .. } | Maximum { .. } | Minimum { .. })
             });
         }
     }

@@ -2,6 +2,7 @@
 
 mod bench;
 mod docs;
+mod interop;
 mod package;
 
 use std::env;
@@ -42,6 +43,13 @@ enum Command {
     Docs(docs::DocsArgs),
     /// Make the packages for npm and pip; needs neither of them.
     Package(package::PackageArgs),
+    /// Give the published schemas and all test vectors to validators and generators of other makers.
+    #[command(after_help = "Examples:
+  cargo xtask interop                  all tools that can be run; installs below target/interop what needs no root
+  cargo xtask interop --quick --check  what CI does
+  cargo xtask interop --only ajv,boon
+  cargo xtask interop --list")]
+    Interop(interop::Arguments),
     /// Measure and print; needs the corpus.
     #[command(after_help = "Examples:
   cargo xtask bench codegen      time to read, to emit and to write PX4's 261 messages, at 1, 4 and 16 times
@@ -60,6 +68,7 @@ fn main() -> ExitCode {
         Command::Conformance { arguments } => conformance(arguments),
         Command::Docs(args) => docs::run(&args),
         Command::Package(args) => args.run(),
+        Command::Interop(arguments) => interop::run(&arguments),
         Command::Bench { what } => bench::run(what),
     }
 }

@@ -114,8 +114,17 @@ struct DocsTable {
     title: Option<String>,
     #[serde(default)]
     rules: bool,
-    /// A file with a part of the table of contents, as mdBook writes it.
-    contents: Option<PathBuf>,
+    /// Files with parts of the table of contents, as mdBook writes it.
+    #[serde(default)]
+    contents: OneOrMany,
+}
+
+/// A path, or a list of them.
+#[derive(Debug, Deserialize)]
+#[serde(untagged, expecting = "expected a path, or a list of paths")]
+enum OneOrMany {
+    One(PathBuf),
+    Many(Vec<PathBuf>),
 }
 
 #[derive(Debug, Deserialize)]
@@ -231,9 +240,9 @@ pub(super) enum EmitterOptions {
 #[derive(Debug)]
 pub(super) struct DocsOptions {
     options: docs::Options,
-    /// A file with a part of the table of contents, which is read when the documentation is made: commands that
-    /// make none don't need it.
-    contents: Option<PathBuf>,
+    /// Files with parts of the table of contents, which are read when the documentation is made: commands that
+    /// make none don't need them.
+    contents: Vec<PathBuf>,
 }
 
 /// Options of the Rust emitter, which may be absent from the build.
@@ -256,14 +265,31 @@ impl<T> Output<T> {
     }
 }
 
+impl Default for OneOrMany {
+    fn default() -> Self {
+        Self::Many(Vec::new())
+    }
+}
+
+impl OneOrMany {
+    fn paths(&self) -> &[PathBuf] {
+        match self {
+            Self::One(path) => std::slice::from_ref(path),
+            Self::Many(paths) => paths,
+        }
+    }
+}
+
 impl DocsOptions {
     /// All that the emitter wants to know.
     pub(super) fn read(&self) -> Result<docs::Options, Failure> {
-        let Some(path) = &self.contents else { return Ok(self.options.clone()) };
-        let more_contents = std::fs::read_to_string(path).map_err(|error| {
-            Failure::new(format!("{}: {error}", path.display()))
-                .with_hint("`output.docs.contents` names it: make it first, or take the key out")
-        })?;
+        let read = |path: &PathBuf| {
+            std::fs::read_to_string(path).map_err(|error| {
+                Failure::new(format!("{}: {error}", path.display()))
+                    .with_hint("`output.docs.contents` names it: make it first, or take it out")
+            })
+        };
+        let more_contents = self.contents.iter().map(read).collect::<Result<String, Failure>>()?;
         Ok(docs::Options { more_contents, ..self.options.clone() })
     }
 }
@@ -351,9 +377,13 @@ impl Config {
             plan(&path, EmitterOptions::Vectors(vectors_options(base.or(schema_base))));
         }
         if let Some(output) = outputs.docs {
-            let DocsTable { path, title, rules, contents } =
-                output.table(|path| DocsTable { path, title: None, rules: false, contents: None });
-            let contents = contents.map(|path| folder.join(path));
+            let DocsTable { path, title, rules, contents } = output.table(|path| DocsTable {
+                path,
+                title: None,
+                rules: false,
+                contents: OneOrMany::default(),
+            });
+            let contents = contents.paths().iter().map(|path| folder.join(path)).collect();
             let beside = docs::Beside {
                 schemas: schemas.map(|folder| seen_from(&path, &folder)),
                 vectors: vectors.map(|folder| seen_from(&path, &folder)),
@@ -457,7 +487,7 @@ impl Plan {
                 Emitter::JsonSchema => ("json_schema", EmitterOptions::JsonSchema(json_schema_options(None))),
                 Emitter::Docs => (
                     "docs",
-                    EmitterOptions::Docs(DocsOptions { options: docs_options(None), contents: None }),
+                    EmitterOptions::Docs(DocsOptions { options: docs_options(None), contents: Vec::new() }),
                 ),
                 Emitter::Vectors => ("vectors", EmitterOptions::Vectors(vectors_options(None))),
                 Emitter::TypeScript => {

@@ -22,6 +22,12 @@
 //! }
 //! ```
 //!
+//! # Alternatives
+//!
+//! Each alternative says which type it is of, although the schema around it does: generators of code look at every
+//! alternative by itself, and some have nothing to make of one without a type. Alternatives that no value can share
+//! are told by `oneOf`, the others by `anyOf`. `cargo xtask interop` shows what validators and generators make of it.
+//!
 //! # Numbers
 //!
 //! NaN is null, which every float may be. A range is enforced, but the value that stands for "no data"
@@ -112,6 +118,11 @@ pub(super) fn targets(schema: &Schema, package: &Package, index: usize) -> Vec<T
         message.parts.iter().map(move |part| Target::JsonPart(id, part.direction))
     }));
     targets
+}
+
+/// Any value of a type: the last alternative where more values may come than are known.
+fn any_of_type<'s>(ty: impl Into<Node<'s>>) -> Node<'s> {
+    Node::Object(vec![member("type", ty)])
 }
 
 struct Emitter<'s> {

@@ -28,6 +28,12 @@ impl Bounds {
         Some(Self { scalar, low, high })
     }
 
+    /// What lets through exactly `value`.
+    pub(super) fn exactly(value: &Value, scalar: Scalar) -> Self {
+        let (low, high) = spread(value, scalar);
+        Self { scalar, low, high }
+    }
+
     /// What of these bounds lies in `range`.
     pub(super) fn within(mut self, range: &Range) -> Self {
         if let Some(low) = range.low.as_ref().map(|low| spread(low, self.scalar).0)
@@ -54,6 +60,11 @@ impl Bounds {
         is_number && !is_less(value, &self.low) && !is_less(&self.high, value)
     }
 
+    /// Whether no number is within both, to readers that keep all numbers as 64-bit floats, too.
+    pub(super) fn is_apart(&self, other: &Self) -> bool {
+        self.high.as_f64() < other.low.as_f64() || other.high.as_f64() < self.low.as_f64()
+    }
+
     /// `minimum` and `maximum`.
     pub(super) fn members<'s>(&self) -> [Member<'s>; 2] {
         [member("minimum", number(&self.low)), member("maximum", number(&self.high))]
@@ -74,11 +85,12 @@ pub(super) fn held(value: &Value, scalar: Scalar) -> Value {
 
 /// What a schema asserts to let through exactly `value` of type `scalar`.
 pub(super) fn exactly<'s>(value: &Value, scalar: Scalar) -> Vec<Member<'s>> {
-    let (low, high) = spread(value, scalar);
-    if low == high {
+    let bounds = Bounds::exactly(value, scalar);
+    if bounds.low == bounds.high {
         return vec![member("const", number(value))];
     }
-    Bounds { scalar, low, high }.members().into()
+    let ty = if scalar.is_float() { "number" } else { "integer" };
+    [member("type", ty)].into_iter().chain(bounds.members()).collect()
 }
 
 /// A number of a definition; what has no JSON becomes null.
@@ -134,8 +146,17 @@ mod tests {
     fn both_forms_of_a_float32_are_exactly_it() {
         let names =
             |value, scalar| exactly(&value, scalar).into_iter().map(|(name, _)| name).collect::<Vec<_>>();
-        assert_eq!(names(Value::Float(0.1), Scalar::Float32), ["minimum", "maximum"]);
+        assert_eq!(names(Value::Float(0.1), Scalar::Float32), ["type", "minimum", "maximum"]);
         assert_eq!(names(Value::Float(0.1), Scalar::Float64), ["const"]);
         assert_eq!(names(Value::Int(-1), Scalar::Float32), ["const"]);
+    }
+
+    #[test]
+    fn bounds_that_floats_of_64_bits_cant_tell_are_not_apart() {
+        let of = |low, high| Bounds { scalar: Scalar::UInt64, low: Value::Int(low), high: Value::Int(high) };
+        assert!(of(0, 4).is_apart(&of(5, 5)) && of(5, 5).is_apart(&of(0, 4)));
+        assert!(!of(0, 5).is_apart(&of(5, 9)));
+        let greatest = i128::from(u64::MAX);
+        assert!(!of(0, greatest - 1).is_apart(&of(greatest, greatest)));
     }
 }

@@ -2,6 +2,7 @@
 
 use super::address::Target;
 use super::annotation::{annotation, annotations, filled, list};
+use super::any_of_type;
 use super::tree::{Member, Node, member};
 use crate::schema::{ErrorCode, ErrorTable, Package};
 
@@ -25,7 +26,7 @@ pub(super) fn code_members(package: &Package) -> Vec<Member<'_>> {
         member("type", "integer"),
         member("minimum", 0_u32),
         member("maximum", u32::MAX),
-        member("anyOf", known.chain([Node::Bool(true)]).collect::<Node>()),
+        member("anyOf", known.chain([any_of_type("integer")]).collect::<Node>()),
     ]
 }
 

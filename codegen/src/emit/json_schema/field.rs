@@ -1,9 +1,12 @@
 //! The schema of a field.
 
+use std::iter::once;
+
 use uavspec_runtime::Scalar;
 
 use super::address::Target;
 use super::annotation::{annotation, annotations, filled, prefixes, range, unit};
+use super::any_of_type;
 use super::bounds::{self, Bounds};
 use super::tree::{Member, Node, member};
 use crate::schema::{Element, Enum, EnumRef, Field, Form, Message, Schema, Shape, Special};
@@ -69,11 +72,12 @@ impl<'s> FieldSchema<'s> {
         };
         let used = self.used(&whole);
         let outside = self.outside(&used, &whole, scalar);
-        let mut members = vec![member("type", ty)];
         let alternatives = (!outside.is_empty()).then(|| {
-            let within = Node::Object(used.members().into());
-            member("anyOf", std::iter::once(within).chain(outside).collect::<Node>())
+            let within = once(member("type", ty.clone())).chain(used.members()).collect();
+            let keyword = if self.are_apart(&used, scalar) { "oneOf" } else { "anyOf" };
+            member(keyword, once(Node::Object(within)).chain(outside).collect::<Node>())
         });
+        let mut members = vec![member("type", ty.clone())];
         if alternatives.is_none() {
             members.extend(used.members());
         }
@@ -82,7 +86,7 @@ impl<'s> FieldSchema<'s> {
             return members;
         };
         // A schema has one `anyOf`: where the enum takes it, the alternatives stand one level below.
-        members.push(member("anyOf", open_enum(owner, found)));
+        members.push(member("anyOf", open_enum(owner, found, ty)));
         let below = alternatives.map(|alternatives| Node::List(vec![Node::Object(vec![alternatives])]));
         members.extend(annotation("allOf", below));
         members
@@ -98,6 +102,20 @@ impl<'s> FieldSchema<'s> {
             Some(Shape::Array(length) | Shape::Bounded(length)) => used.at_most(length),
             Some(Shape::Single | Shape::Sequence) | None => used,
         }
+    }
+
+    /// Whether every reader can tell the special values from what is used, and from each other. Generators make
+    /// alternatives of a type only where no value fits two of them, as `oneOf` says. To those who read all numbers as
+    /// 64-bit floats large integers are their neighbours: a value that fits two would be none.
+    fn are_apart(self, used: &Bounds, scalar: Scalar) -> bool {
+        let specials = [&self.field.invalid, &self.field.uncontrolled].into_iter().flatten();
+        let values =
+            specials.filter_map(|special| special.value.as_ref()).map(|value| bounds::held(value, scalar));
+        let exact = values.filter(|value| !used.hold(value)).map(|value| Bounds::exactly(&value, scalar));
+        let all: Vec<Bounds> = once(used.clone()).chain(exact).collect();
+        all.iter()
+            .enumerate()
+            .all(|(index, bounds)| all.iter().skip(index + 1).all(|other| bounds.is_apart(other)))
     }
 
     /// The special values that lie outside of what is used. NaN needs no mention: it is null, which all
@@ -183,7 +201,7 @@ impl<'s> FieldSchema<'s> {
 }
 
 /// The documented values, and any other: firmware of tomorrow sends values that are unknown today.
-fn open_enum<'s>(owner: &'s Message, found: &'s Enum) -> Node<'s> {
+fn open_enum<'s>(owner: &'s Message, found: &'s Enum, ty: Node<'s>) -> Node<'s> {
     let documented = found.members.iter().map(|entry| {
         let constant = owner.constants.get(entry.constant);
         let mut members =
@@ -192,7 +210,7 @@ fn open_enum<'s>(owner: &'s Message, found: &'s Enum) -> Node<'s> {
             .extend(annotation("description", constant.and_then(|constant| filled(&constant.description))));
         Node::Object(members)
     });
-    documented.chain([Node::Bool(true)]).collect()
+    documented.chain([any_of_type(ty)]).collect()
 }
 
 fn flag_list<'s>(owner: &'s Message, found: &'s Enum) -> Node<'s> {

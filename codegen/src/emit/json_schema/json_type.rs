@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use super::address::Target;
 use super::annotation::{annotation, annotations, filled, list, range, unit};
+use super::any_of_type;
 use super::bounds;
 use super::tree::{Member as Entry, Node, member};
 use crate::schema::json_type::{
@@ -103,7 +104,7 @@ impl<'s> Writer<'s> {
         let least = elements.iter().filter(|element| element.is_required).count();
         let of_length = |length: usize| {
             let count = u32::try_from(length).unwrap_or(u32::MAX);
-            let mut members = Vec::new();
+            let mut members = vec![member("type", "array")];
             if length > 0 {
                 let items = elements.iter().take(length).map(|element| self.member(element));
                 members.push(member("prefixItems", items.collect::<Node>()));
@@ -111,14 +112,11 @@ impl<'s> Writer<'s> {
             members.extend([member("minItems", count), member("maxItems", count)]);
             members
         };
-        let mut members = vec![member("type", "array")];
         if least == elements.len() {
-            members.extend(of_length(least));
-        } else {
-            let alternatives = (least..=elements.len()).map(|length| Node::Object(of_length(length)));
-            members.push(member("anyOf", alternatives.collect::<Node>()));
+            return of_length(least);
         }
-        members
+        let alternatives = (least..=elements.len()).map(|length| Node::Object(of_length(length)));
+        vec![member("type", "array"), member("oneOf", alternatives.collect::<Node>())]
     }
 
     /// The schema of a field or element.
@@ -246,7 +244,7 @@ fn values(set: &Set) -> Vec<Entry<'_>> {
             ("string", values.iter().map(|found| known(found, Node::from(found.value.as_str()))).collect())
         }
     };
-    values.extend(set.is_open.then_some(Node::Bool(true)));
+    values.extend(set.is_open.then(|| any_of_type(ty)));
     vec![member("type", ty), member("anyOf", Node::List(values))]
 }
 

@@ -1,0 +1,208 @@
+//! What is asked of every tool: the cases of the vectors, against the published schemas.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
+use serde_json::{Value, json};
+
+/// How a schema is named to a tool.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Form {
+    /// By its own address; it refers to other files.
+    Files,
+    /// By its place in the bundle of its package, which refers to no other file.
+    Bundle,
+}
+
+impl Form {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Files => "files",
+            Self::Bundle => "bundle",
+        }
+    }
+}
+
+/// A schema and its cases.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Job {
+    pub(super) form: Form,
+    pub(super) package: String,
+    /// The type, after its package.
+    pub(super) name: String,
+    /// The address of the schema.
+    pub(super) schema: String,
+    pub(super) cases: Vec<Case>,
+}
+
+/// An instance, and what is true of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Case {
+    pub(super) id: String,
+    /// The instance exactly as the vectors have it: tools read numbers by themselves.
+    pub(super) text: String,
+    /// Whether the schema takes it.
+    pub(super) is_valid: bool,
+    /// The rule that it breaks, where no schema can say so.
+    pub(super) beyond: Option<String>,
+}
+
+/// All that tools are asked, and the documents that they need for it.
+#[derive(Debug)]
+pub(super) struct Jobs {
+    /// Where each schema is, by its address.
+    documents: BTreeMap<String, PathBuf>,
+    pub(super) list: Vec<Job>,
+}
+
+#[derive(Deserialize)]
+struct Vectors {
+    #[serde(rename = "type")]
+    name: String,
+    schema: String,
+    cases: Vec<Vector>,
+}
+
+#[derive(Deserialize)]
+struct Vector {
+    id: String,
+    valid: bool,
+    rule: Option<String>,
+    json: Option<Box<RawValue>>,
+}
+
+#[derive(Deserialize)]
+struct Group {
+    tests: Vec<Test>,
+}
+
+#[derive(Deserialize)]
+struct Test {
+    description: String,
+    valid: bool,
+}
+
+impl Jobs {
+    /// Reads what is generated in `folder`.
+    pub(super) fn read(folder: &Path) -> Result<Self, String> {
+        let mut documents = BTreeMap::new();
+        let mut bundles = BTreeMap::new();
+        let mut schemas = files(&folder.join("schemas"), ".schema.json")?;
+        schemas.push(folder.join("vectors/vectors.schema.json"));
+        for path in schemas {
+            let document: Value = parse(&path)?;
+            let address = document["$id"].as_str().ok_or_else(|| format!("{}: no `$id`", path.display()))?;
+            if let Some((package, _)) = name_of(&path).split_once(".bundle.") {
+                bundles.insert(package.to_owned(), (address.to_owned(), document["$defs"].clone()));
+            }
+            documents.insert(address.to_owned(), path);
+        }
+        let mut list = Vec::new();
+        for path in files(&folder.join("vectors"), ".vectors.json")? {
+            let vectors: Vectors = parse(&path)?;
+            let (package, name) = vectors
+                .name
+                .split_once('/')
+                .ok_or_else(|| format!("{}: `type` names no package", path.display()))?;
+            let cases = cases(folder, &path, vectors.cases)?;
+            let job = |form, schema| Job {
+                form,
+                package: package.to_owned(),
+                name: vectors.name.clone(),
+                schema,
+                cases: cases.clone(),
+            };
+            list.push(job(Form::Files, vectors.schema.clone()));
+            if let Some((address, definitions)) = bundles.get(package) {
+                let definition = name_of(&path).trim_end_matches(".vectors.json");
+                if definitions.get(definition).is_none() {
+                    return Err(format!(
+                        "{address} doesn't define `{definition}`, of which {name} has vectors"
+                    ));
+                }
+                list.push(job(Form::Bundle, format!("{address}#/$defs/{definition}")));
+            }
+        }
+        list.sort_by(|left, right| (left.form, &left.name).cmp(&(right.form, &right.name)));
+        if list.is_empty() {
+            return Err(format!("{}: no vectors; `cargo xtask codegen` makes them", folder.display()));
+        }
+        Ok(Self { documents, list })
+    }
+
+    /// The file that adapters read, a line for each document and each job.
+    pub(super) fn text(&self) -> String {
+        let documents =
+            self.documents.iter().map(|(address, path)| json!({ "document": address, "path": path }));
+        let jobs = self.list.iter().enumerate().map(|(index, job)| {
+            let cases: Vec<&str> = job.cases.iter().map(|case| case.text.as_str()).collect();
+            json!({ "job": index, "schema": job.schema, "cases": cases })
+        });
+        documents.chain(jobs).map(|line| format!("{line}\n")).collect()
+    }
+
+    /// How many cases break each rule that no schema can express.
+    pub(super) fn beyond_schemas(&self) -> BTreeMap<String, usize> {
+        let mut rules = BTreeMap::new();
+        for case in self.list.iter().filter(|job| job.form == Form::Files).flat_map(|job| &job.cases) {
+            if let Some(rule) = &case.beyond {
+                *rules.entry(rule.clone()).or_default() += 1;
+            }
+        }
+        rules
+    }
+}
+
+/// The cases that have JSON. What the schema makes of each stands in the form of the JSON Schema Test Suite; of what
+/// isn't there, since some tools can't tell it, the vectors themselves know.
+fn cases(folder: &Path, path: &Path, vectors: Vec<Vector>) -> Result<Vec<Case>, String> {
+    let root = folder.join("vectors");
+    let relative = path.strip_prefix(&root).map_err(|error| error.to_string())?;
+    let suite = root.join("json-schema-test-suite/tests/draft2020-12").join(relative);
+    let suite = suite.with_file_name(name_of(path).replace(".vectors.json", ".json"));
+    let groups: Vec<Group> = if suite.exists() { parse(&suite)? } else { Vec::new() };
+    let verdicts: BTreeMap<&str, bool> = groups
+        .iter()
+        .flat_map(|group| &group.tests)
+        .filter_map(|test| Some((test.description.split_once(": ")?.0, test.valid)))
+        .collect();
+    let case = |vector: Vector| {
+        let is_valid = verdicts.get(vector.id.as_str()).copied().unwrap_or(vector.valid);
+        Some(Case {
+            text: vector.json?.get().to_owned(),
+            beyond: vector.rule.filter(|_| is_valid && !vector.valid),
+            is_valid,
+            id: vector.id,
+        })
+    };
+    Ok(vectors.into_iter().filter_map(case).collect())
+}
+
+/// The files below `folder` whose names end so, sorted.
+fn files(folder: &Path, ending: &str) -> Result<Vec<PathBuf>, String> {
+    let at = |error: std::io::Error| format!("{}: {error}", folder.display());
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).map_err(at)? {
+        let path = entry.map_err(at)?.path();
+        if path.is_dir() {
+            found.extend(files(&path, ending)?);
+        } else if name_of(&path).ends_with(ending) {
+            found.push(path);
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+fn name_of(path: &Path) -> &str {
+    path.file_name().and_then(|name| name.to_str()).unwrap_or_default()
+}
+
+fn parse<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<T, String> {
+    let text = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    serde_json::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))
+}

@@ -1,0 +1,63 @@
+//! What came of the latest run of each tool: `xtask/interop/results.json`, which the page is made of.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::adapter::End;
+use super::job::Form;
+use super::tally::{Count, Tally};
+
+/// The results of all tools that ever ran.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Eq, Serialize)]
+pub(super) struct Record {
+    /// How many cases break each rule that no schema can express.
+    pub(super) beyond: BTreeMap<String, usize>,
+    pub(super) tools: BTreeMap<String, ToolRecord>,
+}
+
+/// The results of a tool, without what differs from machine to machine.
+#[derive(Clone, Debug, Deserialize, PartialEq, Eq, Serialize)]
+pub(super) struct ToolRecord {
+    pub(super) version: String,
+    pub(super) end: String,
+    /// By form and package.
+    pub(super) counts: BTreeMap<Form, BTreeMap<String, Count>>,
+    /// How many disagreements each entry explains.
+    pub(super) explained: BTreeMap<String, usize>,
+}
+
+impl Record {
+    /// Reads the file; where there is none, nothing is known.
+    pub(super) fn read(path: &Path) -> Result<Self, String> {
+        match fs::read_to_string(path) {
+            Ok(text) => serde_json::from_str(&text).map_err(|error| format!("{}: {error}", path.display())),
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(Self::default()),
+            Err(error) => Err(format!("{}: {error}", path.display())),
+        }
+    }
+
+    /// The text of the file.
+    pub(super) fn text(&self) -> String {
+        let text = serde_json::to_string_pretty(self).expect("maps with texts as keys, and numbers");
+        format!("{text}\n")
+    }
+
+    /// Replaces what is known of a tool.
+    pub(super) fn set(&mut self, tool: &str, tally: &Tally, explained: BTreeMap<String, usize>) {
+        let mut counts: BTreeMap<Form, BTreeMap<String, Count>> = BTreeMap::new();
+        for ((form, package), count) in &tally.counts {
+            counts.entry(*form).or_default().insert(package.clone(), *count);
+        }
+        let end = match tally.end {
+            End::Finished => "finished",
+            End::Crashed(_) => "crashed",
+            End::Hung => "hung",
+            End::Garbage(_) => "garbage",
+        };
+        let version = tally.version.clone().unwrap_or_else(|| "unknown".to_owned());
+        self.tools.insert(tool.to_owned(), ToolRecord { version, end: end.to_owned(), counts, explained });
+    }
+}

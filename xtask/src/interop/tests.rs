@@ -1,0 +1,343 @@
+//! The comparison, with adapters made up for it: nothing has to be installed.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use std::time::Duration;
+
+use tempfile::TempDir;
+
+use super::adapter::{self, Answer, Answers, End, Verdict};
+use super::job::{Case, Form, Job, Jobs};
+use super::known::{Judgement, Known};
+use super::page;
+use super::record::Record;
+use super::tally::{Count, Does, Tally};
+use super::tool::{self, Tool};
+use super::{Places, canonical};
+
+/// Far more than any script here takes.
+const LONG: Duration = Duration::from_secs(120);
+
+const SAYS_ALL: &str = r#"
+echo '{"version": "1.2.3"}'
+echo '{"job": 0}'
+echo '{"job": 0, "case": 0, "valid": true}'
+echo '{"job": 0, "case": 1, "valid": true}'
+echo '{"job": 0, "case": 2, "error": "too long"}'
+echo '{"job": 1, "error": "no references"}'
+"#;
+
+fn case(id: &str, is_valid: bool) -> Case {
+    Case { id: id.to_owned(), text: "{}".to_owned(), is_valid, beyond: None }
+}
+
+/// Two jobs: of three cases, one of them invalid, and of one.
+fn jobs() -> Vec<Job> {
+    let job = |name: &str, cases| Job {
+        form: Form::Files,
+        package: "demo".to_owned(),
+        name: format!("demo/{name}"),
+        schema: format!("https://example.com/{name}.schema.json"),
+        cases,
+    };
+    let cases = vec![case("calm", true), case("speed-above-range", false), case("storm", true)];
+    vec![job("Wind", cases), job("Mark", vec![case("zero", true)])]
+}
+
+fn tool(kind: &str, more: &str) -> Tool {
+    let text = format!(
+        "name = \"fake\"\nkind = \"{kind}\"\nlanguage = \"sh\"\ndraft = \"7\"\nenvironment = \"node\"\nadapter = \
+         \"fake.sh\"\nnote = \"\"\n{more}"
+    );
+    toml::from_str(&text).expect("a tool")
+}
+
+/// Runs a script of the shell in place of an adapter.
+fn run(script: &str, limit: Duration) -> Answers {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut command = Command::new("sh");
+    adapter::run(command.args(["-c", script]), &jobs(), &folder.path().join("log.txt"), limit)
+}
+
+fn tally(kind: &str, script: &str) -> Tally {
+    Tally::of(&tool(kind, ""), &jobs(), run(script, LONG))
+}
+
+fn total(tally: &Tally) -> Count {
+    tally.total()
+}
+
+#[test]
+#[cfg(unix)]
+fn verdicts_are_compared_with_what_is_true() {
+    let tally = tally("validator", SAYS_ALL);
+    assert_eq!((tally.version.as_deref(), &tally.end), (Some("1.2.3"), &End::Finished));
+    let count =
+        Count { schemas: 1, schemas_failed: 1, agreed: 1, disagreed: 2, not_run: 1, refused: 0, taken: 0 };
+    assert_eq!(total(&tally), count);
+    let found: Vec<_> = tally.disagreements.iter().map(|found| (found.place.as_str(), found.does)).collect();
+    let expected = [
+        ("demo/Wind#speed-above-range", Does::Takes),
+        ("demo/Wind#storm", Does::Fails),
+        ("demo/Mark", Does::RefusesSchema),
+    ];
+    assert_eq!(found, expected);
+}
+
+#[test]
+#[cfg(unix)]
+fn of_generators_only_valid_instances_are_a_matter() {
+    let tally = tally("generator", SAYS_ALL);
+    let count =
+        Count { schemas: 1, schemas_failed: 1, agreed: 1, disagreed: 1, not_run: 1, refused: 0, taken: 1 };
+    assert_eq!(total(&tally), count);
+    assert!(tally.disagreements.iter().all(|found| found.does != Does::Takes));
+}
+
+#[test]
+#[cfg(unix)]
+fn jobs_of_a_form_that_a_tool_cant_be_given_are_left_out() {
+    let tally = Tally::of(&tool("validator", "form = \"bundle\""), &jobs(), run(SAYS_ALL, LONG));
+    assert!(tally.counts.is_empty() && tally.disagreements.is_empty());
+}
+
+#[test]
+#[cfg(unix)]
+fn what_was_said_before_a_crash_counts() {
+    let script = "echo '{\"job\": 0}'; echo '{\"job\": 0, \"case\": 0, \"valid\": true}'; exit 3";
+    let tally = tally("validator", script);
+    assert!(matches!(&tally.end, End::Crashed(status) if status.contains('3')), "{:?}", tally.end);
+    assert_eq!((total(&tally).agreed, total(&tally).not_run), (1, 3));
+    let silent = tally.disagreements.iter().filter(|found| found.does == Does::SaysNothing);
+    let places: Vec<&str> = silent.map(|found| found.place.as_str()).collect();
+    assert_eq!(places, ["demo/Wind#speed-above-range", "demo/Wind#storm", "demo/Mark"]);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_tool_that_hangs_is_stopped() {
+    for script in ["exec sleep 600", "exec >&-; exec sleep 600"] {
+        let answers = run(script, Duration::from_millis(200));
+        assert_eq!(answers.end, End::Hung, "{script}");
+        assert!(answers.jobs.iter().all(|answer| *answer == Answer::Nothing));
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn a_tool_that_speaks_garbage_is_stopped() {
+    let garbage = [
+        ("echo hello", "line 1: "),
+        ("echo '{}'", "line 1: neither a version nor a job"),
+        ("echo '{\"job\": 2}'", "line 1: there is no job 2"),
+        ("echo '{\"job\": 0, \"case\": 0, \"valid\": true}'", "line 1: a case of job 0, whose schema"),
+        ("echo '{\"job\": 0}'; echo '{\"job\": 0}'", "line 2: job 0 for the second time"),
+        (
+            "echo '{\"job\": 0}'; echo '{\"job\": 0, \"case\": 3, \"valid\": true}'",
+            "line 2: there is no case 3",
+        ),
+        ("echo '{\"job\": 0}'; echo '{\"job\": 0, \"case\": 0}'", "line 2: no verdict"),
+        // One line without an end.
+        ("cat /dev/zero", "line 1: "),
+    ];
+    for (script, expected) in garbage {
+        let answers = run(script, LONG);
+        assert!(
+            matches!(&answers.end, End::Garbage(text) if text.starts_with(expected)),
+            "{:?}",
+            answers.end
+        );
+    }
+    let twice =
+        "echo '{\"job\": 0}'; for i in 1 2; do echo '{\"job\": 0, \"case\": 0, \"valid\": false}'; done";
+    let answers = run(twice, LONG);
+    assert!(matches!(answers.end, End::Garbage(_)));
+    assert_eq!(
+        answers.jobs.first(),
+        Some(&Answer::Verdicts(vec![Some(Verdict::Invalid(String::new())), None, None]))
+    );
+}
+
+#[test]
+fn a_program_that_isnt_there_is_a_crash() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut command = Command::new(folder.path().join("no-such-adapter"));
+    let answers = adapter::run(&mut command, &jobs(), &folder.path().join("log.txt"), LONG);
+    assert!(matches!(answers.end, End::Crashed(_)));
+}
+
+/// What is left when `entries` explain what the tools `fake` and `other` disagree in, which is the same.
+#[cfg(unix)]
+fn judge(entries: &str) -> Judgement {
+    let known: Known = toml::from_str(entries).expect("entries");
+    let both = ["fake", "other"].map(|name| (name.to_owned(), tally("validator", SAYS_ALL)));
+    known.judge(&BTreeMap::from(both))
+}
+
+fn entry(id: &str, tools: &str, does: &str, places: &str) -> String {
+    format!(
+        "[[disagreement]]\nid = \"{id}\"\ntools = {tools}\ndoes = \"{does}\"\nplaces = {places}\nright = \
+         \"schema\"\nsection = \"Core 4.2.1\"\nreason = \"So it is.\"\n"
+    )
+}
+
+#[test]
+#[cfg(unix)]
+fn every_disagreement_has_to_be_explained() {
+    let both = r#"["fake", "other"]"#;
+    let takes = entry("speed", both, "takes", r#"["demo/*#speed-*"]"#);
+    let fails = entry("length", both, "fails", r#"["demo/Wind#storm"]"#);
+    let schema = entry("references", r#"["other"]"#, "refuses-schema", r#"["demo/Mark"]"#);
+    let judgement = judge(&[takes, fails, schema].concat());
+    assert_eq!(judgement.stale, Vec::<String>::new());
+    let left: Vec<_> =
+        judgement.unexplained.iter().map(|(tool, found)| (tool.as_str(), found.len())).collect();
+    assert_eq!(left, [("fake", 1)]);
+    assert_eq!(judgement.explained["other"]["references"], 1);
+}
+
+#[test]
+#[cfg(unix)]
+fn an_explanation_of_nothing_is_a_mistake() {
+    let idle = entry("speed", r#"["fake"]"#, "refuses", r#"["demo/*#speed-*"]"#);
+    assert_eq!(
+        judge(&idle).stale,
+        ["`speed` explains nothing of fake", "`speed`: `demo/*#speed-*` explains nothing"]
+    );
+    let wide = entry("speed", r#"["fake"]"#, "takes", r#"["demo/*#speed-*", "demo/*#height-*"]"#);
+    assert_eq!(judge(&wide).stale, ["`speed`: `demo/*#height-*` explains nothing"]);
+    // In the shadow of another.
+    let second = entry("again", r#"["fake"]"#, "takes", r#"["demo/Wind#*"]"#);
+    assert_eq!(judge(&[wide.replace(", \"demo/*#height-*\"", ""), second].concat()).stale.len(), 2);
+    let elsewhere = entry("speed", r#"["fake"]"#, "takes", r#"["demo/*"]"#)
+        .replace("places", "form = \"bundle\"\nplaces");
+    assert_eq!(judge(&elsewhere).stale.len(), 2);
+    // Of tools that don't run, nothing is known.
+    assert_eq!(judge(&idle.replace("\"fake\"", "\"absent\"")).stale, Vec::<String>::new());
+}
+
+#[test]
+fn mistakes_in_the_list_are_told_all_at_once() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("disagreements.toml");
+    let text =
+        [entry("a", r#"["fake", "unknown"]"#, "takes", r#"["{"]"#), entry("a", "[]", "takes", "[]")].concat();
+    fs::write(&path, text).expect("a file");
+    let error = Known::read(&path, &BTreeSet::from(["fake"])).expect_err("mistakes");
+    for part in ["two entries are called `a`", "there is no tool `unknown`", "`a`: error parsing glob"] {
+        assert!(error.contains(part), "{error}");
+    }
+}
+
+#[test]
+fn rules_beyond_schemas_are_listed_exactly() {
+    let known: Known = toml::from_str("[[beyond]]\nrule = \"G-2\"\nreason = \"\"\n").expect("a list");
+    let rules = |rule: &str| BTreeMap::from([(rule.to_owned(), 1)]);
+    assert_eq!(known.check_beyond(&rules("G-2")), Vec::<String>::new());
+    assert_eq!(known.check_beyond(&rules("G-1")).len(), 2);
+}
+
+/// A folder as the generator writes it.
+fn generated() -> TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let write = |path: &str, text: &str| {
+        let path = folder.path().join(path);
+        fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
+        fs::write(path, text).expect("a file");
+    };
+    write("schemas/demo/Wind.schema.json", r#"{"$id": "https://example.com/demo/Wind.schema.json"}"#);
+    write(
+        "schemas/demo.bundle.schema.json",
+        r#"{"$id": "https://example.com/demo.bundle.schema.json", "$defs": {"Wind": {}}}"#,
+    );
+    write("vectors/vectors.schema.json", r#"{"$id": "https://example.com/vectors.schema.json"}"#);
+    write(
+        "vectors/demo/Wind.vectors.json",
+        r#"{"type": "demo/Wind", "schema": "https://example.com/demo/Wind.schema.json", "cases": [
+            {"id": "calm", "valid": true, "json": {"speed":1.0}, "uorb": "00"},
+            {"id": "bytes", "valid": false, "rule": "G-1", "uorb": "00"},
+            {"id": "odd", "valid": false, "rule": "G-2", "json": 18446744073709551616},
+            {"id": "huge", "valid": false, "rule": "G-3", "json": 1e999}]}"#,
+    );
+    write(
+        "vectors/json-schema-test-suite/tests/draft2020-12/demo/Wind.json",
+        r#"[{"tests": [{"description": "calm: no wind", "valid": true}, {"description": "odd: more", "valid": true}]}]"#,
+    );
+    folder
+}
+
+#[test]
+fn jobs_are_the_cases_with_json_in_both_forms() {
+    let folder = generated();
+    let jobs = Jobs::read(folder.path()).expect("jobs");
+    let schemas: Vec<&str> = jobs.list.iter().map(|job| job.schema.as_str()).collect();
+    let expected = [
+        "https://example.com/demo/Wind.schema.json",
+        "https://example.com/demo.bundle.schema.json#/$defs/Wind",
+    ];
+    assert_eq!(schemas, expected);
+    let cases: Vec<(&str, &str, bool)> =
+        jobs.list[0].cases.iter().map(|case| (case.id.as_str(), case.text.as_str(), case.is_valid)).collect();
+    // Numbers stay as they are written, also where they are none that this program could hold.
+    let expected =
+        [("calm", "{\"speed\":1.0}", true), ("odd", "18446744073709551616", true), ("huge", "1e999", false)];
+    assert_eq!(cases, expected);
+    assert_eq!(jobs.beyond_schemas(), BTreeMap::from([("G-2".to_owned(), 1)]));
+    assert_eq!(jobs.text().lines().count(), 3 + 2);
+    assert!(jobs.text().contains(r#""cases":["{\"speed\":1.0}","18446744073709551616","1e999"]"#));
+}
+
+#[test]
+fn a_bundle_that_lacks_a_type_is_a_mistake() {
+    let folder = generated();
+    let bundle = folder.path().join("schemas/demo.bundle.schema.json");
+    fs::write(bundle, r#"{"$id": "https://example.com/demo.bundle.schema.json", "$defs": {}}"#)
+        .expect("a file");
+    let error = Jobs::read(folder.path()).expect_err("a mistake");
+    assert!(error.contains("doesn't define `Wind`"), "{error}");
+}
+
+#[test]
+#[cfg(unix)]
+fn the_page_shows_what_was_recorded() {
+    let known: Known =
+        toml::from_str(&entry("speed", r#"["fake", "other"]"#, "takes", r#"["demo/*#speed-*"]"#))
+            .expect("an entry");
+    let tools = [tool("validator", "")];
+    let found = tally("validator", SAYS_ALL);
+    let judgement = known.judge(&BTreeMap::from([("fake".to_owned(), tally("validator", SAYS_ALL))]));
+    let mut record = Record::default();
+    assert!(page::text(&tools, &known, &record).contains("fake (not run), other (not run)"));
+    record.set("fake", &found, judgement.explained["fake"].clone());
+    let page = page::text(&tools, &known, &record);
+    for part in ["| fake 1.2.3 | sh | 7 | 1 of 4 (1 of 2 schemas) |", "fake (1), other (not run)"] {
+        assert!(page.contains(part), "{page}");
+    }
+    let read: Record = serde_json::from_str(&record.text()).expect("a record");
+    assert_eq!(read, record);
+}
+
+#[test]
+fn the_page_of_the_documentation_is_what_the_record_says() {
+    let places = Places::new();
+    let tools = tool::read(&places.source().join("tools.toml")).expect("tools");
+    let names = tools.iter().map(|tool| tool.name.as_str()).collect();
+    let known = Known::read(&places.source().join("disagreements.toml"), &names).expect("entries");
+    let record = Record::read(&places.record()).expect("a record");
+    let read = |path: &Path| fs::read_to_string(path).expect("a file");
+    let advice = "run `cargo xtask interop`";
+    assert!(read(&places.page()) == page::text(&tools, &known, &record), "{advice}");
+    assert!(read(&places.contents()) == page::CONTENTS, "{advice}");
+    assert!(tools.iter().all(|tool| record.tools.contains_key(&tool.name)), "{advice}");
+}
+
+#[test]
+fn lock_files_name_no_hosts() {
+    let source = canonical(&Places::new().source()).expect("a folder");
+    for path in ["node/package-lock.json", "python/requirements.txt"] {
+        let text = fs::read_to_string(source.join(path)).expect("a lock file");
+        assert!(!text.contains("\"resolved\"") && !text.contains("index-url"), "{path}");
+    }
+}
