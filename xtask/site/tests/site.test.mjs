@@ -51,8 +51,20 @@ const LOOKED_AT = [
   "docs/flockwave/error-codes/errors.html",
   "docs/flockwave/messages/UAV-INF.html",
   "docs/flockwave/types/UAVStatusInfo.html",
+  "docs/flockwave/error-codes.uk.html",
+  "docs/interop/README.html",
+  "docs/px4/FailsafeFlags.uk.html",
   "docs/rules/PX-RANGE-01.html",
   ...messages.map((message) => `docs/px4/${message}.html`),
+];
+
+const HELD_TO_AXE = [
+  "index.html",
+  "docs/flockwave/error-codes.html",
+  "docs/flockwave/error-codes/errors.html",
+  "docs/px4/ArmingCheckReply.html",
+  "docs/px4/FailsafeFlags.html",
+  "docs/px4/FailsafeFlags.uk.html",
 ];
 
 let browser;
@@ -108,7 +120,7 @@ describe("pages", () => {
   test("are fit for keyboards and screen readers, by the rules of axe", async () => {
     for (const scheme of ["light", "dark"]) {
       await open(1440, scheme);
-      for (const name of ["index.html", "docs/px4/FailsafeFlags.html", "docs/px4/ArmingCheckReply.html", "docs/flockwave/error-codes.html"]) {
+      for (const name of HELD_TO_AXE) {
         await page.goto(address(name));
         await page.evaluate(axe);
         const { violations } = await page.evaluate(() => globalThis.axe.run("main"));
@@ -216,7 +228,7 @@ describe("error codes", () => {
 
   test("lead to their alternatives", async () => {
     await page.getByLabel("Find a code").fill("66");
-    await page.getByRole("row", { name: "134 LOWBAT" }).getByRole("link", { name: "199" }).click();
+    await page.getByRole("row", { name: "134 LOWBAT" }).getByRole("link", { name: "199" }).last().click();
     await page.waitForURL(/#code-199$/);
     await page.getByRole("heading", { name: "199 LOWBAT" }).waitFor();
   });
@@ -271,6 +283,32 @@ function choose(value) {
 function exact(text) {
   return JSON.parse(text.replace(/(?<=[:[,\s])-?\d{16,}(?=[,\]}\s])/g, '"$&"'));
 }
+
+describe("other languages", () => {
+  beforeEach(() => open());
+
+  test("are a link away, and are marked for those who listen", async () => {
+    await page.goto(address("docs/px4/FailsafeFlags.html"));
+    await page.getByRole("link", { name: "Українська" }).first().click();
+    await page.waitForURL(/FailsafeFlags\.uk\.html$/);
+    const motor = page.getByRole("checkbox", { name: "fd_motor_failure" });
+    assert.match(await motor.locator("xpath=..").textContent(), /мотор/i);
+    assert.equal(await motor.evaluate((box) => box.closest("[lang]").lang), "uk");
+    await motor.check();
+    assert.equal(await page.locator(".composer-status").textContent(), "байт 84 дорівнює 01");
+    await page.locator("main").getByRole("link", { name: "English" }).click();
+    await page.waitForURL(/FailsafeFlags\.html$/);
+    assert.deepEqual(complaints, []);
+  });
+
+  test("have the error codes, found by their words", async () => {
+    await page.goto(address("docs/flockwave/error-codes.uk.html"));
+    await page.getByLabel("Знайти код").fill("компас");
+    assert.match(await page.getByRole("status").textContent(), /^кодів \d+ з 63$/);
+    await page.getByLabel("Знайти код").fill("134");
+    assert.equal(await page.getByRole("status").textContent(), "кодів 3 з 63");
+  });
+});
 
 describe("composing", () => {
   beforeEach(() => open());
