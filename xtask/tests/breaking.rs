@@ -1,5 +1,7 @@
 //! `breaking` as a user meets it: against folders, and against revisions of a Git repository.
 
+mod support;
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -7,25 +9,17 @@ use std::process::{Command, Output};
 use serde_json::Value as Json;
 use tempfile::TempDir;
 
+use support::{write, xtask};
+
 const CONFIG: &str = "[[package]]\nname = \"demo\"\ndialect = \"px4\"\ninclude = [\"msg/*.msg\"]\n";
 const WIND: &str =
     "# Wind over ground\n\nuint64 timestamp  # [us] Since start\nfloat32 speed     # [m/s] Speed\n";
 const CALM: &str = "# Wind over ground\n\nuint64 timestamp  # [us] Since start\n";
 
-fn write(folder: &Path, path: &str, text: &str) {
-    let path = folder.join(path);
-    fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
-    fs::write(path, text).expect("a file");
-}
-
 /// Status, what was printed, and what was said.
 fn breaking(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
-    let Output { status, stdout, stderr } = Command::new(env!("CARGO_BIN_EXE_xtask"))
-        .arg("breaking")
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .expect("xtask runs");
+    let arguments = [&["breaking"], arguments].concat();
+    let Output { status, stdout, stderr } = xtask(folder, &arguments);
     let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
     (status.code(), text(stdout), text(stderr))
 }

@@ -1,5 +1,7 @@
 //! The command line as a user meets it: exit status, messages, and what happens to files.
 
+mod support;
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -7,6 +9,8 @@ use std::process::{Command, Output};
 use quick_junit::{Report as Junit, TestCase, TestCaseStatus};
 use serde_json::Value as Json;
 use tempfile::TempDir;
+
+use support::{write, xtask};
 
 const CONFIG: &str = r#"
 [output]
@@ -30,20 +34,6 @@ fn workspace() -> TempDir {
     write(&folder, "msg/Wind.msg", WIND);
     write(&folder, "msg/Gust.msg", GUST);
     folder
-}
-
-fn write(folder: &TempDir, path: &str, text: &str) {
-    let path = folder.path().join(path);
-    fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
-    fs::write(path, text).expect("a file");
-}
-
-fn xtask(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_xtask"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .expect("xtask runs")
 }
 
 #[track_caller]
