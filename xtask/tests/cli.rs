@@ -4,7 +4,6 @@ mod support;
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 
 use quick_junit::{Report as Junit, TestCase, TestCaseStatus};
 use serde_json::Value as Json;
@@ -93,7 +92,7 @@ fn works_from_any_folder_below_and_gives_the_same_bytes() {
     run(&folder, &["codegen"], 0);
     let first = tree(&folder.path().join("out"));
     fs::remove_dir_all(folder.path().join("out")).expect("removed");
-    let output = xtask(&folder.path().join("msg"), &["codegen"]);
+    let output = xtask(folder.path().join("msg"), &["codegen"]);
     assert!(output.status.success());
     assert_eq!(tree(&folder.path().join("out")), first);
 }
