@@ -75,38 +75,52 @@ fn property(field: &FieldDescriptor, reference: Option<Schema>) -> Schema {
 
 fn number(scalar: Scalar, constraint: &Constraint<'_>) -> Schema {
     let Some(whole) = Bounds::of(scalar) else { return json_schema!({ "type": "boolean" }) };
-    let mut schema = if scalar.is_float() {
+    let any = if scalar.is_float() {
         json_schema!({ "type": ["number", "null"] })
     } else {
         json_schema!({ "type": "integer" })
     };
+    let mut schema = any.clone();
     let used = whole.within(constraint);
-    let is_outside = |value: &&Number| whole.hold(**value) && !used.hold(**value);
-    let outside: Vec<Schema> =
-        constraint.special.iter().filter(is_outside).map(|value| exactly(*value, scalar)).collect();
+    let outside: Vec<Number> =
+        constraint.special.iter().copied().filter(|value| whole.hold(*value) && !used.hold(*value)).collect();
     let has_names = constraint.known.is_some() && !constraint.is_flags;
     if outside.is_empty() {
         used.insert_into(&mut schema);
     } else {
-        let mut within = Schema::default();
+        let mut within = any.clone();
         used.insert_into(&mut within);
-        let alternatives: Vec<Schema> = core::iter::once(within).chain(outside).collect();
+        // Generators make alternatives of a type only where no value fits two of them, as `oneOf` says.
+        let keyword = if are_apart(used, &outside, scalar) { "oneOf" } else { "anyOf" };
+        let exact = outside.into_iter().map(|value| exactly(value, scalar));
+        let alternatives: Vec<Schema> = core::iter::once(within).chain(exact).collect();
         if has_names {
             // A schema has one `anyOf`, which the names take: the alternatives stand one level below.
-            let below = json_schema!({ "anyOf": alternatives });
+            let mut below = Schema::default();
+            below.insert(keyword.to_string(), alternatives.into());
             schema.insert("allOf".to_string(), Vec::from([below]).into());
         } else {
-            schema.insert("anyOf".to_string(), alternatives.into());
+            schema.insert(keyword.to_string(), alternatives.into());
         }
     }
     if has_names {
-        schema.insert("anyOf".to_string(), documented(constraint).into());
+        schema.insert("anyOf".to_string(), documented(constraint, any).into());
     }
     schema
 }
 
+/// Whether every reader can tell the special values from what is used, and from each other: to those who read all
+/// numbers as 64-bit floats, large integers are their neighbours.
+fn are_apart(used: Bounds, outside: &[Number], scalar: Scalar) -> bool {
+    let all: Vec<Bounds> =
+        core::iter::once(used).chain(outside.iter().map(|value| Bounds::exactly(*value, scalar))).collect();
+    let is_apart =
+        |(index, bounds): (usize, &Bounds)| all[index + 1..].iter().all(|other| bounds.is_apart(*other));
+    all.iter().enumerate().all(is_apart)
+}
+
 /// The documented values, and any other.
-fn documented(constraint: &Constraint<'_>) -> Vec<Schema> {
+fn documented(constraint: &Constraint<'_>, any: Schema) -> Vec<Schema> {
     let known = constraint.known.unwrap_or_default().iter().enumerate();
     let values = known.map(|(index, value)| {
         let mut schema = Schema::default();
@@ -116,7 +130,7 @@ fn documented(constraint: &Constraint<'_>) -> Vec<Schema> {
         }
         schema
     });
-    values.chain([Schema::from(true)]).collect()
+    values.chain([any]).collect()
 }
 
 /// Inclusive bounds of a number.
@@ -149,6 +163,28 @@ impl Bounds {
         Self { low, high: least(least(self.high, constraint.high), count) }
     }
 
+    /// What lets through exactly `value`, in each form in which JSON may hold it: a `float32` is written widened to
+    /// 64 bits or in its shortest form.
+    #[allow(clippy::cast_possible_truncation)] // rounding is what this is about
+    fn exactly(value: Number, scalar: Scalar) -> Self {
+        let exact = value.as_f64();
+        let widened = f64::from(exact as f32);
+        let shortest = (exact as f32).to_string().parse().unwrap_or(widened);
+        #[allow(clippy::float_cmp)] // whether they are one number
+        if scalar == Scalar::Float32 && (exact != widened || widened != shortest) {
+            let low = Number::Float(exact.min(widened).min(shortest));
+            let high = Number::Float(exact.max(widened).max(shortest));
+            Self { low, high }
+        } else {
+            Self { low: value, high: value }
+        }
+    }
+
+    /// Whether no number is within both.
+    fn is_apart(self, other: Self) -> bool {
+        self.high.as_f64() < other.low.as_f64() || other.high.as_f64() < self.low.as_f64()
+    }
+
     fn hold(self, value: Number) -> bool {
         value >= self.low && value <= self.high
     }
@@ -159,22 +195,17 @@ impl Bounds {
     }
 }
 
-/// Lets through a value in each form in which JSON may hold it: a `float32` is written widened to 64 bits
-/// or in its shortest form.
-#[allow(clippy::cast_possible_truncation)] // rounding is what this is about
+/// Lets through one value.
 fn exactly(value: Number, scalar: Scalar) -> Schema {
-    let mut schema = Schema::default();
-    let exact = value.as_f64();
-    let widened = f64::from(exact as f32);
-    let shortest = (exact as f32).to_string().parse().unwrap_or(widened);
-    #[allow(clippy::float_cmp)] // whether they are one number
-    if scalar == Scalar::Float32 && (exact != widened || widened != shortest) {
-        let low = Number::Float(exact.min(widened).min(shortest));
-        let high = Number::Float(exact.max(widened).max(shortest));
-        Bounds { low, high }.insert_into(&mut schema);
-    } else {
+    let bounds = Bounds::exactly(value, scalar);
+    if bounds.low == bounds.high {
+        let mut schema = Schema::default();
         insert(&mut schema, "const", value);
+        return schema;
     }
+    // Only floats have several forms.
+    let mut schema = json_schema!({ "type": "number" });
+    bounds.insert_into(&mut schema);
     schema
 }
 
