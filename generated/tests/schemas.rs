@@ -274,7 +274,7 @@ fn fields_of_every_kind_have_a_schema() {
     assert_eq!(properties["inners"], items(3, json!({ "$ref": "#/$defs/Inner" })));
     assert_eq!(properties["wide"], json!({ "title": "wide", "type": "string", "maxLength": 5 }));
     let modes = &properties["modes"]["items"];
-    let within = json!([{ "anyOf": [{ "minimum": -128, "maximum": 4 }, { "const": 9 }] }]);
+    let within = json!([{ "oneOf": [{ "type": "integer", "minimum": -128, "maximum": 4 }, { "const": 9 }] }]);
     assert_eq!(modes["allOf"], within);
     assert_eq!(modes["anyOf"].as_array().expect("a list").len(), 5);
     assert_eq!(schema["$defs"]["Inner"]["properties"]["names"]["items"]["maxLength"], 4);

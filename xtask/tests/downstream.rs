@@ -52,6 +52,9 @@ fn the_workspace_of_the_readme_works() {
         let own = |part: &str| format!("\"{}\"", repository.join(part).display());
         let text = text.replace("\"../../uavspec/codegen\"", &own("codegen"));
         let text = text.replace("\"../../uavspec/generated/runtime\"", &own("generated/runtime"));
+        // Its program would take the place of ours, which other tests run, in the folder that both are built into.
+        let text = text.replace("name = \"xtask\"", "name = \"downstream-xtask\"");
+        let text = text.replace("--package xtask", "--package downstream-xtask");
         fs::write(path, text).expect("a file");
     }
     // The versions that are on this machine already.
