@@ -124,7 +124,7 @@ fn outcomes(
     let texts = translation::texts(schema);
     let select = selected(&args.select, &texts)?;
     let sources = &loaded.sources;
-    let is_named = |tag: &str| args.languages.iter().any(|language| language == tag);
+    let is_named = |tag: &str| args.languages.iter().any(|language| language.eq_ignore_ascii_case(tag));
     let mut outcomes = Vec::new();
     for id in &loaded.catalogues {
         let Some(path) = loaded.paths.get(id) else { continue };

@@ -13,7 +13,7 @@
     return words.every((word) => (/^\d+$/.test(word) ? row.numbers.includes(word) : row.text.includes(word)));
   }
 
-  function filter(place) {
+  function filter(place, index) {
     let table = place.nextElementSibling;
     while (table && !table.matches("table, .table-wrapper")) {
       table = table.nextElementSibling;
@@ -32,7 +32,7 @@
       };
     });
 
-    const search = element("input", { type: "search", id: "error-code-search", placeholder: words.example });
+    const search = element("input", { type: "search", id: `error-code-search-${index}`, placeholder: words.example });
     search.autocomplete = "off";
     const status = element("p", { className: "error-code-count" });
     status.setAttribute("role", "status");
