@@ -183,7 +183,7 @@ fn selected(names: &[String], texts: &[Text<'_>]) -> Result<BTreeSet<String>, Fa
                 || "name a message as `px4/FailsafeFlags`, error codes as `flockwave/error-codes`, or a package".to_owned(),
                 |(_, unit)| format!("did you mean `{unit}`?"),
             );
-            return Err(Failure::new(format!("nothing that is called `{name}` has texts")).with_hint(hint));
+            return Err(Failure::new(format!("`{name}` names nothing that has texts")).with_hint(hint));
         }
         selected.extend(meant);
     }

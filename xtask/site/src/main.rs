@@ -72,9 +72,7 @@ fn own(output: &Path) -> Result<(), String> {
     let is_empty = fs::read_dir(output).map_err(of_folder)?.next().is_none();
     if !is_empty && !output.join(MARK).is_file() {
         let folder = output.display();
-        return Err(format!(
-            "{folder} holds files that are no site\n  help: name another folder with --out"
-        ));
+        return Err(format!("{folder} holds files that are no site\n  help: name another folder with --out"));
     }
     mark(output)
 }

@@ -22,12 +22,15 @@
       return;
     }
     const words = JSON.parse(place.dataset.words);
+    // A column in which nothing stands is left out of the table, so that columns are known by their headings.
+    const headings = [...table.querySelectorAll("thead th")].map((cell) => cell.textContent.trim());
+    const [severityColumn, alternativesColumn] = [words.severity, words.alternatives].map((name) => headings.indexOf(name));
     const rows = [...table.querySelectorAll("tbody tr")].map((shown) => {
       const cells = [...shown.cells].map((cell) => cell.textContent.trim());
       return {
         shown,
-        severity: cells[2],
-        numbers: [cells[0], ...(cells[4] || "").match(/\d+/g) || []],
+        severity: cells[severityColumn],
+        numbers: [cells[0], ...(cells[alternativesColumn] ?? "").match(/\d+/g) || []],
         text: cells.join(" ").toLowerCase(),
       };
     });
