@@ -392,7 +392,9 @@ describe("composing", () => {
       const described = (await field.getAttribute("aria-describedby")).split(" ").at(-1);
       assert.match(await page.locator(`#${described}`).textContent(), new RegExp(told));
     }
+    assert.ok(await page.getByRole("button", { name: "Copy JSON" }).isDisabled());
     await field.fill("0x10");
+    assert.ok(await page.getByRole("button", { name: "Copy JSON" }).isEnabled());
     assert.equal(await field.getAttribute("aria-invalid"), "false");
     assert.match(await page.locator(".composer-json").textContent(), /"mode_req_attitude": 16,/);
   });

@@ -423,11 +423,13 @@
         shownBytes.replaceChildren(...dump(made, bytes, value.places(0)));
         status.textContent = change(bytes, made);
         bytes = made;
+        mayCopy(true);
       } catch (error) {
         if (!(error instanceof Unfit)) {
           throw error;
         }
         status.textContent = words.notAllFit;
+        mayCopy(false);
       }
     }
 
@@ -439,6 +441,8 @@
     });
     const copyJson = copier(words.copyJson, () => shownJson.textContent);
     const copyBytes = copier(words.copyBytes, () => [...bytes].map(hex).join(""));
+    // What is shown while a value is unfit is of before, and nothing to be copied.
+    const mayCopy = (isFit) => [copyJson, copyBytes].forEach((button) => (button.disabled = !isFit));
     const output = element("div", { className: "composer-output" }, [
       element("div", { className: "composer-buttons" }, [clear, copyJson, copyBytes]),
       status,
