@@ -96,7 +96,9 @@
   // A control has an element to be shown, and reads what was chosen: as JSON, and into memory.
 
   function caption(field) {
-    const label = field.label ? [element("span", { textContent: field.label, lang: field.lang ?? "" }), " "] : [];
+    // An empty `lang` would say that the language is unknown.
+    const language = field.lang ? { lang: field.lang } : {};
+    const label = field.label ? [element("span", { textContent: field.label, ...language }), " "] : [];
     return [...label, element("code", { textContent: field.name })];
   }
 
@@ -104,15 +106,15 @@
   function framed(field, input, hint) {
     controls += 1;
     input.id = `composer-${controls}`;
+    const note = element("span", { className: "composer-hint", id: `${input.id}-hint`, textContent: hint });
     const wrong = element("span", { className: "composer-wrong", id: `${input.id}-wrong` });
-    input.setAttribute("aria-describedby", wrong.id);
+    input.setAttribute("aria-describedby", `${note.id} ${wrong.id}`);
     const label = element("label", { htmlFor: input.id }, caption(field));
-    const unit = hint ? [element("span", { className: "composer-hint", textContent: hint })] : [];
     const tell = (message) => {
       wrong.textContent = message;
       input.setAttribute("aria-invalid", String(message !== ""));
     };
-    return { frame: element("div", { className: "composer-field" }, [label, input, ...unit, wrong]), tell };
+    return { frame: element("div", { className: "composer-field" }, [label, input, note, wrong]), tell };
   }
 
   // Reads by `read`, and shows beside the control why that can't be done.
@@ -162,7 +164,7 @@
     const select = element("select");
     const zero = field.values.some(([value]) => value === "0") ? [] : [["0", "", ""]];
     for (const [value, name, description] of [...zero, ...field.values]) {
-      const textContent = [`${value} ${name}`, description].filter(Boolean).join(": ");
+      const textContent = [[value, name].filter(Boolean).join(" "), description].filter(Boolean).join(": ");
       select.append(element("option", { value, textContent, defaultSelected: value === "0" }));
     }
     select.append(element("option", { value: "", textContent: words.anotherValue }));
@@ -173,6 +175,7 @@
     });
     const { frame, tell } = framed(field, select, field.type);
     select.after(other);
+    other.setAttribute("aria-describedby", select.getAttribute("aria-describedby"));
     const text = () => (select.value === "" ? other.value : select.value);
     return single(field, frame, told(tell, () => parse(text(), field.type)));
   }
@@ -185,8 +188,9 @@
     });
     const legend = element("legend", {}, caption(field));
     const shown = element("fieldset", { className: "composer-flags" }, [legend, ...boxes.map(({ label }) => label)]);
+    // Without a bound, so that a mask with the sign of its type makes a value with that sign.
     const chosen = () => boxes.filter(({ box }) => box.checked).reduce((all, { box }) => all | BigInt(box.value), 0n);
-    return single(field, shown, () => BigInt.asUintN(64, chosen()));
+    return single(field, shown, chosen);
   }
 
   function text(field) {
@@ -420,11 +424,13 @@
         shownBytes.replaceChildren(...dump(made, bytes, value.places(0)));
         status.textContent = change(bytes, made);
         bytes = made;
+        mayCopy(true);
       } catch (error) {
         if (!(error instanceof Unfit)) {
           throw error;
         }
         status.textContent = words.notAllFit;
+        mayCopy(false);
       }
     }
 
@@ -436,6 +442,8 @@
     });
     const copyJson = copier(words.copyJson, () => shownJson.textContent);
     const copyBytes = copier(words.copyBytes, () => [...bytes].map(hex).join(""));
+    // What is shown while a value is unfit is of before, and nothing to be copied.
+    const mayCopy = (isFit) => [copyJson, copyBytes].forEach((button) => (button.disabled = !isFit));
     const output = element("div", { className: "composer-output" }, [
       element("div", { className: "composer-buttons" }, [clear, copyJson, copyBytes]),
       status,

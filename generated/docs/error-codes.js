@@ -14,7 +14,7 @@
     return words.every((word) => (/^\d+$/.test(word) ? row.numbers.includes(word) : row.text.includes(word)));
   }
 
-  function filter(place) {
+  function filter(place, index) {
     let table = place.nextElementSibling;
     while (table && !table.matches("table, .table-wrapper")) {
       table = table.nextElementSibling;
@@ -23,17 +23,20 @@
       return;
     }
     const words = JSON.parse(place.dataset.words);
+    // A column in which nothing stands is left out of the table, so that columns are known by their headings.
+    const headings = [...table.querySelectorAll("thead th")].map((cell) => cell.textContent.trim());
+    const [severityColumn, alternativesColumn] = [words.severity, words.alternatives].map((name) => headings.indexOf(name));
     const rows = [...table.querySelectorAll("tbody tr")].map((shown) => {
       const cells = [...shown.cells].map((cell) => cell.textContent.trim());
       return {
         shown,
-        severity: cells[2],
-        numbers: [cells[0], ...(cells[4] || "").match(/\d+/g) || []],
+        severity: cells[severityColumn],
+        numbers: [cells[0], ...(cells[alternativesColumn] ?? "").match(/\d+/g) || []],
         text: cells.join(" ").toLowerCase(),
       };
     });
 
-    const search = element("input", { type: "search", id: "error-code-search", placeholder: words.example });
+    const search = element("input", { type: "search", id: `error-code-search-${index}`, placeholder: words.example });
     search.autocomplete = "off";
     const status = element("p", { className: "error-code-count" });
     status.setAttribute("role", "status");

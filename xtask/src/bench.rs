@@ -4,7 +4,7 @@ mod compile;
 mod derive;
 
 use std::path::Path;
-use std::process::{Command, ExitCode};
+use std::process::Command;
 
 use clap::ValueEnum;
 
@@ -21,20 +21,14 @@ pub(crate) enum What {
     Conformance,
 }
 
-pub(crate) fn run(what: What) -> ExitCode {
-    let result = match what {
+pub(crate) fn run(what: What) -> Result<bool, String> {
+    match what {
         What::Codegen => benches(&[("uavspec-codegen", "codegen")]),
         What::Compile => compile::run(),
         What::Codec => benches(&[("uavspec", "codec"), ("uavspec-codegen", "dynamic")]),
         What::Conformance => benches(&["ulog", "judging"].map(|bench| ("uavspec-conformance", bench))),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(message) => {
-            eprintln!("error: {message}");
-            ExitCode::FAILURE
-        }
     }
+    .map(|()| true)
 }
 
 /// Runs benchmarks one after the other: packages and names.

@@ -20,7 +20,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
@@ -32,11 +31,12 @@ use self::known::{Judgement, Known};
 use self::record::Record;
 use self::tally::Tally;
 use self::tool::Tool;
+use crate::place::repository;
 
 /// How many unexplained disagreements of a tool are shown.
 const SHOWN: usize = 10;
 
-/// What to run, and how.
+/// Arguments of `interop`.
 #[derive(Args)]
 #[allow(clippy::struct_excessive_bools)] // options of a command line
 pub(crate) struct Arguments {
@@ -67,7 +67,7 @@ struct Places {
 
 impl Places {
     fn new() -> Self {
-        Self { root: Path::new(env!("CARGO_MANIFEST_DIR")).join("..") }
+        Self { root: repository().to_path_buf() }
     }
 
     fn source(&self) -> PathBuf {
@@ -95,19 +95,9 @@ impl Places {
     }
 }
 
-pub(crate) fn run(arguments: &Arguments) -> ExitCode {
-    match execute(arguments, &Places::new()) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
-        Err(message) => {
-            eprintln!("error: {message}");
-            ExitCode::FAILURE
-        }
-    }
-}
-
 /// Whether everything is as it has to be.
-fn execute(arguments: &Arguments, places: &Places) -> Result<bool, String> {
+pub(crate) fn run(arguments: &Arguments) -> Result<bool, String> {
+    let places = Places::new();
     let tools = tool::read(&places.source().join("tools.toml"))?;
     let names: BTreeSet<&str> = tools.iter().map(|tool| tool.name.as_str()).collect();
     let known = Known::read(&places.source().join("disagreements.toml"), &names)?;
@@ -115,8 +105,14 @@ fn execute(arguments: &Arguments, places: &Places) -> Result<bool, String> {
         list(&tools);
         return Ok(true);
     }
-    if let Some(unknown) = arguments.only.iter().find(|name| !names.contains(name.as_str())) {
-        return Err(format!("there is no tool `{unknown}`; --list shows all"));
+    let unknown: Vec<String> = arguments
+        .only
+        .iter()
+        .filter(|name| !names.contains(name.as_str()))
+        .map(|name| format!("`{name}`"))
+        .collect();
+    if !unknown.is_empty() {
+        return Err(format!("there is no tool {}; --list shows all", unknown.join(", ")));
     }
     let is_wanted = |tool: &&Tool| {
         (arguments.only.is_empty() || arguments.only.contains(&tool.name))
@@ -124,10 +120,10 @@ fn execute(arguments: &Arguments, places: &Places) -> Result<bool, String> {
     };
     let wanted: Vec<&Tool> = tools.iter().filter(is_wanted).collect();
     let jobs = Jobs::read(&canonical(&places.generated())?)?;
-    let outcome = run_all(arguments, places, &wanted, &jobs)?;
+    let outcome = run_all(arguments, &places, &wanted, &jobs)?;
     let judgement = known.judge(&outcome.tallies);
     let mistakes = known.check_beyond(&jobs.beyond_schemas());
-    report(places, &outcome, &judgement, &mistakes)?;
+    report(&places, &outcome, &judgement, &mistakes)?;
 
     let mut is_good = judgement.unexplained.is_empty() && judgement.stale.is_empty() && mistakes.is_empty();
     if !outcome.not_run.is_empty() && (arguments.quick || !arguments.only.is_empty()) {
@@ -140,7 +136,7 @@ fn execute(arguments: &Arguments, places: &Places) -> Result<bool, String> {
     for (name, tally) in &outcome.tallies {
         record.set(name, tally, judgement.explained.get(name).cloned().unwrap_or_default());
     }
-    Ok(publish(arguments.check, places, &tools, &known, &record)? && is_good)
+    Ok(publish(arguments.check, &places, &tools, &known, &record)? && is_good)
 }
 
 fn list(tools: &[Tool]) {
@@ -234,13 +230,13 @@ fn report(
         );
     }
     for message in judgement.stale.iter().chain(mistakes) {
-        println!("error: xtask/interop/disagreements.toml: {message}");
+        eprintln!("error: xtask/interop/disagreements.toml: {message}");
     }
     let explained: usize = judgement.explained.values().flat_map(BTreeMap::values).sum();
     let unexplained: usize = judgement.unexplained.values().map(Vec::len).sum();
     let agreed: usize = outcome.tallies.values().map(|tally| tally.total().agreed).sum();
-    println!(
-        "\ninterop: {} tools, {agreed} verdicts agreed, {explained} disagreements explained, {unexplained} not; {} \
+    eprintln!(
+        "interop: {} tools, {agreed} verdicts agreed, {explained} disagreements explained, {unexplained} not; {} \
          tools not run",
         outcome.tallies.len(),
         outcome.not_run.len()
@@ -268,13 +264,13 @@ fn publish(
         }
         let shown = path.strip_prefix(&places.root).unwrap_or(&path).display();
         if is_check {
-            println!("error: {shown} isn't up to date: run `cargo xtask interop`");
+            eprintln!("error: {shown} isn't up to date: run `cargo xtask interop`");
             is_fresh = false;
         } else {
             let at = |error: std::io::Error| format!("{shown}: {error}");
             path.parent().map_or(Ok(()), fs::create_dir_all).map_err(at)?;
             fs::write(&path, text).map_err(at)?;
-            println!("interop: {shown} written");
+            eprintln!("interop: {shown} written");
         }
     }
     Ok(is_fresh)

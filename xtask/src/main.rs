@@ -1,15 +1,19 @@
 //! The chores of this repository: the commands of uavspec-codegen, and its own.
+//!
+//! Exit status, as that of uavspec-codegen: 0 all is well; 1 something is to be mended; 2 the command can't be carried out.
 
 mod bench;
 mod docs;
 mod interop;
 mod package;
+mod place;
 
 use std::env;
 use std::ffi::OsString;
 use std::process::{self, ExitCode};
 
 use clap::{Parser, Subcommand};
+use uavspec_codegen::cli::Failure;
 
 /// The chores of this repository.
 #[derive(Parser)]
@@ -38,11 +42,11 @@ enum Command {
     },
     /// Build the documentation site, which needs no server and no network.
     #[command(after_help = "Examples:
-  cargo xtask docs --open                generate, build, and show the site
-  cargo xtask docs --output public       build it into another folder")]
-    Docs(docs::DocsArgs),
+  cargo xtask docs --open        generate, build, and show the site
+  cargo xtask docs --out public  build it into another folder")]
+    Docs(docs::Arguments),
     /// Make the packages for npm and pip; needs neither of them.
-    Package(package::PackageArgs),
+    Package(package::Arguments),
     /// Give the published schemas and all test vectors to validators and generators of other makers.
     #[command(after_help = "Examples:
   cargo xtask interop                  all tools that can be run; installs below target/interop what needs no root
@@ -63,14 +67,27 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    match Cli::parse().command {
-        Command::Specification(command) => command.run(),
-        Command::Conformance { arguments } => conformance(arguments),
-        Command::Docs(args) => docs::run(&args),
-        Command::Package(args) => args.run(),
+    let outcome = match Cli::parse().command {
+        Command::Specification(command) => return command.run(),
+        Command::Conformance { arguments } => return conformance(arguments),
+        Command::Docs(arguments) => docs::run(arguments),
+        Command::Package(arguments) => package::run(arguments),
         Command::Interop(arguments) => interop::run(&arguments),
         Command::Bench { what } => bench::run(what),
+    };
+    match outcome {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(message) => {
+            eprintln!("error: {message}");
+            ExitCode::from(2)
+        }
     }
+}
+
+/// Why the generator can't do something, to be told by [`main`], which says that it is an error.
+fn told(failure: &Failure) -> String {
+    failure.to_string().trim_start_matches("error: ").to_owned()
 }
 
 /// Runs `uavspec`. It is a process of its own: this program has to work where generated code doesn't compile.
@@ -88,7 +105,7 @@ fn conformance(arguments: Vec<OsString>) -> ExitCode {
         Ok(code) => code.map_or(ExitCode::FAILURE, ExitCode::from),
         Err(error) => {
             eprintln!("error: cargo: {error}");
-            ExitCode::FAILURE
+            ExitCode::from(2)
         }
     }
 }

@@ -11,11 +11,11 @@ mod pypi;
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 
 use self::content::Content;
+use crate::place::{repository, shown};
 
 /// Arguments of `package`.
 #[derive(Args)]
@@ -27,7 +27,7 @@ use self::content::Content;
 
 The version is that of the workspace. The packages are made from definitions/, not from generated/."
 ))]
-pub(crate) struct PackageArgs {
+pub(crate) struct Arguments {
     /// Folder for the packages; target/package, where absent.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -41,22 +41,12 @@ struct Package {
     bytes: Vec<u8>,
 }
 
-impl PackageArgs {
-    /// Makes the packages and prints what they are.
-    pub(crate) fn run(self) -> ExitCode {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        let out = self.out.unwrap_or_else(|| root.join("target/package"));
-        match make(&root).and_then(|packages| write(&packages, &out)) {
-            Ok(summary) => {
-                eprintln!("{summary}");
-                ExitCode::SUCCESS
-            }
-            Err(message) => {
-                eprintln!("error: {message}");
-                ExitCode::from(2)
-            }
-        }
-    }
+/// Makes the packages and prints what they are.
+pub(crate) fn run(arguments: Arguments) -> Result<bool, String> {
+    let out = arguments.out.unwrap_or_else(|| repository().join("target/package"));
+    let summary = write(&make(repository())?, &out)?;
+    eprintln!("{summary}");
+    Ok(true)
 }
 
 fn make(root: &Path) -> Result<Vec<Package>, String> {
@@ -70,10 +60,7 @@ fn make(root: &Path) -> Result<Vec<Package>, String> {
 fn write(packages: &[Package], out: &Path) -> Result<String, String> {
     fs::create_dir_all(out)
         .map_err(|error| format!("{}: {error}\n  help: --out names another folder", out.display()))?;
-    // Shown as short as it can be.
-    let shown = fs::canonicalize(out).unwrap_or_else(|_| out.to_path_buf());
-    let here = std::env::current_dir().and_then(fs::canonicalize).unwrap_or_default();
-    let shown = shown.strip_prefix(&here).unwrap_or(&shown);
+    let shown = shown(out);
     let mut lines = Vec::new();
     for package in packages {
         let path = out.join(&package.file_name);
@@ -94,7 +81,7 @@ mod tests {
     use super::*;
 
     fn made() -> Vec<Package> {
-        make(&Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).expect("packages")
+        make(repository()).expect("packages")
     }
 
     #[test]

@@ -61,6 +61,8 @@ fn a_catalogue_is_begun_translated_and_brought_up_to_date() {
         );
     write(&folder, "i18n/uk.po", &translated);
     run(&folder, &["translate", "--check"], 0);
+    let errors = run(&folder, &["translate", "--check", "UK"], 0);
+    assert!(errors.contains("i18n/uk.po: up to date"), "{errors}");
 
     let errors = run(&folder, &["codegen"], 0);
     assert!(errors.contains("warning[translation-missing]: 1 of 3 texts of `demo/Wind`"), "{errors}");

@@ -124,7 +124,7 @@ fn outcomes(
     let texts = translation::texts(schema);
     let select = selected(&args.select, &texts)?;
     let sources = &loaded.sources;
-    let is_named = |tag: &str| args.languages.iter().any(|language| language == tag);
+    let is_named = |tag: &str| args.languages.iter().any(|language| language.eq_ignore_ascii_case(tag));
     let mut outcomes = Vec::new();
     for id in &loaded.catalogues {
         let Some(path) = loaded.paths.get(id) else { continue };
@@ -183,7 +183,7 @@ fn selected(names: &[String], texts: &[Text<'_>]) -> Result<BTreeSet<String>, Fa
                 || "name a message as `px4/FailsafeFlags`, error codes as `flockwave/error-codes`, or a package".to_owned(),
                 |(_, unit)| format!("did you mean `{unit}`?"),
             );
-            return Err(Failure::new(format!("nothing that is called `{name}` has texts")).with_hint(hint));
+            return Err(Failure::new(format!("`{name}` names nothing that has texts")).with_hint(hint));
         }
         selected.extend(meant);
     }

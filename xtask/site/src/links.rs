@@ -20,18 +20,24 @@ impl<'r> Links<'r> {
     }
 
     /// A document with its links as they are on the site. What the site doesn't have is named without a link; a link
-    /// to what isn't in the repository either is a mistake.
+    /// to what isn't in the repository either is a mistake, and so is one whose address stands elsewhere.
     pub(crate) fn moved(&self, text: &str, chapter: &Chapter, mistakes: &mut Vec<String>) -> String {
         let mut moved = String::with_capacity(text.len());
         let mut end = 0;
         for (event, range) in Parser::new_ext(text, Options::ENABLE_TABLES).into_offset_iter() {
             let Event::Start(Tag::Link { dest_url, .. }) = event else { continue };
             let whole = &text[range.clone()];
-            let (Some(target), Some(at)) = (local(&dest_url), whole.rfind(&*dest_url)) else { continue };
+            let Some(target) = local(&dest_url) else { continue };
+            let line = || text[..range.start].matches('\n').count() + 1;
+            let Some(at) = whole.rfind(&*dest_url) else {
+                let place = format!("{}:{}", chapter.source, line());
+                mistakes.push(format!("{place}: write the address in the link itself: `[…]({target})`"));
+                continue;
+            };
             let path = joined(chapter.source, target.split('#').next().unwrap_or(target));
             if !self.repository.join(&path).exists() {
-                let line = text[..range.start].matches('\n').count() + 1;
-                mistakes.push(format!("{}:{line}: no file `{path}`, to which a link leads", chapter.source));
+                let place = format!("{}:{}", chapter.source, line());
+                mistakes.push(format!("{place}: no file `{path}`, to which a link leads"));
                 continue;
             }
             moved.push_str(&text[end..range.start]);
@@ -119,5 +125,10 @@ mod tests {
     fn a_link_that_leads_nowhere_is_a_mistake_with_its_place() {
         let (_, mistakes) = moved("One line.\n\n[gone](definitions/gone.md)\n");
         assert_eq!(mistakes, ["README.md:3: no file `definitions/gone.md`, to which a link leads"]);
+        let (_, mistakes) = moved("[tables]\n\n[tables]: definitions/README.md\n");
+        assert_eq!(
+            mistakes,
+            ["README.md:1: write the address in the link itself: `[…](definitions/README.md)`"]
+        );
     }
 }

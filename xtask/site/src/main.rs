@@ -27,9 +27,9 @@ struct Arguments {
     /// The folder of the repository.
     #[arg(long)]
     repository: PathBuf,
-    /// The folder of the site.
+    /// Folder for the site.
     #[arg(long)]
-    output: PathBuf,
+    out: PathBuf,
     /// Show the site when it is built.
     #[arg(long)]
     open: bool,
@@ -43,21 +43,21 @@ fn main() -> ExitCode {
             for mistake in &mistakes {
                 eprintln!("error: {mistake}");
             }
-            ExitCode::FAILURE
+            ExitCode::from(2)
         }
     }
 }
 
 fn run(arguments: &Arguments) -> Result<(), Vec<String>> {
     let started = Instant::now();
-    own(&arguments.output).map_err(|mistake| vec![mistake])?;
+    own(&arguments.out).map_err(|mistake| vec![mistake])?;
     let gathered = tempfile::tempdir().map_err(|error| vec![format!("a temporary folder: {error}")])?;
     let pages = gather::gather(&arguments.repository, gathered.path())?;
-    let built = build(gathered.path(), &arguments.output);
+    let built = build(gathered.path(), &arguments.out);
     // mdBook takes out the mark, too.
-    let marked = mark(&arguments.output);
+    let marked = mark(&arguments.out);
     built.and(marked).map_err(|mistake| vec![mistake])?;
-    let index = arguments.output.join("index.html");
+    let index = arguments.out.join("index.html");
     eprintln!("docs: {pages} pages in {} ({} ms)", index.display(), started.elapsed().as_millis());
     if arguments.open {
         opener::open(&index).map_err(|error| vec![format!("{}: {error}", index.display())])?;
@@ -72,9 +72,7 @@ fn own(output: &Path) -> Result<(), String> {
     let is_empty = fs::read_dir(output).map_err(of_folder)?.next().is_none();
     if !is_empty && !output.join(MARK).is_file() {
         let folder = output.display();
-        return Err(format!(
-            "{folder} holds files that are no site\n  help: name another folder with --output"
-        ));
+        return Err(format!("{folder} holds files that are no site\n  help: name another folder with --out"));
     }
     mark(output)
 }

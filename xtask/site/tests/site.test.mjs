@@ -226,6 +226,20 @@ describe("error codes", () => {
     assert.ok(codes.length > 0 && codes.every((code) => Number(code) >= 192), codes.join());
   });
 
+  test("are found where a column is left out, since nothing stands in it", async () => {
+    const words = await page.locator(".error-code-filter").getAttribute("data-words");
+    await page.setContent(`<div class="error-code-filter"></div><table>
+      <thead><tr><th>Code</th><th>Severity</th><th>Meaning</th><th>Alternatives</th></tr></thead>
+      <tbody><tr><td>64</td><td>warning</td><td>Gusts</td><td>128</td></tr><tr><td>128</td><td>error</td><td>Storm</td><td>64</td></tr></tbody>
+    </table>`);
+    await page.locator(".error-code-filter").evaluate((place, text) => place.setAttribute("data-words", text), words);
+    await page.addScriptTag({ path: path.join(site, "docs/error-codes.js") });
+    await page.getByLabel("Find a code").fill("128");
+    assert.deepEqual(await shown(), ["64", "128"]);
+    await page.getByRole("checkbox", { name: "warning (1)" }).uncheck();
+    assert.deepEqual(await shown(), ["128"]);
+  });
+
   test("lead to their alternatives", async () => {
     await page.getByLabel("Find a code").fill("66");
     await page.getByRole("row", { name: "134 LOWBAT" }).getByRole("link", { name: "199" }).last().click();
@@ -344,16 +358,43 @@ describe("composing", () => {
     });
   }
 
+  test("takes the extremes of integers, masks with a sign, and names that mean something to JavaScript", async () => {
+    await page.goto(address("docs/px4/Event.html"));
+    const data = await page.locator(".composer").evaluate((place) => {
+      const message = JSON.parse(place.dataset.message);
+      const fields = [
+        { name: "constructor", type: "uint64", offset: 0, values: [["18446744073709551615", "TOP", "$& of <b>all</b>"]] },
+        { name: "least", type: "int64", offset: 8 },
+        { name: "mask", type: "int8", offset: 16, flags: [["1", "FIRST", ""], ["-128", "SIGN", ""]] },
+      ];
+      return JSON.stringify({ ...message, name: "Kite", size: 24, fields });
+    });
+    await page.setContent("<div class='composer'></div>");
+    await page.locator(".composer").evaluate((place, text) => place.setAttribute("data-message", text), data);
+    await page.addScriptTag({ path: path.join(site, "docs/composer.js") });
+    await page.getByLabel("constructor", { exact: true }).selectOption("18446744073709551615 TOP: $& of <b>all</b>");
+    await page.getByLabel("least").fill("-9223372036854775808");
+    await page.getByLabel("FIRST").check();
+    await page.getByLabel("SIGN").check();
+    const json = await page.locator(".composer-json").textContent();
+    assert.equal(json, '{\n  "constructor": 18446744073709551615,\n  "least": -9223372036854775808,\n  "mask": -127\n}');
+    const bytes = await page.locator(".composer-bytes").textContent();
+    assert.match(bytes, /ff ff ff ff ff ff ff ff\n\s+8 00 00 00 00 00 00 00 80\n\s+16 81 00/);
+    assert.deepEqual(complaints, []);
+  });
+
   test("says what doesn't fit, beside its control", async () => {
     await page.goto(address("docs/px4/FailsafeFlags.html"));
     const field = page.getByLabel("mode_req_attitude");
     for (const [wrong, told] of [["-1", "out of range"], ["4294967296", "out of range"], ["many", "expected an integer"]]) {
       await field.fill(wrong);
       assert.equal(await field.getAttribute("aria-invalid"), "true");
-      const described = await field.getAttribute("aria-describedby");
+      const described = (await field.getAttribute("aria-describedby")).split(" ").at(-1);
       assert.match(await page.locator(`#${described}`).textContent(), new RegExp(told));
     }
+    assert.ok(await page.getByRole("button", { name: "Copy JSON" }).isDisabled());
     await field.fill("0x10");
+    assert.ok(await page.getByRole("button", { name: "Copy JSON" }).isEnabled());
     assert.equal(await field.getAttribute("aria-invalid"), "false");
     assert.match(await page.locator(".composer-json").textContent(), /"mode_req_attitude": 16,/);
   });

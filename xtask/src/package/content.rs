@@ -7,6 +7,7 @@ use uavspec_codegen::cli::read_definitions;
 use uavspec_codegen::emit::{OutputFile, json_schema, python, typescript, vectors};
 
 use super::metadata::VERSION;
+use crate::told;
 
 /// Endings of files that the manifest lists without them.
 const BUNDLE: &str = ".bundle.schema.json";
@@ -45,8 +46,8 @@ pub(super) struct Content {
 impl Content {
     /// Makes all of it from the definitions in the repository at `root`.
     pub(super) fn of(root: &Path) -> Result<Self, String> {
-        let (_, schema) = read_definitions(root.join("definitions/uavspec.toml"))
-            .map_err(|failure| failure.to_string().trim_start_matches("error: ").to_owned())?;
+        let (_, schema) =
+            read_definitions(root.join("definitions/uavspec.toml")).map_err(|failure| told(&failure))?;
         let schemas = json_schema::emit(&schema, &json_schema::Options::default());
         let vectors = vectors::emit(&schema, &vectors::Options::default());
         // The same cases once more, for runners of the JSON Schema Test Suite.

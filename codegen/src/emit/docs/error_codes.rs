@@ -182,6 +182,7 @@ impl<'p, 's> Codes<'p, 's> {
             "find": words.get(words::FIND_A_CODE),
             "example": words.get(words::FIND_EXAMPLE),
             "severity": words.get(words::SEVERITY),
+            "alternatives": words.get(words::ALTERNATIVES),
             "shownOfAll": words.get(words::SHOWN_OF_ALL),
         });
         page.block(&format!(
