@@ -8,7 +8,11 @@ use std::collections::BTreeSet;
 use uavspec_codegen::emit::{OutputFile, python, typescript};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, Schema};
+use uavspec_codegen::translation::{self, Translations};
 use uavspec_codegen::{SourceMap, read};
+
+/// Of definitions that are in English alone.
+const NONE: Translations = Translations { languages: Vec::new() };
 
 const WIND: &str = "# Wind over ground: */ \"\"\" {@link x} \\\n\nuint8 KIND_STEADY=0 # Blows\nuint8 KIND_GUST=1\n\
                     uint64 GREATEST=18446744073709551615\nfloat32 NONE=nan\n\nuint64 timestamp # [us] Since start\n\
@@ -43,7 +47,7 @@ fn has(text: &str, wanted: &str) {
 }
 
 fn of_form(schema: &Schema, form: typescript::Form) -> Vec<OutputFile> {
-    typescript::emit(schema, &typescript::Options { form })
+    typescript::emit(schema, &NONE, &typescript::Options { form })
 }
 
 #[test]
@@ -67,7 +71,7 @@ fn fields_have_the_types_of_their_json() {
     has(module, "export type WindKind = (typeof WindKind)[keyof typeof WindKind] | (number & {});");
     has(module, "GREATEST: 18446744073709551615n,");
     has(module, "NONE: NaN,");
-    let modules = python::emit(&schema);
+    let modules = python::emit(&schema, &NONE);
     let module = text(&modules, "demo.py");
     for line in
         ["\"speed\": list[Union[float, None]],", "\"kind\": int,", "\"name\": str,", "\"lambda\": int,"]
@@ -86,7 +90,7 @@ fn texts_end_neither_comments_nor_strings() {
     let module = text(&modules, "demo.ts");
     has(module, "Wind over ground: \\*&#47; \"\"\" {\\@link x} \\\\\n");
     assert_eq!(module.matches("/**").count(), module.matches("*/").count());
-    has(text(&python::emit(&schema), "demo.py"), "Wind over ground: */ \\\"\\\"\" {@link x} \\\\\n");
+    has(text(&python::emit(&schema, &NONE), "demo.py"), "Wind over ground: */ \\\"\\\"\" {@link x} \\\\\n");
 }
 
 /// The names that a module of Python declares for others.
@@ -121,7 +125,7 @@ fn names_are_the_same_in_both_languages() {
         let starts = ["export interface ", "export type ", "export const "];
         let modules = of_form(schema, typescript::Form::Source);
         let mut typescript = names_after(text(&modules, "demo.ts"), &starts);
-        let python = python_names(text(&python::emit(schema), "demo.py"));
+        let python = python_names(text(&python::emit(schema, &NONE), "demo.py"));
         // Maps from names to types are of no use to Python.
         for map in ["Messages", "Requests", "Responses", "Notifications"] {
             typescript.remove(map);
@@ -129,7 +133,7 @@ fn names_are_the_same_in_both_languages() {
         assert_eq!(typescript, python);
         assert!(typescript.len() > 5, "{typescript:?}");
     }
-    let names = python_names(text(&python::emit(&schemas[2]), "demo.py"));
+    let names = python_names(text(&python::emit(&schemas[2], &NONE), "demo.py"));
     for name in ["None_", "Message", "Message2", "WindConstants", "WindKind"] {
         assert!(names.contains(name), "{name} in {names:?}");
     }
@@ -180,7 +184,7 @@ fn real_definitions_keep_their_names_apart() {
     let declared = module.lines().filter(|line| line.starts_with("export interface ")).count();
     assert_eq!(declared, names_after(module, &["export interface "]).len());
     assert!(declared > 250, "{declared}");
-    let python = python::emit(&schema);
+    let python = python::emit(&schema, &NONE);
     let classes = text(&python, "px4.py").lines().filter(|line| line.starts_with("class ")).count();
     assert_eq!(classes, names_after(text(&python, "px4.py"), &["class "]).len());
 }
