@@ -1,11 +1,10 @@
 //! Labels: `labels` names the languages and gives the labels of one; within it each language is a module with its
 //! texts, which is imported when somebody asks for it.
 
+use super::header;
 use crate::emit::OutputFile;
 use crate::emit::binding::{LabelLanguage, Labels, quoted};
 use crate::translation::SOURCE_LANGUAGE;
-
-use super::header;
 
 const FROM: &str = "the definitions and their translations";
 
@@ -37,22 +36,6 @@ fn init(labels: &Labels<'_>) -> String {
             format!("    Language(\"{}\", {}, {direction}),\n", language.tag, quoted(language.name))
         })
         .collect();
-    let load = |index: usize, language: &LabelLanguage<'_>| {
-        let module = module(language.tag);
-        let fallback =
-            if language.is_source() { "None".to_owned() } else { format!("_load(\"{SOURCE_LANGUAGE}\")") };
-        format!("from . import {module}\n\nreturn Labels(languages[{index}], {module}.TEXTS, {fallback})\n")
-    };
-    let mut source = String::new();
-    let mut others = String::new();
-    for (index, language) in labels.languages.iter().enumerate() {
-        let body = load(index, language);
-        if language.is_source() {
-            source = indented(&body, "    ");
-        } else {
-            others.extend([format!("    if tag == \"{}\":\n", language.tag), indented(&body, "        ")]);
-        }
-    }
     format!(
         r#""""What the definitions say, in each language that they are translated into, for programs that show it."""
 
@@ -166,13 +149,35 @@ def _nearest(tags: tuple[str, ...]) -> str:
 
 @cache
 def _load(tag: str) -> Labels:
-{others}{source}
+{load}
 
 def _members(message: str, field: str) -> dict[int, str]:
     index = FIELDS.get(f"{{message}}.{{field}}")
     return {{}} if index is None else ENUMERATIONS[index]
-"#
+"#,
+        load = load(labels),
     )
+}
+
+/// The body of the function that imports a language. Each stands in it by its name, so that programs which pack
+/// others see them all.
+fn load(labels: &Labels<'_>) -> String {
+    let import = |index: usize, language: &LabelLanguage<'_>, indent: &str| {
+        let module = module(language.tag);
+        let fallback =
+            if language.is_source() { "None".to_owned() } else { format!("_load(\"{SOURCE_LANGUAGE}\")") };
+        format!(
+            "{indent}from . import {module}\n\n\
+             {indent}return Labels(languages[{index}], {module}.TEXTS, {fallback})\n"
+        )
+    };
+    let (sources, others): (Vec<_>, Vec<_>) =
+        labels.languages.iter().enumerate().partition(|(_, language)| language.is_source());
+    let others = others.into_iter().map(|(index, language)| {
+        format!("    if tag == \"{}\":\n{}", language.tag, import(index, language, "        "))
+    });
+    let source = sources.into_iter().map(|(index, language)| import(index, language, "    "));
+    others.chain(source).collect()
 }
 
 fn texts(language: &LabelLanguage<'_>) -> String {
@@ -199,9 +204,4 @@ fn enumerations(labels: &Labels<'_>) -> String {
     text.extend(labels.fields.iter().map(|(field, index)| format!("    {}: {index},\n", quoted(field))));
     text.push_str("}\n\"\"\"By the key of a field, which of them it holds.\"\"\"\n");
     text
-}
-
-/// The lines of a text, further in.
-fn indented(text: &str, by: &str) -> String {
-    text.lines().map(|line| if line.is_empty() { "\n".to_owned() } else { format!("{by}{line}\n") }).collect()
 }

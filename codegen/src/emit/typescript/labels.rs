@@ -1,8 +1,6 @@
 //! Labels: `labels` names the languages and loads one; below it each language is a module with its texts, and what
 //! all of them share stands in modules that begin with `_`, of which nobody else needs the types.
 
-use std::fmt::Write as _;
-
 use super::types::key;
 use super::{Language, comment, header};
 use crate::emit::OutputFile;
@@ -71,30 +69,40 @@ pub(super) fn files(labels: &Labels<'_>, language: Language) -> Vec<OutputFile> 
 
 /// The list of languages, and the function that loads one.
 fn entry(labels: &Labels<'_>, language: Language) -> String {
-    if language == Language::Declarations {
-        return format!(
+    let entries: String =
+        labels.languages.iter().map(|found| format!("  {{ {} }},\n", description(found))).collect();
+    match language {
+        Language::Declarations => format!(
             "{TYPES}
 {LANGUAGES_TEXT}export declare const languages: readonly Language[];
 
 {LANGUAGE_TEXT}export declare function language(...tags: readonly string[]): Promise<Labels>;
 "
-        );
+        ),
+        Language::CommonJs => format!(
+            "const languages = [\n{entries}];\n\nexports.languages = languages;\n\n{}\n{};\n",
+            nearest(language),
+            load(labels, "exports.language = async function language", language)
+        ),
+        Language::JavaScript | Language::TypeScript => {
+            let is_typed = language == Language::TypeScript;
+            let (types, documentation) = if is_typed { (TYPES, LANGUAGE_TEXT) } else { ("", "") };
+            let ty = typed(": readonly Language[]", language);
+            format!(
+                "{types}\n{LANGUAGES_TEXT}export const languages{ty} = [\n{entries}];\n\n{}\n{documentation}{}\n",
+                nearest(language),
+                load(labels, "export async function language", language)
+            )
+            .trim_start()
+            .to_owned()
+        }
     }
-    let types = if language == Language::TypeScript { format!("{TYPES}\n") } else { String::new() };
-    let entries: String =
-        labels.languages.iter().map(|found| format!("  {{ {} }},\n", description(found))).collect();
-    let load = |tag: &str| match language {
-        Language::CommonJs => format!("return require(\"./labels/{tag}.cjs\").labels;"),
-        _ => format!("return (await import(\"./labels/{tag}.js\")).labels;"),
-    };
-    let others = labels.languages.iter().filter(|found| !found.is_source());
-    let cases: String =
-        others.map(|found| format!("    case \"{0}\":\n      {1}\n", found.tag, load(found.tag))).collect();
+}
+
+/// The function that finds a language by its tag.
+fn nearest(language: Language) -> String {
     format!(
-        "{types}{LANGUAGES_TEXT}{languages} = [
-{entries}];
-{exported}
-/** The tag that is nearest to the first of `tags` that is near to any: parts are left off from its end. */
+        "/** The tag that is nearest to the first of `tags` that is near to any: parts are left off from its end. */
 function nearest(tags{strings}){string} {{
   for (const tag of tags) {{
     const parts = tag.replace(/[.@].*$/, \"\").toLowerCase().split(/[-_]/);
@@ -108,59 +116,64 @@ function nearest(tags{strings}){string} {{
   }}
   return \"{SOURCE_LANGUAGE}\";
 }}
+",
+        strings = typed(": readonly string[]", language),
+        string = typed(": string", language),
+    )
+}
 
-{LANGUAGE_TEXT}{head}(...tags{strings}){promise} {{
+/// The function that loads a language. Each stands in it by its path, so that bundlers see them all.
+fn load(labels: &Labels<'_>, head: &str, language: Language) -> String {
+    let load = |tag: &str| match language {
+        Language::CommonJs => format!("return require(\"./labels/{tag}.cjs\").labels;"),
+        _ => format!("return (await import(\"./labels/{tag}.js\")).labels;"),
+    };
+    let others = labels.languages.iter().filter(|found| !found.is_source());
+    let cases: String =
+        others.map(|found| format!("    case \"{0}\":\n      {1}\n", found.tag, load(found.tag))).collect();
+    format!(
+        "{head}(...tags{strings}){promise} {{
   switch (nearest(tags)) {{
 {cases}    default:
       {source}
   }}
-}}{end}
-",
-        languages = match language {
-            Language::TypeScript => "export const languages: readonly Language[]",
-            Language::CommonJs => "const languages",
-            _ => "export const languages",
-        },
-        exported = if language == Language::CommonJs { "\nexports.languages = languages;\n" } else { "" },
-        head = match language {
-            Language::CommonJs => "exports.language = async function language",
-            _ => "export async function language",
-        },
-        end = if language == Language::CommonJs { ";" } else { "" },
-        source = load(SOURCE_LANGUAGE),
+}}",
         strings = typed(": readonly string[]", language),
-        string = typed(": string", language),
         promise = typed(": Promise<Labels>", language),
+        source = load(SOURCE_LANGUAGE),
     )
 }
 
 /// A language and its texts.
 fn of_language(found: &LabelLanguage<'_>, language: Language) -> String {
     let documentation = comment::block(&format!("The labels in {}.", found.name), "");
-    let types = format!("import type {{ Labels }} from \"../labels.{}\";\n\n", language.imported_ending());
+    let types = format!("import type {{ Labels }} from \"../labels.{}\";\n", language.imported_ending());
     if language == Language::Declarations {
-        return format!("{types}{documentation}export declare const labels: Labels;\n");
+        return format!("{types}\n{documentation}export declare const labels: Labels;\n");
     }
-    let mut text = String::new();
-    let fallback = if found.is_source() {
-        "null"
+    let (english, fallback) = if found.is_source() {
+        (String::new(), "null")
     } else {
-        text += &import("labels: english", &format!("./{SOURCE_LANGUAGE}"), language);
-        "english"
+        (import("labels: english", &format!("./{SOURCE_LANGUAGE}"), language), "english")
     };
-    text += &import("lookup", "./_lookup", language);
-    text += if language == Language::TypeScript { &types } else { "\n" };
-    let _ = write!(text, "const texts{} = {{\n", typed(": Readonly<Record<string, string>>", language));
-    text.extend(found.texts.iter().map(|(key, said)| format!("  {}: {},\n", quoted(key), quoted(said))));
-    text.push_str("};\n\n");
-    let head = match language {
-        Language::TypeScript => format!("{documentation}export const labels: Labels"),
-        Language::CommonJs => "exports.labels".to_owned(),
-        _ => "export const labels".to_owned(),
+    let entries: String =
+        found.texts.iter().map(|(key, said)| format!("  {}: {},\n", quoted(key), quoted(said))).collect();
+    let (types, head) = match language {
+        Language::TypeScript => (types, format!("{documentation}export const labels: Labels")),
+        Language::CommonJs => (String::new(), "exports.labels".to_owned()),
+        _ => (String::new(), "export const labels".to_owned()),
     };
-    let _ =
-        write!(text, "{head} = /* @__PURE__ */ lookup({{ {} }}, texts, {fallback});\n", description(found));
-    text
+    format!(
+        "{english}{lookup}{types}
+const texts{record} = {{
+{entries}}};
+
+{head} = /* @__PURE__ */ lookup({{ {description} }}, texts, {fallback});
+",
+        lookup = import("lookup", "./_lookup", language),
+        record = typed(": Readonly<Record<string, string>>", language),
+        description = description(found),
+    )
 }
 
 /// What values of fields mean: values with the keys of their texts, and which field has which.
