@@ -86,15 +86,14 @@ fn entry(labels: &Labels<'_>, language: Language) -> String {
         ),
         Language::JavaScript | Language::TypeScript => {
             let is_typed = language == Language::TypeScript;
-            let (types, documentation) = if is_typed { (TYPES, LANGUAGE_TEXT) } else { ("", "") };
+            let types = if is_typed { format!("{TYPES}\n") } else { String::new() };
+            let documentation = if is_typed { LANGUAGE_TEXT } else { "" };
             let ty = typed(": readonly Language[]", language);
             format!(
-                "{types}\n{LANGUAGES_TEXT}export const languages{ty} = [\n{entries}];\n\n{}\n{documentation}{}\n",
+                "{types}{LANGUAGES_TEXT}export const languages{ty} = [\n{entries}];\n\n{}\n{documentation}{}\n",
                 nearest(language),
                 load(labels, "export async function language", language)
             )
-            .trim_start()
-            .to_owned()
         }
     }
 }
