@@ -238,20 +238,37 @@ pub fn generate(config: impl AsRef<Path>) -> Result<Generated, Failure> {
 /// Reads definitions for whoever judges by them: a configuration file, a folder with one, or files and folders
 /// of PX4's messages. Mistakes in them are a failure, warnings are not.
 pub fn read_definitions(path: impl AsRef<Path>) -> Result<(SourceMap, Schema), Failure> {
-    let path = path.as_ref();
-    let file = if path.is_file() { Some(path.to_path_buf()) } else { Config::in_folder(path) };
-    let plan = match file {
-        Some(file) if file.extension().is_some_and(|extension| extension == "toml") => {
-            Config::read(&file)?.plan()?
-        }
-        _ => Plan::from_arguments("px4", Dialect::Px4.into(), &[path.to_path_buf()], Path::new(""), &[]),
-    };
-    let (loaded, schema, diagnostics) = read(&plan)?;
-    if has_errors(&diagnostics) {
-        let rendered = render::render(&diagnostics, &loaded.sources, false);
-        return Err(Failure::new(format!("the definitions have mistakes\n{rendered}")));
-    }
+    let (loaded, schema, diagnostics) = read(&plan_at(path.as_ref())?)?;
+    refuse_mistakes(&diagnostics, &loaded.sources)?;
     Ok((loaded.sources, schema))
+}
+
+/// Reads definitions as [`read_definitions`] does, and their translations, in which mistakes are a failure, too.
+pub fn read_definitions_translated(
+    path: impl AsRef<Path>,
+) -> Result<(SourceMap, Schema, Translations), Failure> {
+    let (loaded, schema, translations, diagnostics) = read_translated(&plan_at(path.as_ref())?)?;
+    refuse_mistakes(&diagnostics, &loaded.sources)?;
+    Ok((loaded.sources, schema, translations))
+}
+
+/// What to read at a path, as [`read_definitions`] takes it.
+fn plan_at(path: &Path) -> Result<Plan, Failure> {
+    let file = if path.is_file() { Some(path.to_path_buf()) } else { Config::in_folder(path) };
+    match file {
+        Some(file) if file.extension().is_some_and(|extension| extension == "toml") => {
+            Config::read(&file)?.plan()
+        }
+        _ => Ok(Plan::from_arguments("px4", Dialect::Px4.into(), &[path.to_path_buf()], Path::new(""), &[])),
+    }
+}
+
+fn refuse_mistakes(diagnostics: &[Diagnostic], sources: &SourceMap) -> Result<(), Failure> {
+    if !has_errors(diagnostics) {
+        return Ok(());
+    }
+    let rendered = render::render(diagnostics, sources, false);
+    Err(Failure::new(format!("the definitions have mistakes\n{rendered}")))
 }
 
 /// The whole command line of an `xtask` that does nothing else.
@@ -374,8 +391,8 @@ fn emit_all(
                 emit::docs::emit(schema, translations, sources, &options.read()?)
             }
             EmitterOptions::Vectors(options) => emit::vectors::emit(schema, options),
-            EmitterOptions::TypeScript(options) => emit::typescript::emit(schema, options),
-            EmitterOptions::Python => emit::python::emit(schema),
+            EmitterOptions::TypeScript(options) => emit::typescript::emit(schema, translations, options),
+            EmitterOptions::Python => emit::python::emit(schema, translations),
         };
         Ok(Folder { path: output.path.clone(), files })
     })

@@ -38,6 +38,8 @@
 //!   comments and white space get the syntax tree beside the model.
 //! - Translations ([`translation`]) stand beside the model, by keys that last: whoever emits pages looks up what to
 //!   show, and knows which texts are still in English.
+//! - Labels of translated definitions are emitted with TypeScript and Python, not added by who packs these, so that users
+//!   of other definitions have them too. A language holds its own texts alone and finds the rest in English.
 //! - Two sets of definitions that are compared stand in one [`SourceMap`], so that a finding names places in both.
 //! - TypeScript and Python print one lowering of the model (`emit::binding`), so that names can't differ between them.
 //! - A vector's JSON and its verdict come from the model, its bytes from [`dynamic`]; ids say what is tried,

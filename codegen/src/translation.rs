@@ -22,8 +22,8 @@ mod update;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-pub(crate) use self::language::shorter;
 pub use self::language::{SOURCE_LANGUAGE, is_right_to_left, is_tag};
+pub(crate) use self::language::{name as language_name, shorter};
 pub use self::resolve::resolve;
 pub use self::text::{
     MessageKeys, MessageText, Text, error_code_key, error_codes_unit, error_table_key, interface_unit,

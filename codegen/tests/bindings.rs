@@ -8,7 +8,11 @@ use std::collections::BTreeSet;
 use uavspec_codegen::emit::{OutputFile, python, typescript};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, Schema};
+use uavspec_codegen::translation::{self, Translations};
 use uavspec_codegen::{SourceMap, read};
+
+/// Of definitions that are in English alone.
+const NONE: Translations = Translations { languages: Vec::new() };
 
 const WIND: &str = "# Wind over ground: */ \"\"\" {@link x} \\\n\nuint8 KIND_STEADY=0 # Blows\nuint8 KIND_GUST=1\n\
                     uint64 GREATEST=18446744073709551615\nfloat32 NONE=nan\n\nuint64 timestamp # [us] Since start\n\
@@ -43,7 +47,7 @@ fn has(text: &str, wanted: &str) {
 }
 
 fn of_form(schema: &Schema, form: typescript::Form) -> Vec<OutputFile> {
-    typescript::emit(schema, &typescript::Options { form })
+    typescript::emit(schema, &NONE, &typescript::Options { form })
 }
 
 #[test]
@@ -67,7 +71,7 @@ fn fields_have_the_types_of_their_json() {
     has(module, "export type WindKind = (typeof WindKind)[keyof typeof WindKind] | (number & {});");
     has(module, "GREATEST: 18446744073709551615n,");
     has(module, "NONE: NaN,");
-    let modules = python::emit(&schema);
+    let modules = python::emit(&schema, &NONE);
     let module = text(&modules, "demo.py");
     for line in
         ["\"speed\": list[Union[float, None]],", "\"kind\": int,", "\"name\": str,", "\"lambda\": int,"]
@@ -86,7 +90,7 @@ fn texts_end_neither_comments_nor_strings() {
     let module = text(&modules, "demo.ts");
     has(module, "Wind over ground: \\*&#47; \"\"\" {\\@link x} \\\\\n");
     assert_eq!(module.matches("/**").count(), module.matches("*/").count());
-    has(text(&python::emit(&schema), "demo.py"), "Wind over ground: */ \\\"\\\"\" {@link x} \\\\\n");
+    has(text(&python::emit(&schema, &NONE), "demo.py"), "Wind over ground: */ \\\"\\\"\" {@link x} \\\\\n");
 }
 
 /// The names that a module of Python declares for others.
@@ -121,7 +125,7 @@ fn names_are_the_same_in_both_languages() {
         let starts = ["export interface ", "export type ", "export const "];
         let modules = of_form(schema, typescript::Form::Source);
         let mut typescript = names_after(text(&modules, "demo.ts"), &starts);
-        let python = python_names(text(&python::emit(schema), "demo.py"));
+        let python = python_names(text(&python::emit(schema, &NONE), "demo.py"));
         // Maps from names to types are of no use to Python.
         for map in ["Messages", "Requests", "Responses", "Notifications"] {
             typescript.remove(map);
@@ -129,7 +133,7 @@ fn names_are_the_same_in_both_languages() {
         assert_eq!(typescript, python);
         assert!(typescript.len() > 5, "{typescript:?}");
     }
-    let names = python_names(text(&python::emit(&schemas[2]), "demo.py"));
+    let names = python_names(text(&python::emit(&schemas[2], &NONE), "demo.py"));
     for name in ["None_", "Message", "Message2", "WindConstants", "WindKind"] {
         assert!(names.contains(name), "{name} in {names:?}");
     }
@@ -165,6 +169,110 @@ fn both_kinds_of_modules_export_what_is_declared() {
     }
 }
 
+const GLIDER: &str = "# A glider\n\nuint8 MODE_SOAR=1 # Soaring\nuint8 MODE_GLIDE=1 # The same\nuint8 MODE_DIVE=2\n\n\
+                      uint8 mode # [@enum MODE] What it does\n";
+
+const TOW: &str = "uint8[2] mode # [@enum Glider.MODE] What both do\n";
+
+/// Definitions, and what is translated of them into Portuguese.
+fn translated() -> (Schema, Translations) {
+    let mut sources = SourceMap::default();
+    let mut package = support::package("demo", Form::Msg(Dialect::Px4));
+    for (path, text) in [("Glider.msg", GLIDER), ("Tow.msg", TOW)] {
+        package.sources.push(sources.add(path, text.into()).expect("a text"));
+    }
+    let catalogue = "msgid \"\"\nmsgstr \"\"\n\"Content-Type: text/plain; charset=UTF-8\\n\"\n\n\
+                     msgctxt \"demo/Glider.mode\"\nmsgid \"What it does\"\nmsgstr \"O que \\\"faz\\\"\u{202e}\"\n";
+    let catalogue = sources.add("pt-BR.po", catalogue.into()).expect("a text");
+    let (schema, _) = read(&sources, &[package]);
+    let (translations, found) = translation::resolve(&sources, &schema, &[catalogue]);
+    assert_eq!(translations.languages.len(), 1, "{found:?}");
+    (schema, translations)
+}
+
+#[test]
+fn each_language_is_a_module_and_english_has_all_texts() {
+    let (schema, translations) = translated();
+    let source = typescript::emit(&schema, &translations, &typescript::Options::default());
+    let paths: Vec<&str> = source.iter().map(|file| file.path.as_str()).collect();
+    let labels =
+        ["labels.ts", "labels/_enumerations.ts", "labels/_lookup.ts", "labels/en.ts", "labels/pt-BR.ts"];
+    assert_eq!(paths, [&["demo.ts", "index.ts"], &labels[..]].concat());
+    for line in [
+        "{ tag: \"en\", name: \"English\", isRightToLeft: false },",
+        "{ tag: \"pt-BR\", name: \"Português (Brasil)\", isRightToLeft: false },",
+        "case \"pt-BR\":",
+    ] {
+        has(text(&source, "labels.ts"), line);
+    }
+    let python = python::emit(&schema, &translations);
+    let paths: Vec<&str> = python.iter().map(|file| file.path.as_str()).collect();
+    let labels = ["labels/__init__.py", "labels/_en.py", "labels/_enumerations.py", "labels/_pt_br.py"];
+    assert_eq!(paths, [&["__init__.py", "_open_enum.py", "demo.py"], &labels[..], &["py.typed"]].concat());
+    for (english, portuguese) in [
+        (text(&source, "labels/en.ts"), text(&source, "labels/pt-BR.ts")),
+        (text(&python, "labels/_en.py"), text(&python, "labels/_pt_br.py")),
+    ] {
+        for entry in [
+            "\"demo/Glider\": \"A glider\",",
+            "\"demo/Glider.mode\": \"What it does\",",
+            "\"demo/Glider::MODE_GLIDE\": \"The same\",",
+            "\"demo/Tow.mode\": \"What both do\",",
+        ] {
+            has(english, entry);
+        }
+        has(portuguese, r#""demo/Glider.mode": "O que \"faz\"\u202e","#);
+        assert_eq!(portuguese.matches("\"demo/").count(), 1, "{portuguese}");
+    }
+}
+
+#[test]
+fn a_value_has_one_label_also_in_the_fields_of_another_message() {
+    let (schema, translations) = translated();
+    let source = typescript::emit(&schema, &translations, &typescript::Options::default());
+    let values = text(&source, "labels/_enumerations.ts");
+    has(
+        values,
+        "  [\n    [\"1\", \"demo/Glider::MODE_SOAR\"],\n    [\"2\", \"demo/Glider::MODE_DIVE\"],\n  ],\n];",
+    );
+    has(values, "  \"demo/Glider.mode\": 0,\n  \"demo/Tow.mode\": 0,\n};");
+    let python = python::emit(&schema, &translations);
+    let values = text(&python, "labels/_enumerations.py");
+    has(
+        values,
+        "    {\n        1: \"demo/Glider::MODE_SOAR\",\n        2: \"demo/Glider::MODE_DIVE\",\n    },\n]",
+    );
+    has(values, "    \"demo/Glider.mode\": 0,\n    \"demo/Tow.mode\": 0,\n}");
+}
+
+#[test]
+fn labels_have_both_kinds_of_modules_and_types_where_others_import_them() {
+    let (schema, translations) = translated();
+    let options = typescript::Options { form: typescript::Form::Compiled };
+    let modules = typescript::emit(&schema, &translations, &options);
+    for name in ["labels", "labels/en", "labels/pt-BR"] {
+        let values =
+            |ending: &str, starts: &[&str]| names_after(text(&modules, &format!("{name}.{ending}")), starts);
+        let declared = values("d.cts", &["export declare const ", "export declare function "]);
+        assert!(!declared.is_empty());
+        assert_eq!(values("js", &["export const ", "export async function "]), declared);
+        assert_eq!(values("cjs", &["exports."]), declared);
+    }
+    has(text(&modules, "labels/pt-BR.d.ts"), "export * from \"./pt-BR.cjs\";");
+    assert!(modules.iter().any(|file| file.path == "labels/_lookup.cjs"));
+    assert!(!modules.iter().any(|file| file.path.starts_with("labels/_") && file.path.contains(".d.")));
+}
+
+#[test]
+fn a_package_never_takes_the_name_of_the_labels() {
+    let mut sources = SourceMap::default();
+    let mut package = support::package("labels", Form::Msg(Dialect::Px4));
+    package.sources.push(sources.add("Glider.msg", GLIDER.into()).expect("a text"));
+    let (schema, _) = read(&sources, &[package]);
+    let paths: Vec<String> = python::emit(&schema, &NONE).into_iter().map(|file| file.path).collect();
+    assert_eq!(paths, ["__init__.py", "_open_enum.py", "labels_2.py", "py.typed"]);
+}
+
 #[test]
 fn real_definitions_keep_their_names_apart() {
     let Some(folder) = support::shared("corpus/px4/main/msg") else { return };
@@ -180,7 +288,7 @@ fn real_definitions_keep_their_names_apart() {
     let declared = module.lines().filter(|line| line.starts_with("export interface ")).count();
     assert_eq!(declared, names_after(module, &["export interface "]).len());
     assert!(declared > 250, "{declared}");
-    let python = python::emit(&schema);
+    let python = python::emit(&schema, &NONE);
     let classes = text(&python, "px4.py").lines().filter(|line| line.starts_with("class ")).count();
     assert_eq!(classes, names_after(text(&python, "px4.py"), &["class "]).len());
 }

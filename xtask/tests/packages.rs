@@ -9,6 +9,8 @@
 mod archives;
 #[path = "packages/declarations.rs"]
 mod declarations;
+#[path = "packages/labels.rs"]
+mod labels;
 #[path = "packages/readme.rs"]
 mod readme;
 #[path = "packages/tools.rs"]

@@ -5,6 +5,7 @@
 
 mod declare;
 mod json_type;
+mod labels;
 mod message;
 mod names;
 mod text;
@@ -13,6 +14,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 pub(super) use self::declare::modules;
+pub(super) use self::labels::{LabelLanguage, Labels, labels};
 pub(super) use self::names::{identifier, is_python_keyword};
 use super::prose;
 use crate::value::Value;

@@ -15,17 +15,24 @@
 //!
 //! A field that holds an enum is an `int`; the class of the enum names the values that are known, and keeps all others:
 //! `FlightMode(message["mode"])` never fails.
+//!
+//! # Labels
+//!
+//! Where definitions are translated, `labels` gives what they say in a language of the user, and each language is a
+//! module of its own, which is imported when a program asks for it.
 
 mod error_code;
 mod item;
+mod labels;
 mod text;
 mod types;
 
 use std::collections::BTreeSet;
 
-use super::binding::{ERROR_CODE, Kind, Module, SEVERITY, modules};
+use super::binding::{ERROR_CODE, Kind, Module, SEVERITY, labels, modules};
 use super::{GENERATED_BY, OutputFile};
 use crate::schema::Schema;
+use crate::translation::Translations;
 
 /// The module of the class that enums derive from.
 const OPEN_ENUM: &str = "_open_enum";
@@ -41,8 +48,8 @@ struct Uses {
     is_open_enum_used: bool,
 }
 
-/// Emits a module for each package, and what they share, sorted by path.
-pub fn emit(schema: &Schema) -> Vec<OutputFile> {
+/// Emits a module for each package, what they share and, where there are translations, the labels; sorted by path.
+pub fn emit(schema: &Schema, translations: &Translations) -> Vec<OutputFile> {
     let modules = modules(schema);
     let mut files = vec![
         OutputFile { path: "__init__.py".to_owned(), text: init(&modules) },
@@ -59,6 +66,7 @@ pub fn emit(schema: &Schema) -> Vec<OutputFile> {
     if is_open_enum_used {
         files.push(OutputFile { path: format!("{OPEN_ENUM}.py"), text: open_enum() });
     }
+    files.extend(labels(schema, translations).iter().flat_map(labels::files));
     files.sort_by(|left, right| left.path.cmp(&right.path));
     files
 }

@@ -13,15 +13,22 @@
 //!
 //! Enums and sets of known values are open: the type names the values that are known, for completion, and takes all
 //! others.
+//!
+//! # Labels
+//!
+//! Where definitions are translated, `labels` gives what they say in a language of the user, and each language is a
+//! module of its own, `labels/uk`, which a program loads when it asks for it.
 
 mod comment;
 mod error_code;
 mod item;
+mod labels;
 mod types;
 
-use super::binding::{Module, modules};
+use super::binding::{Module, labels, modules};
 use super::{GENERATED_BY, OutputFile};
 use crate::schema::Schema;
+use crate::translation::Translations;
 
 /// How modules are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -77,9 +84,10 @@ impl Language {
     }
 }
 
-/// Emits a module for each package and the index, sorted by path.
-pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
+/// Emits a module for each package, the index and, where there are translations, the labels; sorted by path.
+pub fn emit(schema: &Schema, translations: &Translations, options: &Options) -> Vec<OutputFile> {
     let modules = modules(schema);
+    let labels = labels(schema, translations);
     let languages: &[Language] = match options.form {
         Form::Source => &[Language::TypeScript],
         Form::Compiled => &[Language::JavaScript, Language::CommonJs, Language::Declarations],
@@ -93,19 +101,22 @@ pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
             of_packages
                 .map(|module| OutputFile { path: path(&module.name), text: package(module, *language) }),
         );
+        files.extend(labels.iter().flat_map(|labels| labels::files(labels, *language)));
     }
     if options.form == Form::Compiled {
-        let names = modules.iter().map(|module| module.name.as_str()).chain(["index"]);
-        files.extend(names.map(types_of_module));
+        let typed = files.iter().filter_map(|file| file.path.strip_suffix(".d.cts"));
+        let twins: Vec<OutputFile> = typed.map(types_of_module).collect();
+        files.extend(twins);
     }
     files.sort_by(|left, right| left.path.cmp(&right.path));
     files
 }
 
 /// The types of an ECMAScript module: those of its twin, so that they stand in the package once.
-fn types_of_module(name: &str) -> OutputFile {
+fn types_of_module(path: &str) -> OutputFile {
+    let name = path.rsplit('/').next().unwrap_or(path);
     let text = format!("{}export * from \"./{name}.cjs\";\n", header("the definitions"));
-    OutputFile { path: format!("{name}.d.ts"), text }
+    OutputFile { path: format!("{path}.d.ts"), text }
 }
 
 fn header(from: &str) -> String {

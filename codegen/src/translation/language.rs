@@ -58,7 +58,7 @@ const RIGHT_TO_LEFT: &[&str] = &["ar", "arab", "ckb", "dv", "fa", "he", "hebr", 
 
 /// What a language calls itself: that of its tag, or of the tag without its last parts. Of one that the table
 /// doesn't know it is the tag.
-pub(super) fn name(tag: &str) -> &str {
+pub(crate) fn name(tag: &str) -> &str {
     shorter(tag)
         .find_map(|tag| NAMES.iter().find(|(known, _)| known.eq_ignore_ascii_case(tag)))
         .map_or(tag, |(_, name)| name)

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use uavspec_codegen::cli::read_definitions;
+use uavspec_codegen::cli::read_definitions_translated;
 use uavspec_codegen::emit::{OutputFile, json_schema, python, typescript, vectors};
 
 use super::metadata::VERSION;
@@ -46,8 +46,8 @@ pub(super) struct Content {
 impl Content {
     /// Makes all of it from the definitions in the repository at `root`.
     pub(super) fn of(root: &Path) -> Result<Self, String> {
-        let (_, schema) =
-            read_definitions(root.join("definitions/uavspec.toml")).map_err(|failure| told(&failure))?;
+        let (_, schema, translations) = read_definitions_translated(root.join("definitions/uavspec.toml"))
+            .map_err(|failure| told(&failure))?;
         let schemas = json_schema::emit(&schema, &json_schema::Options::default());
         let vectors = vectors::emit(&schema, &vectors::Options::default());
         // The same cases once more, for runners of the JSON Schema Test Suite.
@@ -58,8 +58,8 @@ impl Content {
         data.extend(vectors.iter().map(|file| File::new(format!("vectors/{}", file.path), &file.text)));
         let options = typescript::Options { form: typescript::Form::Compiled };
         Ok(Self {
-            javascript: files(&typescript::emit(&schema, &options)),
-            python: files(&python::emit(&schema)),
+            javascript: files(&typescript::emit(&schema, &translations, &options)),
+            python: files(&python::emit(&schema, &translations)),
             data,
             licences: vec![
                 File::new("LICENSE-APACHE", include_str!("../../../LICENSE-APACHE")),

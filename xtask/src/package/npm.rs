@@ -34,7 +34,8 @@ pub(super) fn package(content: &Content) -> Result<Package, String> {
 }
 
 fn package_json(files: &[File]) -> Value {
-    let modules = files.iter().filter_map(|file| file.path.strip_suffix(".cjs"));
+    // A module without types is there for the others alone.
+    let modules = files.iter().filter_map(|file| file.path.strip_suffix(".d.cts"));
     let mut entries: Vec<(String, Value)> = modules.map(|name| (entry(name), conditions(name))).collect();
     entries.sort_by(|(left, _), (right, _)| left.cmp(right));
     let mut exports: Map<String, Value> = entries.into_iter().collect();

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use crate::labels;
 use crate::tools::{node_tool, python_with_tools, repository, run, write, xtask};
 
 /// Definitions that have to be read with care: names, texts and values that mean something in either language.
@@ -89,7 +90,10 @@ fn emit(kind: &str, into: &Path, own: &Path) -> usize {
         ]);
         fs::rename(out.join(kind), into.join(name)).expect("a folder of its own");
     }
-    definitions.len()
+    let translated = own.with_file_name("translated");
+    labels::emit(&translated, &format!("{kind} = \"out\""));
+    fs::rename(translated.join("out"), into.join("translated")).expect("a folder of its own");
+    definitions.len() + 1
 }
 
 fn files(folder: &Path, ending: &str) -> Vec<String> {
@@ -104,6 +108,14 @@ fn files(folder: &Path, ending: &str) -> Vec<String> {
     }
     found.sort();
     found
+}
+
+/// Copies the files that end so to another folder.
+fn copy(from: &Path, ending: &str, to: &Path) {
+    for path in files(from, ending) {
+        let below = Path::new(&path).strip_prefix(from).expect("a path below the folder");
+        write(&to.join(below), &fs::read_to_string(&path).expect("a module"));
+    }
 }
 
 /// Has the compiler of TypeScript look at all files at once, and gives what it finds.
@@ -208,10 +220,7 @@ fn type_names(package: &str, name: &str) -> [String; 2] {
 fn valid_values_are_of_the_types_of_typescript() {
     let folder = tempfile::tempdir().expect("a folder");
     let generated = repository().join("generated/typescript");
-    for path in files(&generated, ".ts") {
-        let name = Path::new(&path).file_name().expect("a name").to_owned();
-        fs::copy(&path, folder.path().join(name)).expect("a copy");
-    }
+    copy(&generated, ".ts", folder.path());
     let cases = cases();
     // Fields beyond those of a type are let pass where a type parameter stands for the type of the value.
     let mut text = "import type { flockwave, px4 } from \"./index.js\";\n\
@@ -236,10 +245,7 @@ fn valid_values_are_of_the_types_of_typescript() {
 fn valid_values_are_of_the_types_of_python() {
     let folder = tempfile::tempdir().expect("a folder");
     let package = folder.path().join("uavspec");
-    for path in files(&repository().join("generated/python"), ".py") {
-        let name = Path::new(&path).file_name().expect("a name").to_owned();
-        write(&package.join(name), &fs::read_to_string(&path).expect("a module"));
-    }
+    copy(&repository().join("generated/python"), ".py", &package);
     let mut text = "from uavspec import flockwave, px4\n\n".to_owned();
     let mut counts = [0, 0];
     // Further fields are no mistake in JSON, but type checkers take them for a slip of the pen.

@@ -62,7 +62,7 @@ fn the_readme_of_the_npm_package_is_true() {
         assert_eq!(run("node", &[&program], folder), example.printed, "{}", example.code);
     }
     for program in ["entries.mjs", "entries.cjs"] {
-        assert_eq!(run("node", &[program], folder), "true 1 2 true\n", "{program}");
+        assert_eq!(run("node", &[program], folder), "true 1 2 true true\n", "{program}");
     }
 }
 
@@ -100,7 +100,9 @@ fn write_entries(folder: &Path) {
     let uses = "const known: boolean = flockwave.errorCode(1).isKnown;\nconst low: 1 = px4.BatteryStatusBatteryWarning.LOW;\n\
                 const bundles: readonly string[] = data.manifest().bundles;\n\
                 const same: boolean = index.px4.BatteryStatusBatteryWarning.LOW === low;\n\
-                console.log(known, low, bundles.length, same);\n";
+                const tags: string[] = labels.languages.map((known) => known.tag);\n\
+                const uk: labels.Labels = ukrainian.labels;\n\
+                console.log(known, low, bundles.length, same, tags.includes(uk.tag));\n";
     let mut esm = String::new();
     let mut cjs = String::new();
     for (name, entry) in [
@@ -108,6 +110,8 @@ fn write_entries(folder: &Path) {
         ("px4", "uavspec/px4"),
         ("flockwave", "uavspec/flockwave"),
         ("data", "uavspec/data"),
+        ("labels", "uavspec/labels"),
+        ("ukrainian", "uavspec/labels/uk"),
     ] {
         esm.extend(["import * as ", name, " from \"", entry, "\";\n"]);
         cjs.extend(["import ", name, " = require(\"", entry, "\");\n"]);

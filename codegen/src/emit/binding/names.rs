@@ -91,7 +91,7 @@ const USED: [&str; 25] = [
 ];
 
 /// Names of modules that are no packages.
-const MODULES: [&str; 3] = ["data", "index", "manifest"];
+const MODULES: [&str; 4] = ["data", "index", "labels", "manifest"];
 
 /// The names of all declarations.
 pub(super) struct Names {

@@ -1,0 +1,96 @@
+//! Labels: what definitions say, in each language that they are translated into, for programs that show it.
+
+use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::schema::{EnumRef, MessageId, Schema};
+use crate::translation::{
+    MessageKeys, MessageText, SOURCE_LANGUAGE, Translations, is_right_to_left, language_name, texts,
+};
+
+/// The texts of all languages, and which of them say what a value of a field means.
+pub(in crate::emit) struct Labels<'s> {
+    /// The language of the definitions, which has all texts, then the others by tag.
+    pub(in crate::emit) languages: Vec<LabelLanguage<'s>>,
+    /// Values with the keys of their texts, for each enum that a field holds. Names that share a value are left
+    /// out but for the first.
+    pub(in crate::emit) enumerations: Vec<Vec<(i128, String)>>,
+    /// By the key of a field, which of `enumerations` it holds.
+    pub(in crate::emit) fields: BTreeMap<String, usize>,
+}
+
+/// A language and its texts.
+pub(in crate::emit) struct LabelLanguage<'s> {
+    pub(in crate::emit) tag: &'s str,
+    pub(in crate::emit) name: &'s str,
+    pub(in crate::emit) is_right_to_left: bool,
+    /// Keys and texts, in the order of keys.
+    pub(in crate::emit) texts: BTreeMap<String, &'s str>,
+}
+
+impl LabelLanguage<'_> {
+    /// Whether it is that of the definitions, in which others look up what they lack.
+    pub(in crate::emit) fn is_source(&self) -> bool {
+        self.tag == SOURCE_LANGUAGE
+    }
+}
+
+/// The labels of all languages; none where nothing is translated, as modules have the texts themselves.
+pub(in crate::emit) fn labels<'s>(schema: &'s Schema, translations: &'s Translations) -> Option<Labels<'s>> {
+    if translations.languages.is_empty() {
+        return None;
+    }
+    let source = texts(schema).into_iter().map(|text| (text.key, text.text));
+    let mut languages = vec![language(SOURCE_LANGUAGE, language_name(SOURCE_LANGUAGE), source)];
+    languages.extend(translations.languages.iter().map(|found| {
+        let texts = found.iter().map(|(key, _, translation)| (key.to_owned(), translation));
+        language(&found.tag, &found.name, texts)
+    }));
+    let mut labels = Labels { languages, enumerations: Vec::new(), fields: BTreeMap::new() };
+    labels.add_enumerations(schema);
+    Some(labels)
+}
+
+fn language<'s>(
+    tag: &'s str,
+    name: &'s str,
+    texts: impl Iterator<Item = (String, &'s str)>,
+) -> LabelLanguage<'s> {
+    LabelLanguage { tag, name, is_right_to_left: is_right_to_left(tag), texts: texts.collect() }
+}
+
+impl Labels<'_> {
+    fn add_enumerations(&mut self, schema: &Schema) {
+        let mut known: BTreeMap<EnumRef, usize> = BTreeMap::new();
+        for id in schema.packages.iter().flat_map(|package| {
+            let parts = package.interfaces.iter().flat_map(|interface| &interface.parts);
+            package.messages.iter().chain(parts).copied()
+        }) {
+            self.add_fields(schema, id, &mut known);
+        }
+    }
+
+    fn add_fields(&mut self, schema: &Schema, id: MessageId, known: &mut BTreeMap<EnumRef, usize>) {
+        let message = schema.message(id);
+        let keys = MessageKeys::new(schema, message);
+        for (index, field) in message.fields.iter().enumerate() {
+            let Some(reference) = field.enumeration else { continue };
+            let number = match known.entry(reference) {
+                Entry::Occupied(entry) => *entry.get(),
+                Entry::Vacant(entry) => {
+                    self.enumerations.push(members(schema, reference));
+                    *entry.insert(self.enumerations.len() - 1)
+                }
+            };
+            self.fields.insert(keys.key(MessageText::Field(index)), number);
+        }
+    }
+}
+
+fn members(schema: &Schema, reference: EnumRef) -> Vec<(i128, String)> {
+    let owner = schema.message(reference.message);
+    let keys = MessageKeys::new(schema, owner);
+    let mut values = BTreeSet::new();
+    let members = owner.enums[reference.index].members.iter().filter(|member| values.insert(member.value));
+    members.map(|member| (member.value, keys.key(MessageText::Constant(member.constant)))).collect()
+}

@@ -1,0 +1,207 @@
+//! Labels: `labels` names the languages and gives the labels of one; within it each language is a module with its
+//! texts, which is imported when somebody asks for it.
+
+use super::header;
+use crate::emit::OutputFile;
+use crate::emit::binding::{LabelLanguage, Labels, quoted};
+use crate::translation::SOURCE_LANGUAGE;
+
+const FROM: &str = "the definitions and their translations";
+
+/// All modules of labels.
+pub(super) fn files(labels: &Labels<'_>) -> Vec<OutputFile> {
+    let file = |name: &str, body: String| OutputFile {
+        path: format!("labels/{name}.py"),
+        text: header(FROM) + &body,
+    };
+    let languages = labels.languages.iter();
+    let mut files: Vec<OutputFile> =
+        languages.map(|language| file(&module(language.tag), texts(language))).collect();
+    files.push(file("__init__", init(labels)));
+    files.push(file("_enumerations", enumerations(labels)));
+    files
+}
+
+/// The name of the module of a language. The `_` keeps words of Python from being one: `is` is Icelandic.
+fn module(tag: &str) -> String {
+    format!("_{}", tag.to_ascii_lowercase().replace('-', "_"))
+}
+
+fn init(labels: &Labels<'_>) -> String {
+    let languages: String = labels
+        .languages
+        .iter()
+        .map(|language| {
+            let direction = if language.is_right_to_left { "True" } else { "False" };
+            format!("    Language(\"{}\", {}, {direction}),\n", language.tag, quoted(language.name))
+        })
+        .collect();
+    format!(
+        r#""""What the definitions say, in each language that they are translated into, for programs that show it."""
+
+from functools import cache
+from typing import Final, NamedTuple, Optional
+
+from ._enumerations import ENUMERATIONS, FIELDS
+
+__all__ = ["Labels", "Language", "language", "languages"]
+
+
+class Language(NamedTuple):
+    """A language that there are labels in."""
+
+    tag: str
+    """Its tag, as BCP 47 writes it, such as `pt-BR`."""
+
+    name: str
+    """What it calls itself."""
+
+    is_right_to_left: bool
+    """Whether it is written from right to left."""
+
+
+class Labels:
+    """The labels in a language.
+
+    What isn't translated is in English, and what no definition describes is called by its name, so that there is always
+    something to show.
+    """
+
+    tag: Final[str]
+    """The tag of the language, as BCP 47 writes it, such as `pt-BR`."""
+
+    name: Final[str]
+    """What the language calls itself."""
+
+    is_right_to_left: Final[bool]
+    """Whether the language is written from right to left."""
+
+    def __init__(self, language: Language, texts: dict[str, str], fallback: "Optional[Labels]") -> None:
+        """The labels of a language with these texts. What it lacks is looked up in `fallback`."""
+        self.tag, self.name, self.is_right_to_left = language
+        self._texts = texts
+        self._fallback = fallback
+
+    def __repr__(self) -> str:
+        return f"<labels in {{self.name}}>"
+
+    def message(self, message: str) -> str:
+        """What a message, such as `px4/Wind`, is about."""
+        return self.text(message) or message
+
+    def field(self, message: str, field: str) -> str:
+        """What a field of a message says."""
+        return self.text(f"{{message}}.{{field}}") or field
+
+    def value(self, message: str, field: str, value: int) -> str:
+        """What a value of a field means, which holds one of the values of an enum."""
+        key = _members(message, field).get(int(value))
+        return str(int(value)) if key is None else self._constant(key)
+
+    def flags(self, message: str, field: str, value: int) -> list[str]:
+        """What each flag means that is set in a field. Bits without a name come last, as one number."""
+        rest = every = int(value)
+        found = []
+        for flag, key in _members(message, field).items():
+            if flag != 0 and every & flag == flag:
+                found.append(self._constant(key))
+                rest &= ~flag
+        return found if rest == 0 else [*found, str(rest)]
+
+    def error_code(self, package: str, code: int) -> str:
+        """The description of an error code of a package, such as `flockwave`."""
+        return self.text(f"{{package}}/error-code/{{int(code)}}") or str(int(code))
+
+    def text(self, key: str) -> Optional[str]:
+        """Any other text, by its key in the catalogues of translations: `px4/Wind.speed/frame`; None where there is none."""
+        found = self._texts.get(key)
+        return self._fallback.text(key) if found is None and self._fallback is not None else found
+
+    def _constant(self, key: str) -> str:
+        return self.text(key) or key.partition("::")[2]
+
+
+languages: Final[tuple[Language, ...]] = (
+{languages})
+"""The languages: English, which the definitions are in, then the others by tag."""
+
+
+def language(*tags: str) -> Labels:
+    """The labels of the first of these languages that there are any in; those in English where there is none.
+
+    Of a tag such as `uk-UA` or `uk_UA.UTF-8` the last parts may be missing here: then it is `uk`.
+    """
+    return _load(_nearest(tags))
+
+
+def _nearest(tags: tuple[str, ...]) -> str:
+    """The tag that is nearest to the first of `tags` that is near to any: parts are left off from its end."""
+    known = {{language.tag.lower(): language.tag for language in languages}}
+    for tag in tags:
+        parts = tag.partition(".")[0].partition("@")[0].lower().replace("_", "-").split("-")
+        while parts:
+            found = known.get("-".join(parts))
+            if found is not None:
+                return found
+            parts.pop()
+    return "{SOURCE_LANGUAGE}"
+
+
+@cache
+def _load(tag: str) -> Labels:
+{load}
+
+def _members(message: str, field: str) -> dict[int, str]:
+    index = FIELDS.get(f"{{message}}.{{field}}")
+    return {{}} if index is None else ENUMERATIONS[index]
+"#,
+        load = load(labels),
+    )
+}
+
+/// The body of the function that imports a language. Each stands in it by its name, so that programs which pack
+/// others see them all.
+fn load(labels: &Labels<'_>) -> String {
+    let import = |index: usize, language: &LabelLanguage<'_>, indent: &str| {
+        let module = module(language.tag);
+        let fallback =
+            if language.is_source() { "None".to_owned() } else { format!("_load(\"{SOURCE_LANGUAGE}\")") };
+        format!(
+            "{indent}from . import {module}\n\n\
+             {indent}return Labels(languages[{index}], {module}.TEXTS, {fallback})\n"
+        )
+    };
+    let (sources, others): (Vec<_>, Vec<_>) =
+        labels.languages.iter().enumerate().partition(|(_, language)| language.is_source());
+    let others = others.into_iter().map(|(index, language)| {
+        format!("    if tag == \"{}\":\n{}", language.tag, import(index, language, "        "))
+    });
+    let source = sources.into_iter().map(|(index, language)| import(index, language, "    "));
+    others.chain(source).collect()
+}
+
+fn texts(language: &LabelLanguage<'_>) -> String {
+    let entries: String = language
+        .texts
+        .iter()
+        .map(|(key, said)| format!("    {}: {},\n", quoted(key), quoted(said)))
+        .collect();
+    format!("from typing import Final\n\nTEXTS: Final[dict[str, str]] = {{\n{entries}}}\n")
+}
+
+/// What values of fields mean: values with the keys of their texts, and which field has which.
+fn enumerations(labels: &Labels<'_>) -> String {
+    let mut text =
+        String::from("from typing import Final\n\nENUMERATIONS: Final[list[dict[int, str]]] = [\n");
+    for members in &labels.enumerations {
+        text.push_str("    {\n");
+        let members = members.iter().map(|(value, key)| format!("        {value}: {},\n", quoted(key)));
+        text.extend(members);
+        text.push_str("    },\n");
+    }
+    text.push_str("]\n\"\"\"Of each enum the values, with the keys of what they mean.\"\"\"\n\n");
+    text.push_str("FIELDS: Final[dict[str, int]] = {\n");
+    text.extend(labels.fields.iter().map(|(field, index)| format!("    {}: {index},\n", quoted(field))));
+    text.push_str("}\n\"\"\"By the key of a field, which of them it holds.\"\"\"\n");
+    text
+}
