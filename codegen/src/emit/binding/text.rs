@@ -1,7 +1,7 @@
 //! What is said of declarations, in plain words.
 
 use crate::schema::json_type::Limits;
-use crate::schema::{Constant, Docs, Element, Field, Message, Package, Parameter, Range, Schema, Special};
+use crate::schema::{Constant, Docs, Element, Field, Message, Package, Range, Schema, Special};
 use crate::unit;
 use crate::value::Value;
 
@@ -70,8 +70,7 @@ pub(super) fn constant(constant: &Constant) -> String {
         "ORB_QUEUE_LENGTH" => "How many messages a topic holds before the oldest is lost.",
         _ => "",
     };
-    let is_used = |parameter: &Parameter| !matches!(parameter.description.as_str(), "" | "Unused" | "Empty");
-    let parameters = constant.parameters.iter().enumerate().filter(|(_, found)| is_used(found));
+    let parameters = constant.parameters.iter().enumerate().filter(|(_, found)| !found.is_unused());
     let lines: Vec<String> = parameters
         .map(|(index, found)| {
             let facts: Vec<String> =
