@@ -13,8 +13,16 @@ use crate::links::Links;
 const ADDITIONS: [(&str, &str); 2] =
     [("site.css", include_str!("../site.css")), ("site.js", include_str!("../site.js"))];
 
-/// Fills the empty folder `to` from the repository, and counts the pages. All broken links are told at once.
-pub(crate) fn gather(repository: &Path, to: &Path) -> Result<usize, Vec<String>> {
+/// What was gathered.
+pub(crate) struct Gathered {
+    /// How many pages there are.
+    pub(crate) count: usize,
+    /// Those in other languages than English, whose words the search doesn't know.
+    pub(crate) translated: Vec<String>,
+}
+
+/// Fills the empty folder `to` from the repository. All broken links are told at once.
+pub(crate) fn gather(repository: &Path, to: &Path) -> Result<Gathered, Vec<String>> {
     let failed = |error: io::Error| vec![format!("{}: {error}", to.display())];
     for folder in GENERATED {
         copy(&repository.join("generated").join(folder), &to.join(folder))?;
@@ -36,8 +44,22 @@ pub(crate) fn gather(repository: &Path, to: &Path) -> Result<usize, Vec<String>>
     let reference = read(&repository.join("generated/docs/SUMMARY.md")).map_err(|mistake| vec![mistake])?;
     let summary = summary(&reference);
     write(&to.join("SUMMARY.md"), &summary).map_err(failed)?;
-    if mistakes.is_empty() { Ok(summary.matches("](").count()) } else { Err(mistakes) }
+    if !mistakes.is_empty() {
+        return Err(mistakes);
+    }
+    let pages: Vec<&str> = summary.lines().filter_map(page).collect();
+    let is_translated = |page: &&&str| read(&to.join(page)).is_ok_and(|text| text.contains(TRANSLATED));
+    let translated = pages.iter().filter(is_translated).map(|page| (*page).to_owned()).collect();
+    Ok(Gathered { count: pages.len(), translated })
 }
+
+/// The page that a line of the table of contents leads to.
+fn page(line: &str) -> Option<&str> {
+    line.split_once("](")?.1.strip_suffix(')')
+}
+
+/// What pages in other languages begin with, after the line on what made them.
+const TRANSLATED: &str = "-->\n\n<div lang=\"";
 
 /// Copies a folder with all that is in it, but for lists of the generator's own.
 fn copy(from: &Path, to: &Path) -> Result<(), Vec<String>> {

@@ -18,6 +18,8 @@ use clap::Parser;
 use mdbook_driver::MDBook;
 use mdbook_driver::config::Config;
 
+use self::gather::Gathered;
+
 /// A file that says of a folder that it holds a site.
 const MARK: &str = ".uavspec-site";
 
@@ -51,14 +53,15 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> Result<(), Vec<String>> {
     let started = Instant::now();
     own(&arguments.out).map_err(|mistake| vec![mistake])?;
-    let gathered = tempfile::tempdir().map_err(|error| vec![format!("a temporary folder: {error}")])?;
-    let pages = gather::gather(&arguments.repository, gathered.path())?;
-    let built = build(gathered.path(), &arguments.out);
+    let folder = tempfile::tempdir().map_err(|error| vec![format!("a temporary folder: {error}")])?;
+    let gathered = gather::gather(&arguments.repository, folder.path())?;
+    let built = build(folder.path(), &gathered, &arguments.out);
     // mdBook takes out the mark, too.
     let marked = mark(&arguments.out);
     built.and(marked).map_err(|mistake| vec![mistake])?;
     let index = arguments.out.join("index.html");
-    eprintln!("docs: {pages} pages in {} ({} ms)", index.display(), started.elapsed().as_millis());
+    let time = started.elapsed().as_millis();
+    eprintln!("docs: {} pages in {} ({time} ms)", gathered.count, index.display());
     if arguments.open {
         opener::open(&index).map_err(|error| vec![format!("{}: {error}", index.display())])?;
     }
@@ -81,11 +84,15 @@ fn mark(output: &Path) -> Result<(), String> {
     fs::write(output.join(MARK), "").map_err(|error| format!("{}: {error}", output.display()))
 }
 
-fn build(gathered: &Path, output: &Path) -> Result<(), String> {
+/// Has mdBook build what was gathered in a folder.
+fn build(folder: &Path, gathered: &Gathered, output: &Path) -> Result<(), String> {
     let of_book = |error: &dyn std::fmt::Display| format!("mdBook: {error}");
-    let mut config: Config = include_str!("../book.toml").parse().map_err(|error| of_book(&error))?;
+    let unsearched = |page: &String| format!("\n[output.html.search.chapter.\"{page}\"]\nenable = false\n");
+    let text: String = gathered.translated.iter().map(unsearched).collect();
+    let text = include_str!("../book.toml").to_owned() + &text;
+    let mut config: Config = text.parse().map_err(|error| of_book(&error))?;
     config.build.build_dir = std::path::absolute(output).map_err(|error| of_book(&error))?;
-    let book = MDBook::load_with_config(gathered, config).map_err(|error| of_book(&error))?;
+    let book = MDBook::load_with_config(folder, config).map_err(|error| of_book(&error))?;
     book.build().map_err(|error| of_book(&error))
 }
 
