@@ -148,7 +148,7 @@ fn what_cannot_be_carried_out_says_what_to_do() {
         (&["translate", "en"], "`en` is no tag of another language", "definitions are in English"),
         (
             &["translate", "uk", "--select", "demo/Wnd"],
-            "nothing that is called `demo/Wnd`",
+            "`demo/Wnd` names nothing that has texts",
             "did you mean `demo/Wind`?",
         ),
     ] {
