@@ -12,7 +12,6 @@ use uavspec_runtime::Scalar;
 
 use super::dialect::{Dialect, Dialects};
 use super::plan::{Element, FieldPlan, MessagePlan, Plans};
-use super::template::keep;
 use super::value::Leaf;
 use crate::base64;
 
@@ -103,7 +102,7 @@ impl<'de> Visitor<'de> for Members<'_, '_, '_> {
             if is_top && field.is_timestamp() {
                 let timestamp: u64 = map.next_value()?;
                 reading.clean.timestamp = Some(timestamp);
-                keep(reading.values, Scalar::UInt64, field.offset, Leaf::Int(timestamp.into()));
+                field.keep(reading.values, field.offset, Leaf::Int(timestamp.into()));
             } else {
                 map.next_value_seed(Value { reading, field, at: base + field.offset, is_element: false })?;
             }
@@ -131,9 +130,7 @@ impl Value<'_, '_, '_> {
         if self.is_array() {
             return Err(unclean());
         }
-        if let (Element::Scalar(scalar), false) = (self.field.element, self.reading.values.is_empty()) {
-            keep(self.reading.values, scalar, self.at, leaf);
-        }
+        self.field.keep(self.reading.values, self.at, leaf);
         self.field.judge(leaf).map_err(|_| unclean())
     }
 }

@@ -1,12 +1,11 @@
-//! Says whether a message is clean by how clean ones before it were written.
+//! Says whether a message is clean by a clean one before it.
 //!
-//! A producer writes the same message the same way each time: only the values differ. So what stands between the
-//! values of a clean message, keys and all, is kept, and the next one is compared with it byte for byte; only its
-//! values are read. That takes a fraction of the time that reading it as any JSON takes, and whatever differs is
-//! read as that.
+//! A producer writes the same message the same way each time, and most values are those of the message before. So
+//! the text of a clean message is kept with the places of its values, and the next one is compared with it byte for
+//! byte: what stands between values, keys and all, has to be the same, and only values that differ are read. That
+//! takes a fraction of the time that reading all as any JSON takes, and whatever differs otherwise is read as that.
 
 use uavspec_codegen::schema::{MessageId, Shape};
-use uavspec_runtime::Scalar;
 
 use super::clean::Clean;
 use super::dialect::Dialects;
@@ -16,67 +15,196 @@ use super::value::Leaf;
 /// Most values that a template has: beyond that it costs more room than it saves time.
 const MAX_STEPS: usize = 8_192;
 
-/// How clean messages of a channel are written.
+/// Keys around a message that say what it is. What other keys hold says nothing of it.
+const TELLING: [&[u8]; 5] = [b"op", b"topic", b"type", b"msg", b"message"];
+
+/// A clean message of a channel, with all around it.
 #[derive(Debug)]
 pub(crate) struct Template {
+    text: Vec<u8>,
     steps: Vec<Step>,
-    /// What follows the last value.
-    tail: Box<[u8]>,
+    /// Its numbers and bools as they lie in memory; empty where nobody wants them.
+    values: Vec<u8>,
+    timestamp: Option<u64>,
+    /// What differs in the message that is read.
+    changes: Vec<Change>,
 }
 
-/// A value, and what stands before it.
-#[derive(Debug)]
+/// A value.
+#[derive(Clone, Copy, Debug)]
 struct Step {
-    literal: Box<[u8]>,
-    message: MessageId,
-    field: usize,
-    /// Where it is in memory.
-    at: usize,
-    is_timestamp: bool,
+    /// Where it stands in the text.
+    start: usize,
+    end: usize,
+    /// None where it stands around the message, and may be any.
+    place: Option<Place>,
+}
+
+/// A value that differs from the one before.
+#[derive(Clone, Copy, Debug)]
+struct Change {
+    step: usize,
+    /// How many bytes of text it takes.
+    length: usize,
+    /// What it is in memory.
+    bytes: [u8; 8],
 }
 
 impl Template {
-    /// The template of a text in which a clean message stands: as the whole of it, or as the value of this key.
-    /// None where it is written in a way that templates don't know.
-    pub(crate) fn of(plans: &Plans, id: MessageId, text: &[u8], key: Option<&str>) -> Option<Self> {
-        let mut learner = Learner { plans, text, at: 0, literal: 0, steps: Vec::new() };
+    /// The template of a text in which a clean message stands: as the whole of it, or as the value of this key. None
+    /// where it is written in a way that templates don't know. Its values take so many bytes in memory.
+    pub(crate) fn of(
+        plans: &Plans,
+        id: MessageId,
+        text: &[u8],
+        key: Option<&str>,
+        size: usize,
+    ) -> Option<Self> {
+        let template = Self {
+            text: text.into(),
+            steps: Vec::new(),
+            values: vec![0; size],
+            timestamp: None,
+            changes: Vec::new(),
+        };
+        let mut learner = Learner { plans, text, at: 0, template };
         match key {
             None => learner.message(id, 0, true)?,
             Some(key) => learner.around(id, key)?,
         }
-        let Learner { literal, steps, .. } = learner;
-        Some(Self { steps, tail: text[literal..].into() })
+        Some(learner.template)
     }
 
-    /// Whether a text is one more like it, and what it says of itself; `values` gets its numbers and bools as they
-    /// lie in memory, if it has room for them.
-    pub(crate) fn read(&self, plans: &Plans, text: &[u8], values: &mut [u8]) -> Option<Clean> {
-        let mut timestamp = None;
-        let mut rest = text;
-        for step in &self.steps {
-            rest = rest.strip_prefix(&*step.literal)?;
-            let (leaf, after) = token(rest)?;
-            let field = &plans.get(step.message).fields[step.field];
-            field.judge(leaf).ok()?;
-            if step.is_timestamp {
-                let Leaf::Int(value) = leaf else { return None };
-                timestamp = u64::try_from(value).ok();
+    /// Whether a text is one more like it, and what it says of itself. If so, it is the one that the next is compared
+    /// with.
+    pub(crate) fn read(&mut self, plans: &Plans, text: &[u8]) -> Option<Clean> {
+        self.compare(plans, text)?;
+        self.become_next(plans, text);
+        Some(Clean { timestamp: self.timestamp, dialects: Dialects::default() })
+    }
+
+    /// The numbers and bools of the message that was read last, as they lie in memory.
+    pub(crate) fn values(&self) -> &[u8] {
+        &self.values
+    }
+
+    /// Finds what differs; none where that isn't values alone, or one of them isn't clean.
+    fn compare(&mut self, plans: &Plans, text: &[u8]) -> Option<()> {
+        self.changes.clear();
+        let (mut old, mut new, mut next) = (0, 0, 0);
+        loop {
+            let same = common(&self.text[old..], &text[new..]);
+            (old, new) = (old + same, new + same);
+            if old == self.text.len() && new == text.len() {
+                return Some(());
             }
-            if let (Element::Scalar(scalar), false) = (field.element, values.is_empty()) {
-                keep(values, scalar, step.at, leaf);
-            }
-            rest = after;
+            // A value may go on where that before ended.
+            next += match self.steps.get(next) {
+                Some(step) if step.end >= old => 0,
+                _ => self.steps[next..].partition_point(|step| step.end < old),
+            };
+            let step = self.steps.get(next)?;
+            let start = new - old.checked_sub(step.start)?;
+            let (leaf, rest) = token(&text[start..])?;
+            let bytes = match step.place {
+                None => [0; 8],
+                Some(place) => {
+                    let field = place.field(plans);
+                    field.judge(leaf).ok()?;
+                    field.bytes(leaf)
+                }
+            };
+            let length = text.len() - start - rest.len();
+            self.changes.push(Change { step: next, length, bytes });
+            (old, new, next) = (step.end, start + length, next + 1);
         }
-        (rest == &*self.tail).then_some(Clean { timestamp, dialects: Dialects::default() })
+    }
+
+    /// Takes over a text with what differs in it.
+    fn become_next(&mut self, plans: &Plans, text: &[u8]) {
+        let Some(first) = self.changes.first() else { return };
+        // What is behind values of another length stands elsewhere.
+        if self.text.len() != text.len()
+            || self.changes.iter().any(|change| self.steps[change.step].length() != change.length)
+        {
+            let mut changes = self.changes.iter().peekable();
+            let mut start = self.steps[first.step].start;
+            let mut before = start;
+            for (index, step) in self.steps.iter_mut().enumerate().skip(first.step) {
+                start += step.start - before;
+                let length = changes.next_if(|change| change.step == index).map(|change| change.length);
+                let end = start + length.unwrap_or(step.length());
+                before = step.end;
+                (step.start, step.end) = (start, end);
+                start = end;
+            }
+        }
+        self.text.clear();
+        self.text.extend_from_slice(text);
+        for change in &self.changes {
+            let Some(place) = self.steps[change.step].place else { continue };
+            if place.is_timestamp {
+                self.timestamp = Some(u64::from_le_bytes(change.bytes));
+            }
+            place.field(plans).put(&mut self.values, place.at, change.bytes);
+        }
     }
 }
 
-/// Keeps a value at its place in memory.
-pub(super) fn keep(values: &mut [u8], scalar: Scalar, at: usize, leaf: Leaf<'_>) {
-    let bytes = leaf.bytes(scalar);
-    if let Some(place) = values.get_mut(at..at + scalar.size()) {
-        place.copy_from_slice(&bytes[..scalar.size()]);
+impl Step {
+    fn length(self) -> usize {
+        self.end - self.start
     }
+}
+
+impl Place {
+    fn field(self, plans: &Plans) -> &FieldPlan {
+        &plans.get(self.id).fields[self.index]
+    }
+}
+
+impl FieldPlan {
+    /// What a value that fits is in memory; zeros for text.
+    fn bytes(&self, leaf: Leaf<'_>) -> [u8; 8] {
+        match self.element {
+            Element::Scalar(scalar) => leaf.bytes(scalar),
+            Element::Text(_) | Element::String { .. } | Element::Message(_) => [0; 8],
+        }
+    }
+
+    /// Puts a number or a bool at its place in memory, if that is wanted.
+    fn put(&self, values: &mut [u8], at: usize, bytes: [u8; 8]) {
+        if let Element::Scalar(scalar) = self.element
+            && let Some(place) = values.get_mut(at..at + scalar.size())
+        {
+            place.copy_from_slice(&bytes[..scalar.size()]);
+        }
+    }
+
+    /// Keeps a value, or one of an element, at its place in memory, if that is wanted.
+    pub(super) fn keep(&self, values: &mut [u8], at: usize, leaf: Leaf<'_>) {
+        if !values.is_empty() {
+            self.put(values, at, self.bytes(leaf));
+        }
+    }
+}
+
+/// How many bytes two texts have in common at their beginnings. Most have many: these are compared 32 and 8 at a time.
+fn common(left: &[u8], right: &[u8]) -> usize {
+    let (wide, _) = left.as_chunks::<32>();
+    let same =
+        wide.iter().zip(right.as_chunks::<32>().0).take_while(|(left, right)| left == right).count() * 32;
+    let (left, right) = (&left[same..], &right[same..]);
+    let mut length = same;
+    for (left, right) in left.as_chunks::<8>().0.iter().zip(right.as_chunks::<8>().0) {
+        let differing = u64::from_le_bytes(*left) ^ u64::from_le_bytes(*right);
+        if differing != 0 {
+            return length + differing.trailing_zeros() as usize / 8;
+        }
+        length += 8;
+    }
+    let rest = left.iter().zip(right).skip(length - same);
+    length + rest.take_while(|(left, right)| left == right).count()
 }
 
 /// The value that a text begins with, and what follows it. None where it is an object or an array, is no JSON, or
@@ -141,9 +269,7 @@ struct Learner<'p, 't> {
     plans: &'p Plans,
     text: &'t [u8],
     at: usize,
-    /// Where what stands before the next value begins.
-    literal: usize,
-    steps: Vec<Step>,
+    template: Template,
 }
 
 impl Learner<'_, '_> {
@@ -158,11 +284,15 @@ impl Learner<'_, '_> {
         (self.text.get(self.at) == Some(&byte)).then(|| self.at += 1)
     }
 
-    fn string(&mut self) -> Option<&[u8]> {
+    fn token(&mut self) -> Option<Leaf<'_>> {
         self.space();
-        let start = self.at;
-        let (Leaf::Text(text), rest) = token(&self.text[start..])? else { return None };
+        let (leaf, rest) = token(&self.text[self.at..])?;
         self.at = self.text.len() - rest.len();
+        Some(leaf)
+    }
+
+    fn string(&mut self) -> Option<&[u8]> {
+        let Leaf::Text(text) = self.token()? else { return None };
         Some(text.as_bytes())
     }
 
@@ -180,19 +310,17 @@ impl Learner<'_, '_> {
         }
     }
 
-    /// An object of which one member is the message; all others are as they are.
+    /// An object of which one member is the message.
     fn around(&mut self, id: MessageId, message: &str) -> Option<()> {
         self.take(b'{')?;
         self.each(b'}', |learner| {
-            let is_message = learner.string()? == message.as_bytes();
+            let key = learner.string()?;
+            let (is_message, is_telling) = (key == message.as_bytes(), TELLING.contains(&key));
             learner.take(b':')?;
-            learner.space();
             if is_message {
                 return learner.message(id, 0, true);
             }
-            let (_, rest) = token(&learner.text[learner.at..])?;
-            learner.at = learner.text.len() - rest.len();
-            Some(())
+            if is_telling { learner.token().map(|_| ()) } else { learner.step(None) }
         })
     }
 
@@ -221,25 +349,35 @@ impl Learner<'_, '_> {
     }
 
     fn value(&mut self, field: &FieldPlan, place: Place) -> Option<()> {
-        if let Element::Message(nested) = field.element {
-            return self.message(nested, place.at, false);
+        match field.element {
+            Element::Message(nested) => self.message(nested, place.at, false),
+            _ => self.step(Some(place)),
         }
+    }
+
+    fn step(&mut self, place: Option<Place>) -> Option<()> {
+        let plans = self.plans;
         self.space();
-        let (_, rest) = token(&self.text[self.at..])?;
-        if self.steps.len() == MAX_STEPS {
+        let start = self.at;
+        let leaf = self.token()?;
+        let bytes = place.map_or([0; 8], |place| place.field(plans).bytes(leaf));
+        let (end, template) = (self.at, &mut self.template);
+        if template.steps.len() == MAX_STEPS {
             return None;
         }
-        let Place { id: message, index: field, at, is_timestamp } = place;
-        let literal = self.text[self.literal..self.at].into();
-        self.steps.push(Step { literal, message, field, at, is_timestamp });
-        self.at = self.text.len() - rest.len();
-        self.literal = self.at;
+        template.steps.push(Step { start, end, place });
+        if let Some(place) = place {
+            place.field(plans).put(&mut template.values, place.at, bytes);
+            if place.is_timestamp {
+                template.timestamp = Some(u64::from_le_bytes(bytes));
+            }
+        }
         Some(())
     }
 }
 
 /// Which field a value is of, and where it is in memory.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Place {
     id: MessageId,
     index: usize,

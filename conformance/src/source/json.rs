@@ -94,7 +94,8 @@ pub struct Reader<R> {
     buffer: Vec<u8>,
     /// What of the buffer has been lent.
     start: usize,
-    is_end: bool,
+    /// What of it has been read.
+    end: usize,
     mode: Option<Mode>,
     /// The line at `start`.
     line: u64,
@@ -125,7 +126,7 @@ impl<R: Read> Reader<R> {
             input,
             buffer: Vec::new(),
             start: 0,
-            is_end: false,
+            end: 0,
             mode: None,
             line: 1,
             read: 0,
@@ -164,38 +165,40 @@ impl<R: Read> Reader<R> {
     }
 
     fn rest(&self) -> &[u8] {
-        &self.buffer[self.start..]
+        &self.buffer[self.start..self.end]
     }
 
     /// Reads more; what was lent goes. False at the end.
     fn fill(&mut self) -> io::Result<bool> {
-        if self.start > 0 {
-            self.buffer.drain(..self.start);
-            self.start = 0;
-        }
-        let length = self.buffer.len();
+        self.buffer.copy_within(self.start..self.end, 0);
+        self.end -= self.start;
+        self.start = 0;
         // Large values are read in large pieces, so that moving them stays cheap.
-        let room = CHUNK.max(length.min(MAX_LENGTH));
-        self.buffer.resize(length + room, 0);
+        let room = self.end + CHUNK.max(self.end.min(MAX_LENGTH));
+        if self.buffer.len() < room {
+            self.buffer.resize(room, 0);
+        }
         let read = loop {
-            match self.input.read(&mut self.buffer[length..]) {
+            match self.input.read(&mut self.buffer[self.end..room]) {
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                read => break read,
+                read => break read?,
             }
         };
-        self.buffer.truncate(length + *read.as_ref().unwrap_or(&0));
-        let read = read?;
+        self.end += read;
         self.read += read as u64;
-        self.last = self.buffer.last().copied().or(self.last);
-        self.is_end = read == 0;
+        self.last = self.rest().last().copied().or(self.last);
         Ok(read > 0)
     }
 
     /// Takes bytes that are done with.
     fn take(&mut self, count: usize) {
-        let end = self.buffer.len().min(self.start + count);
-        self.line += memchr::memchr_iter(b'\n', &self.buffer[self.start..end]).count() as u64;
-        self.start = end;
+        self.take_lines(count, memchr::memchr_iter(b'\n', &self.rest()[..count]).count() as u64);
+    }
+
+    /// Takes bytes in which so many lines end.
+    fn take_lines(&mut self, count: usize, lines: u64) {
+        self.line += lines;
+        self.start += count;
     }
 
     fn begins_with_mark(&mut self) -> io::Result<bool> {
@@ -248,7 +251,7 @@ impl<R: Read> Reader<R> {
                 if !is_blank {
                     break (end + 1, false);
                 }
-                self.take(end + 1);
+                self.take_lines(end + 1, 1);
                 seen = 0;
                 continue;
             }
@@ -260,19 +263,20 @@ impl<R: Read> Reader<R> {
             }
             if !self.fill()? {
                 if skipped == 0 && self.rest().trim_ascii().is_empty() {
-                    self.start = self.buffer.len();
+                    self.start = self.end;
                     return Ok(None);
                 }
                 break (self.rest().len(), true);
             }
         };
-        Ok(Some(self.lend(end, skipped, is_last)))
+        let line = self.line;
+        self.take_lines(end, u64::from(!is_last));
+        Ok(Some(self.lend(line, end, skipped, is_last)))
     }
 
-    /// Lends the next bytes, of which some were skipped if there were too many.
-    fn lend(&mut self, end: usize, skipped: u64, is_last: bool) -> Item<'_> {
-        let (line, start) = (self.line, self.start);
-        self.take(end);
+    /// Lends the bytes that were just taken, of which some were skipped if there were too many.
+    fn lend(&self, line: u64, count: usize, skipped: u64, is_last: bool) -> Item<'_> {
+        let start = self.start - count;
         let bytes = self.buffer[start..self.start].trim_ascii();
         if skipped > 0 || bytes.len() > MAX_LENGTH {
             let length = skipped + bytes.len() as u64;
@@ -308,9 +312,9 @@ impl<R: Read> Reader<R> {
         loop {
             let end = self.rest()[at..].iter().position(|byte| cut.step(*byte));
             if let Some(end) = end {
-                let mut item = self.lend(at + end + usize::from(!cut.is_before()), skipped, false);
-                item.line = line;
-                return Ok(Some(item));
+                let count = at + end + usize::from(!cut.is_before());
+                self.take(count);
+                return Ok(Some(self.lend(line, count, skipped, false)));
             }
             at = self.rest().len();
             if at > MAX_LENGTH {
@@ -319,9 +323,8 @@ impl<R: Read> Reader<R> {
                 at = 0;
             }
             if !self.fill()? {
-                let mut item = self.lend(at, skipped, true);
-                item.line = line;
-                return Ok(Some(item));
+                self.take(at);
+                return Ok(Some(self.lend(line, at, skipped, true)));
             }
         }
     }

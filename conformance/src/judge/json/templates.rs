@@ -27,8 +27,6 @@ pub(super) struct Templates {
 struct Known {
     channel: usize,
     template: Template,
-    /// How many bytes its messages take in memory, where their values are wanted.
-    kept: usize,
     /// The one that fitted after it.
     next: usize,
 }
@@ -46,10 +44,10 @@ impl Templates {
         let guess = self.known.get(self.last)?.next;
         let others = (0..self.known.len()).filter(|at| *at != guess);
         for at in std::iter::once(guess).chain(others) {
-            let known = &self.known[at];
-            values.clear();
-            values.resize(known.kept, 0);
-            if let Some(clean) = known.template.read(plans, text, values) {
+            let known = &mut self.known[at];
+            if let Some(clean) = known.template.read(plans, text) {
+                values.clear();
+                values.extend_from_slice(known.template.values());
                 let channel = known.channel;
                 self.known[self.last].next = at;
                 (self.last, self.misses) = (at, 0);
@@ -65,8 +63,9 @@ impl Templates {
         if self.known.len() == MAX_TEMPLATES || text.len() > MAX_TEXT || self.misses > MAX_MISSES {
             return;
         }
-        let template = open.defined.and_then(|(id, _)| Template::of(plans, id, text.as_bytes(), open.key));
+        let template =
+            open.defined.and_then(|(id, _)| Template::of(plans, id, text.as_bytes(), open.key, open.kept));
         let next = self.known.len();
-        self.known.extend(template.map(|template| Known { channel, template, kept: open.kept, next }));
+        self.known.extend(template.map(|template| Known { channel, template, next }));
     }
 }
