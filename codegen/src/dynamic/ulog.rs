@@ -3,7 +3,7 @@
 //! Fields come in the order of memory, with padding as fields of their own. The types are those of C++:
 //! <https://docs.px4.io/main/en/dev_log/ulog_file_format.html>, section "F: Format Message".
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{HashMap, HashSet};
 use std::fmt;
 
 use uavspec_runtime::Scalar;
@@ -117,7 +117,7 @@ impl Types {
             errors.push(FormatError { index, name: name.to_owned(), problem });
         };
         let mut unique: Vec<(usize, &str, &str)> = Vec::new();
-        let mut plans = BTreeMap::new();
+        let mut plans = HashMap::new();
         for (index, (name, fields)) in formats.into_iter().enumerate() {
             if plans.contains_key(name) {
                 refuse(index, name, FormatProblem::Repeated);
@@ -159,20 +159,24 @@ fn draft(name: &str, fields: Vec<Field>) -> Draft {
     }
 }
 
-fn read_fields(text: &str, plans: &BTreeMap<&str, usize>) -> Result<Vec<Field>, FormatProblem> {
-    let mut names = BTreeSet::new();
+fn read_fields(text: &str, plans: &HashMap<&str, usize>) -> Result<Vec<Field>, FormatProblem> {
+    let mut names = HashSet::new();
     let mut fields = Vec::new();
     for part in text.split(';').map(str::trim).filter(|part| !part.is_empty()) {
-        let field = read_field(part, plans)?;
-        if !names.insert(field.name.clone()) {
-            return Err(FormatProblem::RepeatedField(field.name.into()));
+        let (name, element, shape) = read_field(part, plans)?;
+        if !names.insert(name) {
+            return Err(FormatProblem::RepeatedField(name.to_owned()));
         }
-        fields.push(field);
+        fields.push(Field::new(name, element, shape));
     }
     if fields.is_empty() { Err(FormatProblem::Empty) } else { Ok(fields) }
 }
 
-fn read_field(part: &str, plans: &BTreeMap<&str, usize>) -> Result<Field, FormatProblem> {
+/// The name of a field, and what it is.
+fn read_field<'t>(
+    part: &'t str,
+    plans: &HashMap<&str, usize>,
+) -> Result<(&'t str, Element, Shape), FormatProblem> {
     let not_a_field = || FormatProblem::NotAField(part.to_owned());
     let (ty, name) = part.split_once(' ').ok_or_else(not_a_field)?;
     let (ty, length) = match ty.split_once('[') {
@@ -199,7 +203,7 @@ fn read_field(part: &str, plans: &BTreeMap<&str, usize>) -> Result<Field, Format
         (element, Some(length)) => (element, Shape::Array(length)),
         (element, None) => (element, Shape::Single),
     };
-    Ok(Field::new(name, element, shape))
+    Ok((name, element, shape))
 }
 
 fn array_length(text: &str) -> Result<u32, FormatProblem> {

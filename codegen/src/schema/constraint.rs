@@ -89,10 +89,12 @@ fn forbids_nan(message: &Message, field: &Field, dialect: Dialect) -> bool {
         matches!(special.value, Some(Value::Float(value)) if value.is_nan()) || says_nan(&special.text)
     };
     let group = field.group.and_then(|group| message.groups.get(group));
-    let has_meaning = specials.into_iter().flatten().any(is_nan)
-        || says_nan(&field.description)
-        || group.into_iter().chain([&message.docs]).any(|docs| says_nan(&docs.text()));
-    dialect == Dialect::Px4 && is_restricted && !has_meaning
+    let has_meaning = || {
+        specials.into_iter().flatten().any(is_nan)
+            || says_nan(&field.description)
+            || group.into_iter().chain([&message.docs]).any(|docs| says_nan(&docs.text()))
+    };
+    dialect == Dialect::Px4 && is_restricted && !has_meaning()
 }
 
 /// Whether a text speaks of NaN.

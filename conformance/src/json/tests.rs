@@ -214,9 +214,9 @@ fn a_template_reads_values_as_json_does() {
     );
     assert!(reads(&good), "what didn't fit changed nothing");
     // What says what the message is doesn't differ.
-    let typed = "{\"type\":\"a\",\"m\":".to_owned() + &good["{ \"stamp\": 3, \"m\": ".len()..];
-    let mut template = learnt(&typed).expect("a usual way of writing");
-    assert_eq!(template.read(&plans, typed.replace("\"a\"", "\"b\"").as_bytes()), None);
+    let named = "{\"type\":\"a\",\"m\":".to_owned() + &good["{ \"stamp\": 3, \"m\": ".len()..];
+    let mut template = learnt(&named).expect("a usual way of writing");
+    assert_eq!(template.read(&plans, named.replace("\"a\"", "\"b\"").as_bytes()), None);
 }
 
 proptest! {
