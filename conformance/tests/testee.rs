@@ -176,6 +176,26 @@ fn a_crash_has_a_culprit_and_evidence() {
     assert!((2..=3).contains(&outcome.restarts), "{}", outcome.restarts);
 }
 
+/// Who ends is not waited for because of what it started, which ends with it.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_crash_leaves_nobody_behind() {
+    let (verdict, _) = culprit("orphan", options);
+    let Verdict::Crashed { how, stderr } = verdict else { panic!("{verdict:?}") };
+    assert!(how.contains('5'), "{how}");
+    // What was killed may stay in the table as a zombie.
+    let is_over = || {
+        let state = std::fs::read_to_string(format!("/proc/{stderr}/stat")).unwrap_or_default();
+        state.is_empty() || state.contains(") Z ")
+    };
+    let mut waits = 0;
+    while !is_over() {
+        waits += 1;
+        assert!(waits < 200, "{stderr} still runs");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
 #[test]
 fn a_hang_has_a_culprit() {
     let (verdict, _) = culprit("hang", impatient);

@@ -55,6 +55,12 @@ impl Evil {
                 eprintln!("no field of that name");
                 process::exit(3);
             }
+            "orphan" => {
+                // It holds the pipes open, and is alone when this process has ended.
+                let orphan = process::Command::new("sleep").arg("600").spawn()?;
+                eprintln!("{}", orphan.id());
+                process::exit(5);
+            }
             "wrong-id" => writeln!(output, "{}", json!({ "id": 1_000_000, "ok": null }))?,
             "not-utf8" => output.write_all(b"{\"id\":0,\"ok\":\"\xff\"}\n")?,
             "endless" => loop {

@@ -20,6 +20,9 @@ use super::target::Target;
 /// How many lines may wait to be judged; then the testee waits. Few, since each may be as long as the limit allows.
 const BACKLOG: usize = 8;
 
+/// How often is looked whether a process that says nothing has ended.
+const GLANCE: Duration = Duration::from_millis(100);
+
 /// What comes from a testee.
 #[derive(Debug)]
 pub(super) enum Said {
@@ -113,11 +116,19 @@ impl Link {
         self.to = None;
     }
 
-    pub(super) fn hear(&self, until: Instant) -> Said {
-        match self.from.recv_timeout(until.saturating_duration_since(Instant::now())) {
-            Ok(said) => said,
-            Err(RecvTimeoutError::Timeout) => Said::Nothing,
-            Err(RecvTimeoutError::Disconnected) => Said::Closed,
+    pub(super) fn hear(&mut self, until: Instant) -> Said {
+        loop {
+            let left = until.saturating_duration_since(Instant::now());
+            match self.from.recv_timeout(left.min(GLANCE)) {
+                Ok(said) => return said,
+                Err(RecvTimeoutError::Disconnected) => return Said::Closed,
+                Err(RecvTimeoutError::Timeout) if left <= GLANCE => return Said::Nothing,
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+            // What it left behind may hold its output open, and ends with it.
+            if let Peer::Process(process) = &mut self.peer {
+                process.ended(Instant::now());
+            }
         }
     }
 

@@ -1,14 +1,15 @@
 //! A testee as a child process. Nothing here waits longer than it is told to.
 //!
-//! A thread drains its standard error. It ends with the pipe, which children of the child may hold open; so nobody
-//! waits for it.
+//! It leads a group of processes, and is over when it has ended itself: what it started and left behind is killed
+//! with the group, where there are groups. A thread drains its standard error. It ends with the pipe, which children
+//! of the child may hold open that have left the group; so nobody waits for it.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::ffi::OsString;
 use std::io::{self, Read};
 use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, Once, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -20,6 +21,12 @@ const LAST_WORDS: Duration = Duration::from_millis(500);
 
 /// How often is looked whether it has ended.
 const POLL: Duration = Duration::from_millis(5);
+
+/// What a shell says of a program that was interrupted.
+const INTERRUPTED: i32 = 130;
+
+/// The groups that run. What a terminal sends to the foreground doesn't reach them.
+static GROUPS: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
 
 /// A running testee. Dropping it kills it.
 pub(super) struct Process {
@@ -34,12 +41,13 @@ impl Process {
         let Some((program, arguments)) = command.split_first() else {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, "no command"));
         };
-        let mut child = Command::new(program)
-            .args(arguments)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()?;
+        kill_all_when_interrupted();
+        let mut command = Command::new(program);
+        command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        let mut child = command.spawn()?;
+        groups(|groups| groups.insert(child.id()));
         let (end, errors_end) = channel();
         let errors = Arc::new(Mutex::new(VecDeque::new()));
         let (input, output) = (child.stdin.take(), child.stdout.take());
@@ -57,33 +65,78 @@ impl Process {
     /// How it ended, in words, and nothing where that was as it should be; none where it still runs at that time.
     pub(super) fn ended(&mut self, until: Instant) -> Option<String> {
         loop {
-            match self.child.try_wait() {
-                Ok(Some(status)) if status.success() => return Some(String::new()),
-                Ok(Some(status)) => return Some(status.to_string()),
-                Ok(None) if Instant::now() < until => thread::sleep(POLL),
+            let how = match self.child.try_wait() {
+                Ok(Some(status)) if status.success() => String::new(),
+                Ok(Some(status)) => status.to_string(),
+                Ok(None) if Instant::now() < until => {
+                    thread::sleep(POLL);
+                    continue;
+                }
                 Ok(None) => return None,
-                Err(error) => return Some(error.to_string()),
-            }
+                Err(error) => error.to_string(),
+            };
+            self.kill_group();
+            return Some(how);
         }
     }
 
     /// Kills it, and gives what it said last on standard error.
     pub(super) fn kill(&mut self) -> String {
-        // It may have ended by itself.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
+        self.end();
         let _ = self.errors_end.recv_timeout(LAST_WORDS);
         let bytes: Vec<u8> =
             self.errors.lock().unwrap_or_else(PoisonError::into_inner).iter().copied().collect();
         String::from_utf8_lossy(&bytes).trim_end().to_owned()
     }
+
+    fn end(&mut self) {
+        self.kill_group();
+        // It may have ended by itself.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+
+    /// Kills what is left of its group, once: later another group may have the number.
+    fn kill_group(&self) {
+        if groups(|groups| groups.remove(&self.child.id())) {
+            kill_group(self.child.id());
+        }
+    }
 }
 
 impl Drop for Process {
     fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
+        self.end();
     }
+}
+
+fn groups<T>(what: impl FnOnce(&mut BTreeSet<u32>) -> T) -> T {
+    what(&mut GROUPS.lock().unwrap_or_else(PoisonError::into_inner))
+}
+
+#[cfg(unix)]
+fn kill_group(leader: u32) {
+    use nix::sys::signal::{Signal, killpg};
+    use nix::unistd::Pid;
+    if let Ok(leader) = i32::try_from(leader) {
+        // There may be none left.
+        let _ = killpg(Pid::from_raw(leader), Signal::SIGKILL);
+    }
+}
+
+#[cfg(not(unix))]
+fn kill_group(_: u32) {}
+
+/// Nobody else ends testees that hang, when this program is told to end.
+fn kill_all_when_interrupted() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        // Who has a handler already sees to it.
+        let _ = ctrlc::try_set_handler(|| {
+            groups(std::mem::take).into_iter().for_each(kill_group);
+            std::process::exit(INTERRUPTED);
+        });
+    });
 }
 
 fn drain(mut output: ChildStderr, errors: &Mutex<VecDeque<u8>>, end: &Sender<()>) {
