@@ -6,6 +6,8 @@ use std::fmt;
 use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
 use uavspec_codegen::schema::shape_text;
 
+use crate::detail::Detail;
+
 /// How a format stands to the definition.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Comparison {
@@ -45,6 +47,13 @@ pub struct Differences {
 
 /// Fields that are told at most of each kind.
 const MAX_TOLD: usize = 8;
+
+impl Differences {
+    /// What is said of them.
+    pub(crate) fn detail(&self) -> Detail {
+        Detail::new(self.to_string()).expected("the fields of the definition").actual("other fields")
+    }
+}
 
 impl fmt::Display for Differences {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -168,26 +168,6 @@ impl Findings {
             (false, _) => Verdict::Pass,
         }
     }
-
-    /// Adds the findings of another source.
-    pub fn absorb(&mut self, other: Self) {
-        for at in 0..RULES.len() {
-            self.counts[at].exercised += other.counts[at].exercised;
-            self.counts[at].dropped += other.counts[at].dropped;
-        }
-        for (key, group) in other.groups {
-            if let Some(known) = self.groups.get_mut(&key) {
-                known.count += group.count;
-                let room = MAX_EXAMPLES - known.examples.len();
-                known.examples.extend(group.examples.into_iter().take(room));
-            } else {
-                if let Some(at) = index(group.rule) {
-                    self.counts[at].kept += 1;
-                }
-                self.groups.insert(key, group);
-            }
-        }
-    }
 }
 
 /// The place of a rule in the list. It is asked for with each message, and an address is compared faster than an

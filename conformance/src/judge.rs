@@ -11,6 +11,7 @@ use std::io::{self, Read};
 
 use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
 use uavspec_codegen::schema::{MessageId, Shape};
+use uavspec_codegen::source::Span;
 use uavspec_runtime::Scalar;
 
 pub use self::flockwave::{FlockwaveJudge, FlockwaveSource, TypeCount};
@@ -187,6 +188,15 @@ impl<'d> Course<'d> {
         self.channels[channel.index] = followed;
     }
 
+    fn closed(&mut self, channel: &Channel<'_>) {
+        self.followers.iter_mut().for_each(|follower| follower.checker.closed(channel));
+    }
+
+    /// When the source was begun, in µs since system start.
+    fn started(&mut self, time: u64) {
+        self.followers.iter_mut().for_each(|follower| follower.checker.started(time));
+    }
+
     /// Whether a rule wants to know what the messages of a channel say.
     fn wants_values(&self, channel: usize) -> bool {
         self.channels[channel].interest == Interest::Values
@@ -264,8 +274,26 @@ impl<'d> Course<'d> {
         self.followers.iter_mut().for_each(|follower| follower.checker.dropout(milliseconds, place));
     }
 
-    fn damage(&mut self, place: Place, text: String) {
+    /// A message of a channel can't be read: who follows that doesn't know all that was said.
+    fn lost(&mut self, channel: usize, place: Place) {
+        for at in &self.channels[channel].by {
+            self.followers[*at].checker.damage(place);
+        }
+    }
+
+    /// The same, where nobody knows of which channel it is.
+    fn lost_any(&mut self, place: Place) {
         self.followers.iter_mut().for_each(|follower| follower.checker.damage(place));
+    }
+
+    /// Where the definition of a topic is, if it has one.
+    fn definition_of(&self, topic: &str) -> Option<Span> {
+        let id = self.definitions.message_of_topic(topic)?;
+        Some(self.definitions.schema.message(id).span)
+    }
+
+    fn damage(&mut self, place: Place, text: String) {
+        self.lost_any(place);
         self.conversations.lose();
         let number = self.damage.len();
         match self.damage.entry(text) {

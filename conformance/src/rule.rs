@@ -143,8 +143,18 @@ mod px_ver_01;
 use std::fmt;
 
 pub(crate) use self::fw_asy_22::TYPES as TYPES_WITH_RESULTS;
+pub(crate) use self::px_bool_01::RULE as PX_BOOL_01;
+pub(crate) use self::px_cdr_01::RULE as PX_CDR_01;
+pub(crate) use self::px_cdr_02::RULE as PX_CDR_02;
+pub(crate) use self::px_data_01::RULE as PX_DATA_01;
+pub(crate) use self::px_data_02::RULE as PX_DATA_02;
+pub(crate) use self::px_fmt_01::RULE as PX_FMT_01;
+pub(crate) use self::px_fmt_02::RULE as PX_FMT_02;
+pub(crate) use self::px_fmt_03::RULE as PX_FMT_03;
+pub(crate) use self::px_hash_01::RULE as PX_HASH_01;
 
 use serde::Serialize;
+use uavspec_codegen::schema::MessageId;
 use uavspec_codegen::source::Span;
 
 use crate::conversation::Turn;
@@ -434,6 +444,12 @@ pub trait Checker {
         Interest::Nothing
     }
 
+    /// A channel is closed, as it was unsubscribed or its place is given to another. That may be said twice.
+    fn closed(&mut self, _channel: &Channel<'_>) {}
+
+    /// When the source was begun, in µs since system start.
+    fn started(&mut self, _time: u64) {}
+
     /// A message comes.
     fn message(&mut self, _channel: &Channel<'_>, _message: &Message<'_>, _judged: &mut Judged<'_>) {}
 
@@ -443,7 +459,7 @@ pub trait Checker {
     /// Records were lost, for so many milliseconds.
     fn dropout(&mut self, _milliseconds: u16, _place: Place) {}
 
-    /// Something can't be read, and records may be lost with it.
+    /// Something can't be read, and records may be lost with it; or it is a message of a channel that is of interest.
     fn damage(&mut self, _place: Place) {}
 
     /// The source ends.
@@ -496,6 +512,17 @@ pub struct Judged<'j> {
 }
 
 impl Judged<'_> {
+    /// Where a definition says what its messages are.
+    pub(crate) fn defined(&self, definition: Option<MessageId>) -> Option<Span> {
+        definition.map(|id| self.definitions.schema.message(id).span)
+    }
+
+    /// Where a definition has this field.
+    pub(crate) fn field(&self, definition: Option<MessageId>, name: &str) -> Option<Span> {
+        let fields = &self.definitions.schema.message(definition?).fields;
+        fields.iter().find(|field| field.name == name).map(|field| field.span)
+    }
+
     /// Something was looked at, whatever came of it.
     pub fn exercise(&mut self) {
         *self.exercised += 1;

@@ -270,6 +270,91 @@ fn what_is_said_of_a_breach_tells_what_and_where() {
 }
 
 #[test]
+fn a_topic_may_be_subscribed_again_once_nothing_subscribes_it() {
+    let judged = |change: &dyn Fn(&mut Writer)| {
+        let mut log = conforming();
+        change(&mut log);
+        let judgement = judge(&log);
+        broken(&judgement).iter().map(|(rule, _)| *rule).collect::<Vec<_>>()
+    };
+    // As the same id; as another, once the first is unsubscribed, or means something else.
+    let again = |log: &mut Writer, id| _ = log.subscribe(id, 0, "glider");
+    assert_eq!(judged(&|log| again(log, 5)), NONE);
+    let moved = |log: &mut Writer| {
+        log.unsubscribe(5);
+        again(log, 6);
+    };
+    assert_eq!(judged(&moved), NONE);
+    let renamed = |log: &mut Writer| {
+        log.subscribe(5, 0, "mark");
+        again(log, 6);
+    };
+    assert_eq!(judged(&renamed), NONE);
+    // What was unsubscribed for good doesn't take the place of what came after it.
+    let twice = |log: &mut Writer| {
+        moved(log);
+        log.subscribe(5, 0, "mark");
+        again(log, 7);
+    };
+    assert_eq!(judged(&twice), ["PX-DATA-03"]);
+    assert_eq!(judged(&|log| _ = log.subscribe(6, 1, "glider")), NONE);
+}
+
+const NONE: [&str; 0] = [];
+
+#[test]
+fn topics_without_data_have_a_time_all_the_same() {
+    let judged = |data: bool| {
+        let mut log = start();
+        log.format("sonde:float x;");
+        log.subscribe(6, 0, "sonde");
+        log.subscribe(7, 1, "sonde");
+        if data {
+            log.data(6, &[0; 4]);
+            log.data(7, &[0; 4]);
+        }
+        let judgement = judge(&log);
+        let rule = rule("PX-FMT-03").expect("a rule");
+        assert_eq!(judgement.findings.exercised(rule), 2, "each topic once");
+        broken(&judgement)
+    };
+    for data in [false, true] {
+        let said = "sonde: its format has no `uint64_t timestamp`";
+        assert_eq!(judged(data), [("PX-FMT-03", said.to_owned())]);
+    }
+    // What nothing subscribes is nested, and a format that can't be used has no size.
+    let mut log = start();
+    log.format("sonde:float x;");
+    log.format("rope:sail sails;");
+    log.subscribe(6, 0, "rope");
+    assert_eq!(broken(&judge(&log)).iter().map(|(rule, _)| *rule).collect::<Vec<_>>(), ["PX-FMT-02"]);
+}
+
+/// What a definition says of it stands beside each finding that has to do with one.
+#[test]
+fn a_finding_tells_where_it_is_defined_and_what_was_expected() {
+    let (_folder, definitions) = definitions();
+    for (id, log, _) in mutants() {
+        let judgement = judge_ulog(&log.bytes[..], &definitions);
+        let group = judgement.findings.of(rule(id).expect("a rule")).next().expect("a finding");
+        let line = group.definition.map(|span| definitions.line(span));
+        let line = line.map(|line| line.text.split('#').next().unwrap_or_default().trim().to_owned());
+        let expected = match id {
+            // No definition is known of what isn't subscribed, or isn't a topic.
+            "PX-DATA-02" | "PX-FMT-02" => None,
+            "PX-TIME-01" => Some("uint64 timestamp"),
+            "PX-DATA-01" | "PX-DATA-03" | "PX-FMT-01" | "PX-FMT-03" | "PX-QUEUE-01" | "PX-TIME-02" => {
+                Some("")
+            }
+            _ => continue,
+        };
+        assert_eq!(line.as_deref(), expected, "{id}");
+        let detail = &group.examples[0].1;
+        assert!(!detail.expected.is_empty() && !detail.actual.is_empty(), "{id}: {detail:?}");
+    }
+}
+
+#[test]
 fn what_is_allowed_beside_the_range_breaks_nothing() {
     for change in [
         |glider: &mut Glider| glider.speed = -1.0,

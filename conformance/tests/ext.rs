@@ -1,6 +1,10 @@
 //! The talk between a flight controller and external components: what the rules find in it, and what they leave
 //! alone since a recording doesn't show all.
 
+#[allow(dead_code)] // other tests need the rest
+#[path = "mcap/file.rs"]
+mod file;
+
 use std::fs;
 use std::sync::LazyLock;
 
@@ -88,14 +92,16 @@ impl<'d> Script<'d> {
         }
     }
 
-    /// What the rules on external components find, in a log as well as in JSON.
+    /// What the rules on external components find, in a log as well as in JSON and in MCAP.
     fn found(&self) -> Vec<String> {
         let log = self.judge(&self.flight.log().to_bytes());
-        let lines = self.judge(&self.flight.rosbridge().to_bytes());
-        assert_eq!(told(&log), told(&lines));
-        for id in ["PX-EXT-01", "PX-EXT-02", "PX-EXT-03"] {
-            let rule = rule(id).expect("a rule");
-            assert_eq!(log.findings.exercised(rule), lines.findings.exercised(rule), "{id}");
+        for other in [self.flight.rosbridge().to_bytes(), self.flight.bag().to_bytes()] {
+            let other = self.judge(&other);
+            assert_eq!(told(&log), told(&other));
+            for id in ["PX-EXT-01", "PX-EXT-02", "PX-EXT-03"] {
+                let rule = rule(id).expect("a rule");
+                assert_eq!(log.findings.exercised(rule), other.findings.exercised(rule), "{id}");
+            }
         }
         told(&log)
     }
@@ -126,6 +132,9 @@ fn told(judgement: &Judgement) -> Vec<String> {
 }
 
 const NOTHING: [&str; 0] = [];
+
+/// When a component registers in the talks that begin with request 100, in ms.
+const SHORTLY: u64 = 100 * PERIOD - 200;
 
 #[test]
 fn numbers_of_requests_begin_anew_and_all_is_well() {
@@ -246,7 +255,7 @@ fn interrupted(before: &Script<'_>, between: Vec<Entry>, after: &Script<'_>) -> 
 #[test]
 fn after_a_dropout_nothing_is_known() {
     let mut before = Script::new();
-    before.register(0, 3);
+    before.register(SHORTLY, 3);
     before.talk(100, 105, &[3]);
     before.unregister(105 * PERIOD - 100, 3);
     let mut after = Script::new();
@@ -323,10 +332,10 @@ fn an_id_that_was_never_given_out_is_wrong_where_the_beginning_is_recorded() {
         script.talk(102, 104, mask);
         script.found()
     };
-    assert_eq!(stranger(|script| script.register(10, 3), &[3]), said(9));
+    assert_eq!(stranger(|script| script.register(SHORTLY, 3), &[3]), said(9));
     assert_eq!(stranger(|_| {}, &[3]), NOTHING);
-    assert_eq!(stranger(|script| script.register(10, 3), &[3, 5]), NOTHING, "5 was there before");
-    assert_eq!(stranger(|script| script.register(10, 3), &[3, 9]), NOTHING);
+    assert_eq!(stranger(|script| script.register(SHORTLY, 3), &[3, 5]), NOTHING, "5 was there before");
+    assert_eq!(stranger(|script| script.register(SHORTLY, 3), &[3, 9]), NOTHING);
     for first in [
         |script: &mut Script<'static>| script.unregister(9, 1),
         |script: &mut Script<'static>| script.reply(9, 1, 3),
@@ -334,7 +343,7 @@ fn an_id_that_was_never_given_out_is_wrong_where_the_beginning_is_recorded() {
     ] {
         let mut script = Script::new();
         first(&mut script);
-        script.register(10, 3);
+        script.register(SHORTLY, 3);
         script.talk(100, 102, &[3]);
         script.reply(101 * PERIOD + 8, 101, 9);
         script.talk(102, 104, &[3]);
@@ -343,20 +352,226 @@ fn an_id_that_was_never_given_out_is_wrong_where_the_beginning_is_recorded() {
     // What failed, or takes no part in arming checks, gives out no id.
     let failed = stranger(
         |script| {
-            script.register(10, 3);
+            script.register(SHORTLY, 3);
             let fields = json!({ "success": false, "arming_check_id": 9 });
-            script.say("RegisterExtComponentReply", 11, &fields);
-            script.register(12, -1);
+            script.say("RegisterExtComponentReply", SHORTLY + 1, &fields);
+            script.register(SHORTLY + 2, -1);
         },
         &[3],
     );
     assert_eq!(failed, said(9));
 }
 
+/// Who was slow is no longer asked, and answers all the same: nobody knows when it was registered.
+#[test]
+fn a_registration_of_long_ago_does_not_tell_the_beginning() {
+    let late = |registered: u64| {
+        let mut script = Script::new();
+        script.register(registered, 1);
+        for number in 100..110 {
+            script.request(number * PERIOD, id(number), &[1]);
+            script.reply(number * PERIOD + 5, id(number), 1);
+            script.reply(number * PERIOD + 20, id(number - 1), 0);
+        }
+        script.found().len()
+    };
+    assert_eq!(late(500), 0);
+    assert_eq!(late(100 * PERIOD - 601), 0);
+    assert_eq!(late(100 * PERIOD - 600), 1);
+    assert_eq!(late(100 * PERIOD + 10), 1);
+    assert_eq!(late(100 * PERIOD + 11), 0, "it stands before the request only in the file");
+    assert_eq!(late(0), 0, "it has no time");
+}
+
+/// The header of a log tells its first second as the time of its start.
+#[test]
+fn a_registration_before_the_log_does_not_tell_the_beginning() {
+    for (registered, is_wrong) in [(999, false), (1_000, true)] {
+        let mut script = Script::new();
+        script.register(registered, 3);
+        script.talk(4, 6, &[3]);
+        script.reply(5 * PERIOD + 8, 5, 9);
+        script.talk(6, 8, &[3]);
+        let log = script.judge(&script.flight.log().to_bytes());
+        assert_eq!(told(&log).len(), usize::from(is_wrong), "{registered}");
+    }
+}
+
+#[test]
+fn nor_does_one_after_a_dropout() {
+    let [mut before, mut after] = [Script::new(), Script::new()];
+    before.talk(90, 92, &[9]);
+    after.register(SHORTLY, 3);
+    after.talk(100, 102, &[3]);
+    after.reply(101 * PERIOD + 8, 101, 9);
+    after.talk(102, 104, &[3]);
+    assert_eq!(told(&before.judge(&interrupted(&before, vec![Entry::Dropout(100)], &after))), NOTHING);
+    assert_eq!(after.found().len(), 1);
+}
+
+#[test]
+fn a_mask_tells_that_an_id_was_given_out_again() {
+    let mut script = Script::new();
+    script.register(SHORTLY, 3);
+    script.talk(100, 105, &[3]);
+    script.unregister(105 * PERIOD - 100, 3);
+    script.talk(105, 107, &[]);
+    // The registration isn't in the recording.
+    script.talk(107, 112, &[3]);
+    // Now it is slow, and isn't asked any more.
+    script.request(112 * PERIOD, 112, &[]);
+    script.reply(112 * PERIOD + 5, 112, 3);
+    // Nor need others be in the recording.
+    script.reply(112 * PERIOD + 6, 112, 9);
+    script.talk(113, 116, &[]);
+    assert_eq!(script.found(), NOTHING);
+}
+
+#[test]
+fn without_times_the_order_of_arrival_says_who_has_left() {
+    let mut script = Script::new();
+    script.talk(100, 103, &[3]);
+    script.unregister(0, 3);
+    script.talk(103, 104, &[]);
+    script.reply(0, 103, 3);
+    let said = "3 as the id of who answers, which was given back before this was asked";
+    assert_eq!(script.found(), [format!("PX-EXT-02 arming_check_reply.registration_id 1: {said}")]);
+}
+
+#[test]
+fn an_answer_to_what_was_asked_before_somebody_left_may_be_under_way() {
+    let mut script = Script::new();
+    script.talk(100, 103, &[3]);
+    script.unregister(103 * PERIOD - 50, 3);
+    script.request(103 * PERIOD, 103, &[]);
+    script.reply(103 * PERIOD + 5, 102, 3);
+    script.talk(104, 106, &[]);
+    assert_eq!(script.found(), NOTHING);
+}
+
+#[test]
+fn answers_that_stand_far_behind_are_looked_up_among_eight_requests() {
+    for (requests, is_wrong) in [(8, false), (9, true)] {
+        let mut script = Script::new();
+        script.talk(100, 100 + requests, &[]);
+        script.reply(100 * PERIOD + 5, 99, 3);
+        script.talk(100 + requests, 102 + requests, &[]);
+        assert_eq!(script.found().len(), usize::from(is_wrong), "{requests}");
+    }
+}
+
+/// Nodes of ROS 2 often give their messages no time.
+#[test]
+fn answers_without_a_time_are_late_if_several_in_a_row_stand_behind_the_next_request() {
+    for (late, found) in [(1, 0), (2, 0), (3, 1), (5, 3)] {
+        let mut script = Script::new();
+        for number in 100..115 {
+            script.request(number * PERIOD, id(number), &[3]);
+            if (105..105 + late).contains(&(number - 1)) {
+                script.reply(0, id(number - 1), 3);
+            }
+            if !(105..105 + late).contains(&number) {
+                script.reply(0, id(number), 3);
+            }
+        }
+        let said = "request 107: registration 3 answers it only after the next one";
+        let expected: Vec<String> = match found {
+            0 => vec![],
+            _ => vec![format!("PX-EXT-03 arming_check_request {found}: {said}")],
+        };
+        assert_eq!(script.found(), expected, "{late}");
+    }
+    // Whose answer stands there twice wasn't late, nor is another's streak its own.
+    let mut script = Script::new();
+    script.talk(100, 103, &[3, 5]);
+    for number in 103..115 {
+        script.request(number * PERIOD, id(number), &[3, 5]);
+        script.reply(0, id(number - 1), 3);
+        script.reply(0, id(number), 3);
+        script.reply(0, id(number - number % 2), 5);
+        script.reply(0, id(number - 1 + number % 2), 5);
+    }
+    assert_eq!(script.found(), NOTHING);
+}
+
+/// A message that can't be read is one that may have said anything.
+#[test]
+fn an_answer_that_can_not_be_read_is_not_missed() {
+    let mut script = Script::new();
+    script.talk(100, 110, &[3]);
+    let [reply, other] =
+        [REPLY, "FailsafeFlags"].map(|name| u16::try_from(script.topic(name)).expect("an id"));
+    // The same for what belongs to no talk: then the answer is missing.
+    for (id, found) in [(reply, &["PX-DATA-01"][..]), (other, &["PX-DATA-01", "PX-EXT-03"])] {
+        let mut log = script.flight.log();
+        let at = log.entries.iter().rposition(|entry| matches!(entry, Entry::Data(of, _) if *of == reply));
+        log.entries[at.expect("a reply") - 8] = Entry::Data(id, b"abc".to_vec());
+        assert_eq!(rules_broken(&script.judge(&log.to_bytes())), found);
+
+        let mut bag = script.flight.bag();
+        let message = bag.messages.iter_mut().rev().filter(|message| message.0 == reply).nth(4);
+        let (channel, _, payload) = message.expect("a reply");
+        (*channel, *payload) = (id, payload[..8].to_vec());
+        let found: Vec<&str> =
+            found.iter().map(|id| if *id == "PX-DATA-01" { "PX-CDR-02" } else { id }).collect();
+        assert_eq!(rules_broken(&script.judge(&bag.to_bytes())), found);
+    }
+}
+
+fn rules_broken(judgement: &Judgement) -> Vec<&'static str> {
+    judgement.findings.groups().map(|group| group.rule.id).collect()
+}
+
+#[test]
+fn json_in_mcap_is_heard_as_any() {
+    let mut script = Script::new();
+    script.talk(100, 110, &[3]);
+    script.reply(109 * PERIOD + 9, 50, 3);
+    let topics = [REQUEST, REPLY].map(|message| script.topic(message));
+    let mut records = Vec::new();
+    for (id, topic) in (1..).zip(topics) {
+        let name = format!("/fmu/out/{}", script.flight.topics[topic].name);
+        records.extend(file::channel(id, 0, &name, "json", &[]));
+    }
+    for sent in &script.flight.messages {
+        let id = (1..).zip(topics).find(|(_, topic)| *topic == sent.topic).map(|(id, _)| id);
+        records.extend(file::message(id.expect("a channel"), sent.value.to_string().as_bytes()));
+    }
+    let judgement = script.judge(&file::file(&records));
+    assert_eq!(rules_broken(&judgement), ["PX-EXT-01"]);
+    assert_eq!(judgement.findings.exercised(rule("PX-EXT-03").expect("a rule")), 8);
+}
+
+/// A topic may be unsubscribed, and subscribed again with another id.
+#[test]
+fn a_talk_may_go_on_with_other_ids() {
+    let [mut before, mut after] = [Script::new(), Script::new()];
+    before.talk(100, 105, &[3]);
+    after.talk(105, 110, &[3]);
+    after.reply(109 * PERIOD + 9, 50, 3);
+    let request = u16::try_from(before.topic(REQUEST)).expect("an id");
+    let mut bytes = before.flight.log().to_bytes();
+    bytes.extend([2, 0, b'R']);
+    bytes.extend(request.to_le_bytes());
+    let mut log = after.flight.log();
+    log.entries.retain(|entry| matches!(entry, Entry::Data(..)));
+    for entry in &mut log.entries {
+        if let Entry::Data(id, _) = entry
+            && *id == request
+        {
+            *id = 900;
+        }
+    }
+    log.entries.insert(0, Entry::Subscription(900, 0, "arming_check_request".to_owned()));
+    // Behind the header.
+    bytes.extend(&log.to_bytes()[16..]);
+    assert_eq!(rules_broken(&before.judge(&bytes)), ["PX-EXT-01"]);
+}
+
 #[test]
 fn a_registration_may_stand_behind_the_first_answer_in_the_file() {
     let mut script = Script::new();
-    script.register(10, 3);
+    script.register(SHORTLY, 3);
     script.talk(100, 102, &[3]);
     script.request(102 * PERIOD, 102, &[3]);
     script.reply(102 * PERIOD + 5, 102, 3);
@@ -490,7 +705,7 @@ fn components_that_come_or_go_need_not_answer() {
 fn a_flight_controller_that_starts_again_begins_anew() {
     for (ms, is_wrong) in [(105 * PERIOD, true), (50, false)] {
         let mut script = Script::new();
-        script.register(10, 3);
+        script.register(SHORTLY, 3);
         script.talk(100, 105, &[3]);
         // Numbers may go on by chance.
         script.request(ms, 105, &[3]);
@@ -544,9 +759,18 @@ fn components_may_share_a_topic_by_instances() {
     assert_eq!(rules, ["PX-EXT-01"]);
     assert_eq!(judgement.findings.exercised(rule("PX-EXT-03").expect("a rule")), 16);
 
-    // But where two ask, nobody knows who is meant.
+    // A logger subscribes to instances that nobody publishes.
     let at = last_subscription.expect("a subscription") + 1;
     log.entries.insert(at, Entry::Subscription(901, 1, "arming_check_request".to_owned()));
+    assert_eq!(told(&script.judge(&log.to_bytes())).len(), 1);
+
+    // But where two ask, nobody knows who is meant.
+    let request = u16::try_from(script.topic(REQUEST)).expect("an id");
+    let of_another = log.entries.iter().find_map(|entry| match entry {
+        Entry::Data(id, payload) if *id == request => Some(Entry::Data(901, payload.clone())),
+        _ => None,
+    });
+    log.entries.insert(at + 2, of_another.expect("a request"));
     let judgement = script.judge(&log.to_bytes());
     assert_eq!(told(&judgement), NOTHING);
     assert_eq!(judgement.findings.exercised(rule("PX-EXT-01").expect("a rule")), 0);
@@ -624,7 +848,58 @@ fn without_masks_registrations_say_who_is_asked() {
     // Those from 100 to 107: the answer to 108 isn't asked of who has left before 109.
     assert_eq!(script.exercised("PX-EXT-03"), 8);
     script.reply(113 * PERIOD + 5, 113, 3);
+    assert_eq!(script.found().len(), 1, "it may have been registered again, and go on");
+    script.talk(114, 116, &[]);
+    assert_eq!(script.found().len(), 1);
+    script.talk(116, 117, &[]);
     assert_eq!(script.found().len(), 2);
+}
+
+#[test]
+fn without_masks_who_goes_on_to_answer_was_registered_again() {
+    let folder = TempDir::new().expect("a folder");
+    for (name, text) in TALK {
+        fs::write(folder.path().join(format!("{name}.msg")), text).expect("a file");
+    }
+    let definitions = Definitions::load(folder.path()).expect("definitions");
+    let flight = Flight::new(&definitions);
+    let left = |after: &dyn Fn(&mut Script<'_>)| {
+        let mut script = Script::of(&flight);
+        script.register(10, 3);
+        script.talk(100, 105, &[3]);
+        script.unregister(105 * PERIOD - 100, 3);
+        after(&mut script);
+        script.talk(110, 116, &[]);
+        script.found().iter().filter(|said| said.starts_with("PX-EXT-02")).count()
+    };
+    let once = left(&|script| {
+        script.talk(105, 106, &[3]);
+        script.talk(106, 110, &[]);
+    });
+    assert_eq!(once, 1);
+    assert_eq!(left(&|script| script.talk(105, 110, &[3])), 0, "it goes on");
+    // Its registration stands behind its first answer.
+    let registered = left(&|script| {
+        script.talk(105, 106, &[3]);
+        script.register(105 * PERIOD - 50, 3);
+        script.talk(106, 110, &[]);
+    });
+    assert_eq!(registered, 0);
+    // A request is missing in between.
+    let missing = left(&|script| {
+        script.talk(105, 106, &[3]);
+        script.talk(107, 110, &[]);
+    });
+    assert_eq!(missing, 0);
+    // Topics aren't in order among each other: it came again after it had left.
+    let mut script = Script::of(&flight);
+    script.register(10, 3);
+    script.talk(100, 105, &[3]);
+    script.register(105 * PERIOD - 100, 3);
+    script.unregister(105 * PERIOD - 105, 3);
+    script.talk(105, 106, &[3]);
+    script.talk(106, 112, &[]);
+    assert_eq!(script.found(), NOTHING);
 }
 
 #[test]

@@ -7,8 +7,10 @@ use std::fs;
 
 use tempfile::TempDir;
 use uavspec_conformance::definitions::Definitions;
+use uavspec_conformance::judge::judge;
 use uavspec_conformance::matrix::{conforming, matrix};
-use uavspec_conformance::rule::RULES;
+use uavspec_conformance::rule::{RULES, rule};
+use uavspec_conformance::sample::Flight;
 
 use support::shared;
 
@@ -51,6 +53,33 @@ fn the_definitions_of_this_program_show_every_rule() {
     assert_eq!(exercised, all);
     assert_eq!(check_mutants(&definitions), all);
     assert!(matrix(&definitions).iter().all(|row| row.broken.is_some()));
+}
+
+/// Of a talk, too.
+#[test]
+fn findings_tell_where_it_is_defined_and_what_was_expected() {
+    let definitions = Definitions::built_in();
+    let flight = Flight::new(&definitions);
+    let fields = [
+        ("PX-EXT-01", "uint8 request_id"),
+        ("PX-EXT-02", "uint8 registration_id"),
+        ("PX-EXT-03", "#"),
+        ("PX-EXT-04", "Event[5] events"),
+        ("PX-EXT-05", "uint8 num_events"),
+        ("PX-FSF-03", "bool attitude_invalid"),
+    ];
+    for (id, expected) in fields {
+        let rule = rule(id).expect("a rule");
+        for mutant in rule.mutants {
+            let bytes = (mutant.make)(&flight).expect("a mutant");
+            let judgement = judge(&bytes[..], None, &definitions).expect("bytes");
+            let group = judgement.findings.of(rule).next().expect("a finding");
+            let detail = &group.examples[0].1;
+            assert!(!detail.expected.is_empty() && !detail.actual.is_empty(), "{id}: {detail:?}");
+            let line = definitions.line(group.definition.expect("a definition")).text.trim();
+            assert!(line.starts_with(expected), "{id}: {line}");
+        }
+    }
 }
 
 /// Rules are about any definitions, not about those of this program.

@@ -1,9 +1,9 @@
 //! Judges logs of PX4.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 
-use uavspec_codegen::dynamic::FormatProblem;
+use uavspec_codegen::dynamic::{FormatProblem, MessageType};
 use uavspec_codegen::schema::MessageId;
 
 use super::{Course, Judgement, Source, timestamp_offset};
@@ -13,7 +13,7 @@ use crate::detail::Detail;
 use crate::finding::Findings;
 use crate::plan::Plan;
 use crate::record::{Channel, Message, Place};
-use crate::rule::rule;
+use crate::rule::{PX_DATA_01, PX_DATA_02, PX_FMT_01, PX_FMT_02, PX_FMT_03, Rule};
 use crate::source::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
 
 /// What a log says of itself.
@@ -51,9 +51,13 @@ pub fn judge_ulog(input: impl Read, definitions: &Definitions) -> Judgement {
         if let Some(record) = record {
             judge.record(&record, item.offset);
         }
-        if let Some(subscription) = topic.and_then(|id| log.subscription(id)) {
-            let (id, topic, multi_id) = (subscription.id, subscription.topic.clone(), subscription.multi_id);
-            judge.open(id, &topic, multi_id, item.offset);
+        match topic.map(|id| (id, log.subscription(id))) {
+            Some((id, Some(subscription))) => {
+                judge.open(id, &subscription.topic, subscription.multi_id, item.offset);
+            }
+            // There was no room for it.
+            Some((id, None)) => judge.drop_topic(id),
+            None => {}
         }
     }
     log.finish(&mut |offset, problem| judge.tell(offset, &problem));
@@ -78,18 +82,27 @@ struct LogJudge<'d> {
     course: Course<'d>,
     /// By the id of the data.
     open: Vec<Option<Box<Open>>>,
+    /// Topics that were seen to have a `timestamp` or not; the log has a format for each.
+    timed: BTreeSet<String>,
     firmware: Option<String>,
     dropouts: u64,
 }
 
 impl<'d> LogJudge<'d> {
     fn new(definitions: &'d Definitions) -> Self {
-        Self { course: Course::new(definitions), open: Vec::new(), firmware: None, dropouts: 0 }
+        let (open, timed) = (Vec::new(), BTreeSet::new());
+        Self { course: Course::new(definitions), open, timed, firmware: None, dropouts: 0 }
     }
 
     fn item(&mut self, item: &Item<'_>) {
         let place = Place::Byte(item.offset);
         match &item.event {
+            Event::Start { timestamp, .. } => self.course.started(*timestamp),
+            Event::Unsubscription { id } => {
+                if let Some(Some(open)) = self.open.get(usize::from(*id)) {
+                    self.course.closed(&open.channel());
+                }
+            }
             Event::Information { key: "ver_sw_release" | "ver_sw_branch" | "sys_name", value, ty } => {
                 self.information(ty, value);
             }
@@ -112,6 +125,9 @@ impl<'d> LogJudge<'d> {
             self.open.resize_with(slot + 1, || None);
         }
         let before = self.open[slot].take();
+        if let Some(before) = &before {
+            self.course.closed(&before.channel());
+        }
         let index = before.as_ref().map_or_else(|| self.course.number_channel(), |before| before.index);
         let open = Open {
             index,
@@ -130,6 +146,14 @@ impl<'d> LogJudge<'d> {
         }
     }
 
+    /// A topic isn't subscribed any more, and its name isn't kept.
+    fn drop_topic(&mut self, id: u16) {
+        if let Some(Some(open)) = self.open.get_mut(usize::from(id)) {
+            self.course.closed(&open.channel());
+            open.topic = String::new();
+        }
+    }
+
     fn record(&mut self, record: &Record<'_>, offset: u64) {
         let Some(Some(open)) = self.open.get_mut(usize::from(record.subscription.id)) else { return };
         let place = Place::Byte(offset);
@@ -137,12 +161,8 @@ impl<'d> LogJudge<'d> {
             Some(plan) => plan,
             empty => {
                 open.timestamp = timestamp_offset(record.of);
-                if let Some(rule) = rule("PX-FMT-03") {
-                    self.course.findings.exercise(rule, 1);
-                    if open.timestamp.is_none() {
-                        let text = || Detail::new("its format has no `uint64_t timestamp`");
-                        self.course.findings.report(rule, &open.topic, place, None, text);
-                    }
+                if self.timed.insert(open.topic.clone()) {
+                    check_timestamp(record.of, place, &mut self.course);
                 }
                 empty.insert(Plan::new(
                     record.of,
@@ -163,37 +183,54 @@ impl<'d> LogJudge<'d> {
 
     /// What is wrong with formats, subscriptions and sizes: a rule, where one is about that.
     fn tell(&mut self, offset: u64, problem: &LogProblem) {
-        let topic = |id: &u16| self.opened(*id).map_or_else(|| format!("id {id}"), |open| open.topic.clone());
-        let (id, subject) = match problem {
-            LogProblem::DataSize { id, .. } => ("PX-DATA-01", topic(id)),
-            LogProblem::UnknownId { id } | LogProblem::Unsubscribed { id } => ("PX-DATA-02", topic(id)),
-            LogProblem::Format { name, problem: FormatProblem::UnknownType { .. } } => {
-                ("PX-FMT-02", name.clone())
+        let place = Place::Byte(offset);
+        let detail = Detail::new(problem.to_string());
+        match problem {
+            LogProblem::DataSize { id, padded, no_padding, found } => {
+                let expected = if padded == no_padding {
+                    format!("{padded} bytes")
+                } else {
+                    format!("{padded} bytes, or {no_padding} without padding")
+                };
+                let detail = detail.expected(expected).actual(format!("{found} bytes"));
+                self.drop_data(*id, &PX_DATA_01, detail, place);
             }
-            _ => return self.course.damage(Place::Byte(offset), problem.to_string()),
-        };
-        if let Some(rule) = rule(id) {
-            let detail = || Detail::new(problem.to_string());
-            self.course.findings.report(rule, &subject, Place::Byte(offset), None, detail);
+            LogProblem::UnknownId { id } | LogProblem::Unsubscribed { id } => {
+                let detail = detail.expected("data of an id that is subscribed").actual(format!("id {id}"));
+                self.drop_data(*id, &PX_DATA_02, detail, place);
+            }
+            LogProblem::Format { name, problem: FormatProblem::UnknownType { ty, .. } } => {
+                let ty = ty.escape_debug();
+                let detail = detail.expected(format!("a format `{ty}`")).actual("none");
+                let definition = self.course.definition_of(name);
+                self.course.findings.report(&PX_FMT_02, name, place, definition, || detail);
+            }
+            _ => self.course.damage(place, problem.to_string()),
         }
+    }
+
+    /// Data can't be read, as it breaks a rule. Which topic has it is known, or else it may be any.
+    fn drop_data(&mut self, id: u16, rule: &'static Rule, detail: Detail, place: Place) {
+        let open = self.open.get(usize::from(id)).and_then(Option::as_ref);
+        let Some(open) = open.filter(|open| !open.topic.is_empty()) else {
+            self.course.findings.report(rule, &format!("id {id}"), place, None, || detail);
+            return self.course.lost_any(place);
+        };
+        let definition = open.definition.map(|id| self.course.definitions.schema.message(id).span);
+        self.course.findings.report(rule, &open.topic, place, definition, || detail);
+        self.course.lost(open.index, place);
     }
 
     fn finish(mut self, log: &Log, bytes: u64) -> Judgement {
         for open in std::mem::take(&mut self.open).into_iter().flatten() {
             open.close(&mut self.course.findings);
         }
-        for id in ["PX-DATA-01", "PX-DATA-02"] {
-            if let Some(rule) = rule(id) {
-                self.course.findings.exercise(rule, self.course.records);
-            }
+        for rule in [&PX_DATA_01, &PX_DATA_02] {
+            self.course.findings.exercise(rule, self.course.records);
         }
-        let formats = formats(log, self.course.definitions, &mut self.course.findings);
+        let formats = formats(log, &self.timed, &mut self.course);
         let source = LogSource { firmware: self.firmware, dropouts: self.dropouts, formats };
         self.course.finish(bytes, Source::Log(source))
-    }
-
-    fn opened(&self, id: u16) -> Option<&Open> {
-        self.open.get(usize::from(id))?.as_deref()
     }
 
     fn information(&mut self, ty: &str, value: &[u8]) {
@@ -231,29 +268,44 @@ impl Open {
     }
 }
 
-/// The formats of all subscribed topics, compared with the definitions.
-fn formats(log: &Log, definitions: &Definitions, findings: &mut Findings) -> Vec<(String, Comparison)> {
-    let types = definitions.types();
+/// Whether messages of a format have the time that each has to have.
+fn check_timestamp(of: MessageType<'_>, place: Place, course: &mut Course<'_>) {
+    course.findings.exercise(&PX_FMT_03, 1);
+    if timestamp_offset(of).is_none() {
+        let definition = course.definition_of(of.name());
+        course.findings.report(&PX_FMT_03, of.name(), place, definition, || {
+            Detail::new("its format has no `uint64_t timestamp`")
+                .expected("uint64_t timestamp")
+                .actual("no such field")
+        });
+    }
+}
+
+/// The formats of all subscribed topics, compared with the definitions. Of those that had data it was seen already
+/// whether they have a time.
+fn formats(log: &Log, timed: &BTreeSet<String>, course: &mut Course<'_>) -> Vec<(String, Comparison)> {
+    let definitions = course.definitions;
     let mut opened: BTreeMap<&str, u64> = BTreeMap::new();
     for subscription in log.subscriptions() {
         opened.entry(&subscription.topic).or_insert(subscription.offset);
     }
     let mut compared: BTreeMap<String, Comparison> = BTreeMap::new();
     for of in log.types().iter() {
-        if let Some(rule) = rule("PX-FMT-02") {
-            findings.exercise(rule, 1);
+        course.findings.exercise(&PX_FMT_02, 1);
+        let Some(place) = opened.get(of.name()).map(|offset| Place::Byte(*offset)) else { continue };
+        if !timed.contains(of.name()) && of.defect().is_none() {
+            check_timestamp(of, place, course);
         }
-        let Some(offset) = opened.get(of.name()) else { continue };
         let comparison = match definitions.message_of_topic(of.name()) {
             None => Comparison::Undefined,
-            Some(id) => compare(of, types.get(id)),
+            Some(id) => compare(of, definitions.types().get(id)),
         };
-        if let (Some(rule), false) = (rule("PX-FMT-01"), comparison == Comparison::Undefined) {
-            findings.exercise(rule, 1);
-            if let Comparison::Differs(differences) = &comparison {
-                let place = Place::Byte(*offset);
-                findings.report(rule, of.name(), place, None, || Detail::new(differences.to_string()));
-            }
+        if comparison != Comparison::Undefined {
+            course.findings.exercise(&PX_FMT_01, 1);
+        }
+        if let Comparison::Differs(differences) = &comparison {
+            let definition = course.definition_of(of.name());
+            course.findings.report(&PX_FMT_01, of.name(), place, definition, || differences.detail());
         }
         compared.insert(of.name().to_owned(), comparison);
     }

@@ -21,7 +21,7 @@ use uavspec_codegen::schema::MessageId;
 use self::cdr::{CdrJudge, unpacked};
 use self::named::{definition_of, is_same_type, topic_of};
 pub use self::open::{Basis, McapChannel, Standing};
-use self::open::{Open, Reading};
+use self::open::{Identity, Open, Reading};
 use self::schemas::Schemas;
 use self::stated::Stated;
 use super::{Course, Judgement, Source};
@@ -30,7 +30,7 @@ use crate::detail::Detail;
 use crate::finding::Findings;
 use crate::json::{Clean, Dialects, MessageSeed, Plans, Told, Tree};
 use crate::record::{Message, Place};
-use crate::rule::rule;
+use crate::rule::{PX_FMT_01, PX_FMT_03, PX_HASH_01};
 use crate::source::mcap::{Event, Reader};
 
 /// The longest name of a topic or a schema that is kept; ROS 2 allows no longer ones either.
@@ -185,11 +185,16 @@ impl<'d> McapJudge<'d> {
         }
         let judge = CdrJudge::new(of, stated, definitions, &open.identity.name);
         self.steps += judge.steps();
-        if let (Some(lacks), Some(rule)) = (judge.lacks_timestamp(definitions), rule("PX-FMT-03")) {
-            self.course.findings.exercise(rule, 1);
+        if let Some(lacks) = judge.lacks_timestamp(definitions) {
+            let Identity { name, place, .. } = &open.identity;
+            self.course.findings.exercise(&PX_FMT_03, 1);
             if lacks {
-                let text = || Detail::new("its schema has no `uint64 timestamp`");
-                self.course.findings.report(rule, &open.identity.name, open.identity.place, None, text);
+                let definition = Some(definitions.schema.message(of).span);
+                self.course.findings.report(&PX_FMT_03, name, *place, definition, || {
+                    Detail::new("its schema has no `uint64 timestamp`")
+                        .expected("uint64 timestamp")
+                        .actual("no such field")
+                });
             }
         }
         open.reading = Reading::Cdr(Box::new(judge));
@@ -207,30 +212,40 @@ impl<'d> McapJudge<'d> {
         // A hash is also one of names: that of a copy in another package is another.
         let is_of_definition =
             open.schema.as_ref().is_none_or(|(name, _)| is_same_type(name, message, schema));
-        let Some(rule) = rule("PX-HASH-01").filter(|_| is_of_definition) else { return };
+        if !is_of_definition {
+            return;
+        }
         let (findings, is_other) = (&mut self.course.findings, *stated != message.type_hash);
         if open.differences().is_some() {
             open.has_other_hash = is_other;
             return;
         }
-        findings.exercise(rule, 1);
+        findings.exercise(&PX_HASH_01, 1);
         if is_other {
             let stated: String = stated.chars().take(HASH_VERSION.len() + 64).collect();
-            findings.report(rule, &open.identity.name, open.identity.place, Some(message.span), || {
-                Detail::differs(&message.type_hash, stated.escape_debug())
-            });
+            findings.report(
+                &PX_HASH_01,
+                &open.identity.name,
+                open.identity.place,
+                Some(message.span),
+                || Detail::differs(&message.type_hash, stated.escape_debug()),
+            );
         }
     }
 
     /// Reports how the schema of a channel differs.
     fn format(&mut self, open: &Open) {
         let Standing::Judged(Basis::Compared(_)) = &open.standing else { return };
-        let Some(rule) = rule("PX-FMT-01") else { return };
-        self.course.findings.exercise(rule, 1);
+        self.course.findings.exercise(&PX_FMT_01, 1);
         if let Some(differences) = open.differences() {
             let hash = if open.has_other_hash { "; its hash is another, too" } else { "" };
-            let text = || Detail::new(format!("{differences}{hash}"));
-            self.course.findings.report(rule, &open.identity.name, open.identity.place, None, text);
+            let Identity { name, place, definition, .. } = &open.identity;
+            let definition = definition.map(|id| self.course.definitions.schema.message(id).span);
+            self.course.findings.report(&PX_FMT_01, name, *place, definition, || {
+                let mut detail = differences.detail();
+                detail.message += hash;
+                detail
+            });
         }
     }
 
@@ -257,10 +272,9 @@ impl<'d> McapJudge<'d> {
                 let wants_values = self.course.wants_values(channel.index);
                 let findings = &mut self.course.findings;
                 let judged = judge.judge(payload, wants_values, &channel, place, definitions, findings);
-                if let Some(seen) = judged {
-                    let values = judge.view(&seen, definitions);
-                    self.course.message(&channel, &Message { timestamp: seen.timestamp, values, place });
-                }
+                let Some(seen) = judged else { return self.course.lost(channel.index, place) };
+                let values = judge.view(&seen, definitions);
+                self.course.message(&channel, &Message { timestamp: seen.timestamp, values, place });
             }
             Reading::Json(of) => {
                 let Some(plans) = &self.plans else { return };

@@ -4,7 +4,7 @@ use super::{Check, Level, Mutant, Rule, Status};
 use uavspec_codegen::dynamic::{Placed, PlacedElement};
 use uavspec_runtime::Scalar;
 
-pub(super) static RULE: Rule = Rule {
+pub(crate) static RULE: Rule = Rule {
     id: "PX-BOOL-01",
     level: Level::Must,
     status: Status::Normative,

@@ -9,7 +9,7 @@ pub(super) static RULE: Rule = Rule {
     id: "PX-DATA-03",
     level: Level::Must,
     status: Status::Normative,
-    statement: "No two subscriptions of a log have the same topic and the same instance.",
+    statement: "No two subscriptions of a log have the same topic and the same instance at one time.",
     source: "ULog file format, section on subscription messages",
     applies_to: "logs",
     check: Check::State(|| Box::new(Instances::default())),
@@ -24,7 +24,7 @@ pub(super) static RULE: Rule = Rule {
     }],
 };
 
-/// The channel of each topic and instance.
+/// The channel of each topic and instance that is subscribed.
 #[derive(Default)]
 struct Instances {
     known: HashMap<(String, u8), usize>,
@@ -36,10 +36,22 @@ impl Checker for Instances {
         judged.exercise();
         let first = *self.known.entry((channel.topic.to_owned(), multi_id)).or_insert(channel.index);
         if first != channel.index {
-            judged.report(channel.topic, channel.place, || {
+            let definition = judged.defined(channel.definition);
+            judged.report_defined(channel.topic, channel.place, definition, || {
                 Detail::new(format!("a second subscription of instance {multi_id}"))
+                    .expected(format!("one subscription of instance {multi_id} at a time"))
+                    .actual("a second one")
             });
         }
         Interest::Nothing
+    }
+
+    /// What was unsubscribed may be subscribed again, under any id.
+    fn closed(&mut self, channel: &Channel<'_>) {
+        let Some(multi_id) = channel.multi_id else { return };
+        let key = (channel.topic.to_owned(), multi_id);
+        if self.known.get(&key) == Some(&channel.index) {
+            self.known.remove(&key);
+        }
     }
 }

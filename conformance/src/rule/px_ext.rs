@@ -14,7 +14,7 @@ use std::collections::VecDeque;
 
 use uavspec_codegen::dynamic::DynamicView;
 use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::schema::Form;
+use uavspec_codegen::schema::{Form, MessageId};
 use uavspec_runtime::Number;
 
 use super::{Channel, Checker, Interest, Judged, Message, Place};
@@ -54,6 +54,7 @@ pub(super) struct Request {
     pub(super) time: Option<u64>,
     /// A bit for each registration that exists and answers; none where the release has no such field.
     pub(super) mask: Option<u32>,
+    pub(super) definition: Option<MessageId>,
     pub(super) place: Place,
 }
 
@@ -64,11 +65,15 @@ pub(super) struct Reply {
     pub(super) request_id: u8,
     pub(super) registration_id: u8,
     pub(super) time: Option<u64>,
+    pub(super) definition: Option<MessageId>,
     pub(super) place: Place,
 }
 
 /// A rule that listens to the talk.
 pub(super) trait Listener: Default {
+    /// When the recording was begun.
+    fn started(&mut self, _time: u64) {}
+
     /// All registered components are asked, on this topic.
     fn request(&mut self, _topic: &str, _request: Request, _judged: &mut Judged<'_>) {}
 
@@ -92,7 +97,7 @@ pub(super) trait Listener: Default {
 #[derive(Default)]
 pub(super) struct Talk<L> {
     listener: L,
-    /// The first channel of each role.
+    /// The first channel of each role that had a message.
     channels: [Option<usize>; ROLES.len()],
     /// Whether there are several talks, which can't be told apart.
     is_unclear: bool,
@@ -101,17 +106,26 @@ pub(super) struct Talk<L> {
 
 impl<L: Listener> Checker for Talk<L> {
     fn opened(&mut self, channel: &Channel<'_>, judged: &mut Judged<'_>) -> Interest {
-        let Some(role) = role(channel, judged) else { return Interest::Nothing };
+        if role(channel, judged).is_some() { Interest::Values } else { Interest::Nothing }
+    }
+
+    fn closed(&mut self, channel: &Channel<'_>) {
+        let is_closed = |known: &&mut Option<usize>| **known == Some(channel.index);
+        self.channels.iter_mut().filter(is_closed).for_each(|known| *known = None);
+    }
+
+    fn started(&mut self, time: u64) {
+        self.listener.started(time);
+    }
+
+    fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, judged: &mut Judged<'_>) {
+        let Some(role) = role(channel, judged) else { return };
+        // Loggers subscribe to instances that nobody publishes, so it counts who says something.
         let first = *self.channels[role as usize].get_or_insert(channel.index);
         // Components may share a topic by instances, but there is one who asks.
         let is_instance = channel.multi_id.is_some() && role != Role::Request;
         self.is_unclear |= first != channel.index && !is_instance;
-        Interest::Values
-    }
-
-    fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, judged: &mut Judged<'_>) {
-        let Some(role) = role(channel, judged).filter(|_| !self.is_unclear) else { return };
-        if self.hear(role, channel.topic, message, judged).is_none() {
+        if !self.is_unclear && self.hear(role, channel, message, judged).is_none() {
             self.forget();
         }
     }
@@ -136,25 +150,26 @@ impl<L: Listener> Talk<L> {
     fn hear(
         &mut self,
         role: Role,
-        topic: &str,
+        channel: &Channel<'_>,
         message: &Message<'_>,
         judged: &mut Judged<'_>,
     ) -> Option<()> {
         let values = message.values?;
         // 0 is the time of what didn't know any.
         let time = message.timestamp.filter(|time| *time > 0);
-        let place = message.place;
+        let (definition, place) = (channel.definition, message.place);
         match role {
             Role::Request => {
                 let id = number(values, "request_id")?;
                 let mask = number(values, "valid_registrations_mask");
-                self.request(topic, Request { id, time, mask, place }, judged);
+                self.request(channel.topic, Request { id, time, mask, definition, place }, judged);
             }
             Role::Reply => {
                 let request_id = number(values, "request_id")?;
                 let registration_id = number(values, "registration_id")?;
-                let topic = topic.to_owned();
-                self.listener.reply(Reply { topic, request_id, registration_id, time, place }, judged);
+                let topic = channel.topic.to_owned();
+                let reply = Reply { topic, request_id, registration_id, time, definition, place };
+                self.listener.reply(reply, judged);
             }
             Role::Registration => {
                 let is_success = number::<u8>(values, "success")? != 0;

@@ -28,6 +28,11 @@ pub(super) static RULE: Rule = Rule {
             make: |flight| Some(stray(flight, 255)?.rosbridge().to_bytes()),
             also: &[],
         },
+        Mutant {
+            name: "a reply to a request of long ago, in MCAP",
+            make: |flight| Some(stray(flight, 7)?.bag().to_bytes()),
+            also: &[],
+        },
     ],
 };
 
@@ -81,7 +86,8 @@ fn is_answer(reply: &Reply, request: Option<&Request>) -> bool {
 
 fn tell(reply: &Reply, latest: u8, judged: &mut Judged<'_>) {
     let before = latest.wrapping_sub(1);
-    judged.report(&format!("{}.request_id", reply.topic), reply.place, || {
+    let definition = judged.field(reply.definition, "request_id");
+    judged.report_defined(&format!("{}.request_id", reply.topic), reply.place, definition, || {
         let Reply { request_id, registration_id, .. } = reply;
         let text = format!(
             "registration {registration_id} answers request {request_id}, where {latest} is the latest"

@@ -6,7 +6,9 @@
 //! leave at any time, and a flight controller doesn't wait for those that were slow too often. Releases without
 //! masks leave what was said of registrations.
 //!
-//! A request is judged with the second one after it, so that answers may stand late in the file.
+//! A request is judged with the second one after it, so that answers may stand late in the file. Where an answer has no
+//! time, as those of ROS 2 nodes often have none, only the order of arrival says whether it came late. One that stands
+//! behind the next request may have been in time all the same, but not several in a row.
 
 use std::collections::VecDeque;
 
@@ -33,10 +35,16 @@ pub(super) static RULE: Rule = Rule {
             make: |flight| Some(silent(flight)?.lines().to_bytes()),
             also: &[],
         },
+        Mutant {
+            name: "a reply is missing, in MCAP",
+            make: |flight| Some(silent(flight)?.bag().to_bytes()),
+            also: &[],
+        },
     ],
 };
 
-/// How many requests in a row a component answers until its answers are known to be in the recording.
+/// How many requests in a row a component answers until its answers are known to be in the recording; and how many
+/// answers without a time stand behind the next request until they are known to be late.
 const IN_A_ROW: u8 = 3;
 
 /// A request that was sent, and what came of it.
@@ -47,6 +55,8 @@ struct Asked {
     answered: Ids,
     /// Those that answered when the next request was there already.
     late: Ids,
+    /// Those whose answer stands behind the next request, and it isn't known when they gave it.
+    behind: Ids,
 }
 
 struct Silence {
@@ -59,6 +69,8 @@ struct Silence {
     registered: Ids,
     /// How many requests in a row each id answered.
     in_a_row: [u8; 256],
+    /// How many requests in a row each id answered only behind the next one.
+    behind_in_a_row: [u8; 256],
 }
 
 impl Default for Silence {
@@ -69,6 +81,7 @@ impl Default for Silence {
             waiting: Waiting::default(),
             registered: Ids::default(),
             in_a_row: [0; 256],
+            behind_in_a_row: [0; 256],
         }
     }
 }
@@ -79,7 +92,8 @@ impl Listener for Silence {
             self.asked.clear();
         }
         let who = request.mask.map_or(self.registered, Ids::of_mask);
-        let mut asked = Asked { request, who, answered: Ids::default(), late: Ids::default() };
+        let [answered, late, behind] = [Ids::default(); 3];
+        let mut asked = Asked { request, who, answered, late, behind };
         for reply in self.waiting.take() {
             // It stands before the request only in the file.
             if reply.request_id == request.id && !is_later(request.time, reply.time) {
@@ -96,21 +110,28 @@ impl Listener for Silence {
         let Some(at) = self.asked.iter().rposition(|asked| asked.request.id == reply.request_id) else {
             return self.waiting.push(reply);
         };
-        let next = self.asked.get(at + 1).and_then(|next| next.request.time);
+        let next = self.asked.get(at + 1).map(|next| next.request.time);
+        let id = reply.registration_id;
         let asked = &mut self.asked[at];
-        let answers = if is_later(reply.time, next) { &mut asked.late } else { &mut asked.answered };
-        answers.insert(reply.registration_id);
+        match next {
+            Some(next) if is_later(reply.time, next) => return asked.late.insert(id),
+            Some(next) if reply.time.zip(next).is_none() && !asked.answered.contains(id) => {
+                asked.behind.insert(id);
+            }
+            _ => {}
+        }
+        asked.answered.insert(id);
     }
 
     /// Who comes isn't the one that had this id before; who goes needn't have answered.
     fn registered(&mut self, id: u8, _: Option<u64>) {
         self.registered.insert(id);
-        self.in_a_row[usize::from(id)] = 0;
+        self.begin_anew(id);
     }
 
     fn unregistered(&mut self, id: u8, _: Option<u64>) {
         self.registered.remove(id);
-        self.in_a_row[usize::from(id)] = 0;
+        self.begin_anew(id);
     }
 
     fn forget(&mut self) {
@@ -119,12 +140,22 @@ impl Listener for Silence {
 }
 
 impl Silence {
+    fn begin_anew(&mut self, id: u8) {
+        self.in_a_row[usize::from(id)] = 0;
+        self.behind_in_a_row[usize::from(id)] = 0;
+    }
+
     /// Judges the oldest request: two more have come.
     fn judge(&mut self, topic: &str, judged: &mut Judged<'_>) {
         let Some(oldest) = self.asked.pop_front() else { return };
         let Some(next) = self.asked.front() else { return };
         for id in oldest.who.iter().filter(|id| next.who.contains(*id)) {
             let in_a_row = &mut self.in_a_row[usize::from(id)];
+            let behind = &mut self.behind_in_a_row[usize::from(id)];
+            *behind = if oldest.behind.contains(id) { behind.saturating_add(1) } else { 0 };
+            if *behind >= IN_A_ROW {
+                tell(topic, &oldest, id, judged);
+            }
             if oldest.answered.contains(id) {
                 *in_a_row = in_a_row.saturating_add(1);
             } else if *in_a_row < IN_A_ROW {
@@ -138,12 +169,17 @@ impl Silence {
 }
 
 fn tell(topic: &str, asked: &Asked, id: u8, judged: &mut Judged<'_>) {
-    judged.report(topic, asked.request.place, || {
+    let definition = judged.defined(asked.request.definition);
+    judged.report_defined(topic, asked.request.place, definition, || {
         let request = asked.request.id;
-        let is_late = asked.late.contains(id);
-        let when = if is_late { "answers it only after the next one" } else { "doesn't answer it" };
+        let (when, found) = if asked.late.contains(id) || asked.behind.contains(id) {
+            ("answers it only after the next one", "a reply after the next request")
+        } else {
+            ("doesn't answer it", "none")
+        };
         Detail::new(format!("request {request}: registration {id} {when}"))
-            .expected(format!("a reply of registration {id}"))
+            .expected(format!("a reply of registration {id} before the next request"))
+            .actual(found)
     });
 }
 

@@ -26,6 +26,11 @@ pub(super) static RULE: Rule = Rule {
             make: |flight| Some(nameless(flight)?.lines().to_bytes()),
             also: &[],
         },
+        Mutant {
+            name: "an event without an id, in MCAP",
+            make: |flight| Some(nameless(flight)?.bag().to_bytes()),
+            also: &[],
+        },
     ],
 };
 
@@ -46,12 +51,18 @@ impl Checker for Reasons {
             let Some(id) = number::<u32>(event, "id") else { return };
             judged.exercise();
             if id == 0 {
-                judged.report(&format!("{}.events", channel.topic), message.place, || {
-                    Detail::new(format!("an event without an id, where {in_use} are in use"))
-                        .at(format!("events[{index}].id"))
-                        .expected("an id other than 0")
-                        .actual("0")
-                });
+                let definition = judged.field(channel.definition, "events");
+                judged.report_defined(
+                    &format!("{}.events", channel.topic),
+                    message.place,
+                    definition,
+                    || {
+                        Detail::new(format!("an event without an id, where {in_use} are in use"))
+                            .at(format!("events[{index}].id"))
+                            .expected("an id other than 0")
+                            .actual("0")
+                    },
+                );
             }
         }
     }

@@ -23,6 +23,11 @@ pub(super) static RULE: Rule = Rule {
             make: |flight| Some(without_reason(flight)?.rosbridge().to_bytes()),
             also: &[],
         },
+        Mutant {
+            name: "a refusal without a reason, in MCAP",
+            make: |flight| Some(without_reason(flight)?.bag().to_bytes()),
+            also: &[],
+        },
     ],
 };
 
@@ -39,11 +44,17 @@ impl Checker for Refusals {
         let (Some(false), Some(events)) = (is_agreed, number::<u64>(values, "num_events")) else { return };
         judged.exercise();
         if events == 0 {
-            judged.report(&format!("{}.num_events", channel.topic), message.place, || {
-                Detail::new("can_arm_and_run is false, and no event says why")
-                    .expected("1 or more")
-                    .actual("0")
-            });
+            let definition = judged.field(channel.definition, "num_events");
+            judged.report_defined(
+                &format!("{}.num_events", channel.topic),
+                message.place,
+                definition,
+                || {
+                    Detail::new("can_arm_and_run is false, and no event says why")
+                        .expected("1 or more")
+                        .actual("0")
+                },
+            );
         }
     }
 }

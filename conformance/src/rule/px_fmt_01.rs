@@ -3,7 +3,7 @@
 use super::{Check, Level, Mutant, Rule, Status};
 use crate::sample::Flight;
 
-pub(super) static RULE: Rule = Rule {
+pub(crate) static RULE: Rule = Rule {
     id: "PX-FMT-01",
     level: Level::Info,
     status: Status::Advisory,

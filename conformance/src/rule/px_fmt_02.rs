@@ -3,7 +3,7 @@
 use super::{Check, Level, Mutant, Rule, Status};
 use crate::sample::Entry;
 
-pub(super) static RULE: Rule = Rule {
+pub(crate) static RULE: Rule = Rule {
     id: "PX-FMT-02",
     level: Level::Must,
     status: Status::Normative,

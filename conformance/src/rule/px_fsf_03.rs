@@ -32,6 +32,11 @@ pub(super) static RULE: Rule = Rule {
             make: |flight| Some(unasked(flight)?.lines().to_bytes()),
             also: &[],
         },
+        Mutant {
+            name: "a flag is set that no mode requires, in MCAP",
+            make: |flight| Some(unasked(flight)?.bag().to_bytes()),
+            also: &[],
+        },
     ],
 };
 
@@ -75,9 +80,17 @@ impl Checker for Flags {
             judged.exercise();
             if is_set(flag) == Some(true) && is_set(requirement) == Some(false) {
                 let [flag, requirement] = [&fields.names[*flag], &fields.names[*requirement]];
-                judged.report(&format!("{}.{flag}", channel.topic), message.place, || {
-                    Detail::new(format!("set, and {requirement} is 0: no mode requires it"))
-                });
+                let definition = judged.field(channel.definition, flag);
+                judged.report_defined(
+                    &format!("{}.{flag}", channel.topic),
+                    message.place,
+                    definition,
+                    || {
+                        Detail::new(format!("set, and {requirement} is 0: no mode requires it"))
+                            .expected(format!("not set, or {requirement} other than 0"))
+                            .actual("set")
+                    },
+                );
             }
         }
     }

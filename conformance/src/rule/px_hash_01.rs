@@ -2,7 +2,7 @@
 
 use super::{Check, Level, Mutant, Rule, Status};
 
-pub(super) static RULE: Rule = Rule {
+pub(crate) static RULE: Rule = Rule {
     id: "PX-HASH-01",
     level: Level::Must,
     status: Status::Normative,

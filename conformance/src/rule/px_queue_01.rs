@@ -69,11 +69,13 @@ impl Checker for Bursts {
         burst.count += 1;
         judged.exercise();
         if burst.count == length.saturating_add(1) && length > DEFAULT {
-            judged.report(channel.topic, message.place, || {
+            let definition = judged.defined(channel.definition);
+            judged.report_defined(channel.topic, message.place, definition, || {
                 Detail::new(format!(
                     "more than {length} messages at {timestamp} µs, which is all that its queue holds"
                 ))
                 .expected(format!("{length} messages at most"))
+                .actual(format!("{} or more", length.saturating_add(1)))
             });
         }
     }

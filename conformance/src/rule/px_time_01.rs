@@ -51,14 +51,19 @@ impl Checker for Times {
         };
         if timestamp < *latest && timestamp != 0 {
             let latest = *latest;
-            judged.report(&format!("{}.timestamp", channel.topic), message.place, || {
+            let definition = judged.field(channel.definition, "timestamp");
+            judged.report_defined(&format!("{}.timestamp", channel.topic), message.place, definition, || {
                 Detail::new(format!("timestamp is {timestamp}, and was {latest} before"))
                     .expected(format!("{latest} or later"))
                     .actual(timestamp.to_string())
             });
         }
         judged.exercise();
-        *latest = timestamp.max(*latest);
+        // What follows is judged by this message: one that is wrong, or a flight controller that starts again, doesn't
+        // make all others wrong.
+        if timestamp != 0 {
+            *latest = timestamp;
+        }
     }
 }
 

@@ -82,7 +82,8 @@ impl Checker for Gaps {
         }
         judged.exercise();
         if pause > period.saturating_mul(PAUSE) && latest > self.excused_until {
-            judged.report(channel.topic, message.place, || {
+            let definition = judged.defined(channel.definition);
+            judged.report_defined(channel.topic, message.place, definition, || {
                 let (pause, period) = (pause / 1000, period / 1000);
                 Detail::new(format!("{pause} ms without a message, where one comes each {period} ms"))
                     .expected(format!("{} ms at most, or a dropout", PAUSE * period))

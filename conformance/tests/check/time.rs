@@ -109,6 +109,38 @@ fn times_that_can_not_be_are_judged_like_any_other() {
 }
 
 #[test]
+fn one_time_that_is_wrong_is_one_finding() {
+    let count = |times: &[u64]| {
+        let mut log = start();
+        at(&mut log, times.iter().copied());
+        let judgement = judge(&log);
+        let found: Vec<u64> =
+            judgement.findings.of(rule("PX-TIME-01").expect("a rule")).map(|group| group.count).collect();
+        found.first().copied().unwrap_or_default()
+    };
+    let [second, third, fourth] = [2, 3, 4].map(|number| FIRST + number * PERIOD);
+    assert_eq!(count(&[FIRST, second, third]), 0);
+    assert_eq!(count(&[1 << 60, FIRST, second, third]), 1, "the first is wrong");
+    assert_eq!(count(&[FIRST, third, second, fourth]), 1, "one comes too late");
+    assert_eq!(count(&[third, fourth, FIRST, second]), 1, "the flight controller starts again");
+    assert_eq!(count(&[third, second, FIRST]), 2, "each goes back");
+    assert_eq!(count(&[third, 0, second]), 1, "what has no time isn't between them");
+    assert_eq!(count(&[FIRST, 0, second]), 0);
+}
+
+/// What an id meant before counts no more, even if it is the same topic.
+#[test]
+fn who_subscribes_again_begins_anew() {
+    let (mut log, last) = regular(40);
+    log.subscribe(5, 0, "glider");
+    let mut pause = log.clone();
+    at(&mut pause, [last + 20 * PERIOD]);
+    assert_eq!(broken(&judge(&pause)), []);
+    at(&mut log, [FIRST]);
+    assert_eq!(broken(&judge(&log)), []);
+}
+
+#[test]
 fn a_queue_may_be_filled_and_is_too_full_once() {
     for (messages, found) in [(1, 0), (2, 0), (3, 1), (9, 1)] {
         let (mut log, last) = regular(40);

@@ -19,7 +19,7 @@ use crate::input::ZSTD;
 use crate::judge::timestamp_offset;
 use crate::plan::Plan;
 use crate::record::{Channel, Place};
-use crate::rule::rule;
+use crate::rule::{PX_BOOL_01, PX_CDR_01, PX_CDR_02, Rule, rule};
 use crate::source::mcap::Reader;
 
 /// The most bytes of a message that was packed by itself: as many as one may have that wasn't.
@@ -100,23 +100,21 @@ impl CdrJudge {
         findings: &mut Findings,
     ) -> Option<Seen> {
         let definition = Some(definitions.schema.message(self.of).span);
-        let mut report = |(id, detail): (&str, Detail)| {
-            if let Some(rule) = rule(id) {
-                let excerpt = || detail.excerpt(hexadecimal(payload));
-                findings.report(rule, channel.topic, place, definition, excerpt);
-            }
+        let mut report = |rule: &'static Rule, detail: Detail| {
+            let excerpt = || detail.excerpt(hexadecimal(payload));
+            findings.report(rule, channel.topic, place, definition, excerpt);
         };
         match self.header(payload) {
             Header::Plain => {}
             Header::Other => return None,
             Header::Unknown(found) => {
                 let expected = "00 01 (little endian) or 00 00 (big endian)";
-                report(("PX-CDR-01", Detail::differs(expected, hexadecimal(&found))));
+                report(&PX_CDR_01, Detail::differs(expected, hexadecimal(&found)));
                 return None;
             }
             Header::Short => {
                 let expected = format!("{HEADER} bytes of header");
-                report(("PX-CDR-02", Detail::differs(expected, payload.len())));
+                report(&PX_CDR_02, Detail::differs(expected, payload.len()));
                 return None;
             }
         }
@@ -126,7 +124,7 @@ impl CdrJudge {
         let message = match ty.decode_cdr(payload) {
             Ok(message) => message,
             Err(error) => {
-                report(("PX-CDR-02", Detail::new(error.to_string())));
+                report(&PX_CDR_02, Detail::new(error.to_string()));
                 return None;
             }
         };
@@ -177,11 +175,8 @@ impl CdrJudge {
 
     /// Counts what was exercised; how many payloads were of other kinds of CDR.
     pub(super) fn close(self, findings: &mut Findings) -> u64 {
-        for (id, times) in [("PX-CDR-01", self.headers), ("PX-CDR-02", self.bodies)] {
-            if let Some(rule) = rule(id) {
-                findings.exercise(rule, times);
-            }
-        }
+        findings.exercise(&PX_CDR_01, self.headers);
+        findings.exercise(&PX_CDR_02, self.bodies);
         self.plan.exercise(self.messages, findings);
         self.others
     }
@@ -214,12 +209,10 @@ fn check_bools(
     place: Place,
     findings: &mut Findings,
 ) {
-    if let Err(Error { reason: Reason::Fault(Fault::Bool(byte)), path, .. }) = ty.decode_cdr_strict(payload)
-        && let Some(rule) = rule("PX-BOOL-01")
-    {
+    if let Err(Error { reason: Reason::Fault(Fault::Bool(byte)), path, .. }) = ty.decode_cdr_strict(payload) {
         let text = format!("{byte} where a bool is 0 or 1");
         let detail = Detail::new(text).expected("0 or 1").actual(byte.to_string());
-        report_at(rule, &path, detail, channel, place, findings);
+        report_at(&PX_BOOL_01, &path, detail, channel, place, findings);
     }
 }
 
@@ -235,7 +228,7 @@ fn tell(violation: &Violation<'_>, channel: &Channel<'_>, place: Place, findings
 
 /// Reports something at a path such as `events[2].id`; equal findings have it in common without its indices.
 fn report_at(
-    rule: &'static crate::rule::Rule,
+    rule: &'static Rule,
     path: &str,
     detail: Detail,
     channel: &Channel<'_>,
