@@ -217,7 +217,7 @@ impl<'d> JsonJudge<'d> {
     fn judge(&mut self, at: usize, tree: &Tree<'_>, place: Place, is_rosbridge: bool) {
         let open = &self.channels.open[at];
         let Some((id, _)) = open.defined else { return self.course.records += 1 };
-        let told = Told { id, name: &open.name, place, is_rosbridge };
+        let told = Told { id, name: &open.name, place, key: open.key, is_rosbridge };
         let dialects = self.plans.explain(told, tree, &mut self.course.findings);
         let timestamp = self.plans.timestamp(id, tree);
         // What is broken somewhere may be so anywhere: nobody draws conclusions from its values.

@@ -264,7 +264,7 @@ impl<'d> McapJudge<'d> {
             }
             Reading::Json(of) => {
                 let Some(plans) = &self.plans else { return };
-                let told = Told { id: *of, name: channel.topic, place, is_rosbridge: true };
+                let told = Told { id: *of, name: channel.topic, place, key: None, is_rosbridge: true };
                 let size =
                     definitions.types().get(*of).size().filter(|_| self.course.wants_values(channel.index));
                 self.values.clear();
