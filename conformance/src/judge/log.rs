@@ -220,6 +220,7 @@ impl Open {
             topic: &self.topic,
             multi_id: Some(self.multi_id),
             definition: self.definition,
+            version: None,
             place: Place::Byte(self.offset),
         }
     }
