@@ -68,6 +68,10 @@ pub struct Entry {
     pub help: String,
     /// Where.
     pub place: Place,
+    /// Which part of what stands there, where that has a name: a JSON pointer, or the path of a field. May be empty.
+    pub part: String,
+    /// What else is known of it, each under a name.
+    pub facts: Vec<(&'static str, String)>,
     /// Where it was, and where it is, where two sets were compared.
     pub sides: Option<(Option<Place>, Option<Place>)>,
     /// Other places that have to do with it, each with a word on how.
@@ -172,6 +176,8 @@ impl Entry {
             place: place(finding.span),
             sides: finding.sides.map(|sides| (sides.old.map(place), sides.new.map(place))),
             related: finding.related.iter().map(|(span, label)| (place(*span), label.clone())).collect(),
+            part: String::new(),
+            facts: Vec::new(),
             is_fixable: !finding.fix.is_empty(),
             url: rule_url(finding.rule),
         }

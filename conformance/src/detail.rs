@@ -14,8 +14,11 @@ const MAX_BYTES: usize = 32;
 /// What is said of a breach.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Detail {
-    /// Which part of the subject, as `events[2].id`; empty where the subject says it all.
+    /// Where in the record: the path of a field, as `events[2].id`, or in JSON a pointer, as `/msg/events/2/id`. Empty
+    /// where it is about the whole of it.
     pub path: String,
+    /// Which part of the subject, as it stands before the words; empty where the subject says it all.
+    pub part: String,
     /// What is the matter, in words.
     pub message: String,
     /// What should have been, where that can be said alone; may be empty.
@@ -50,9 +53,16 @@ impl Detail {
         Self { actual: actual.into(), ..self }
     }
 
-    /// With the part of the subject that it is about.
+    /// With the part of the subject that it is about, which its path names.
     #[must_use]
     pub fn at(self, path: impl Into<String>) -> Self {
+        let path = path.into();
+        Self { part: path.clone(), path, ..self }
+    }
+
+    /// With its place in the record, where the subject says that in other words, or the part does.
+    #[must_use]
+    pub fn located(self, path: impl Into<String>) -> Self {
         Self { path: path.into(), ..self }
     }
 
@@ -65,8 +75,8 @@ impl Detail {
 
 impl fmt::Display for Detail {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if !self.path.is_empty() {
-            write!(formatter, "{}: ", self.path)?;
+        if !self.part.is_empty() {
+            write!(formatter, "{}: ", self.part)?;
         }
         formatter.write_str(&self.message)
     }

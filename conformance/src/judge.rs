@@ -4,6 +4,7 @@ mod flockwave;
 mod json;
 mod log;
 mod mcap;
+mod topic;
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;

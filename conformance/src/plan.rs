@@ -9,7 +9,7 @@ use uavspec_codegen::schema::{
     Dialect, Element, Field, Form, Message, MessageId, Restriction, Schema, Shape,
 };
 use uavspec_codegen::source::Span;
-use uavspec_runtime::{Number, Scalar};
+use uavspec_runtime::{Constraint, Number, Scalar};
 
 use crate::detail::{Detail, hexadecimal};
 use crate::finding::Findings;
@@ -39,6 +39,34 @@ struct Step {
     stride: usize,
     kind: Kind,
     definition: Option<Span>,
+    /// What says how many of its values are in use, where something does.
+    count_of_values: Option<Counter>,
+    /// The entries of counted arrays that it lies in.
+    entries: Vec<Entry>,
+}
+
+/// A field that says how many entries of an array are in use.
+#[derive(Clone, Copy, Debug)]
+struct Counter {
+    offset: usize,
+    scalar: Scalar,
+}
+
+/// An entry of a counted array.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    counter: Counter,
+    index: usize,
+}
+
+/// A message within that which the plan is for.
+#[derive(Clone, Copy)]
+struct Within<'w> {
+    /// Where it starts.
+    base: usize,
+    path: &'w str,
+    subject: &'w str,
+    entries: &'w [Entry],
 }
 
 #[derive(Debug)]
@@ -66,7 +94,7 @@ impl Plan {
     /// types alone say is checked. `topic` is what findings name.
     pub fn new(of: MessageType<'_>, message: Option<MessageId>, schema: &Schema, topic: &str) -> Self {
         let mut plan = Self::default();
-        plan.add(of, message, schema, 0, ("", topic));
+        plan.add(of, message, schema, Within { base: 0, path: "", subject: topic, entries: &[] });
         for step in &plan.steps {
             let count = step.count as u64;
             for id in step.rules() {
@@ -80,14 +108,8 @@ impl Plan {
         plan
     }
 
-    fn add(
-        &mut self,
-        of: MessageType<'_>,
-        message: Option<MessageId>,
-        schema: &Schema,
-        base: usize,
-        (path, subject): (&str, &str),
-    ) {
+    fn add(&mut self, of: MessageType<'_>, message: Option<MessageId>, schema: &Schema, within: Within<'_>) {
+        let Within { base, path, subject, entries } = within;
         let defined = message.map(|id| schema.message(id));
         for placed in of.layout() {
             if self.steps.len() >= MAX_STEPS {
@@ -95,6 +117,7 @@ impl Plan {
             }
             let field =
                 defined.and_then(|message| message.fields.iter().find(|field| field.name == placed.name));
+            let counter = defined.and_then(|message| Counter::of(placed.name, message, of, base));
             let field = field.filter(|field| is_same(placed, field));
             let offset = base + placed.offset;
             let names = || {
@@ -102,7 +125,13 @@ impl Plan {
                 (format!("{path}{joint}{}", placed.name), format!("{subject}.{}", placed.name))
             };
             let PlacedElement::Message(nested) = placed.element else {
-                self.steps.extend(Step::new(placed, offset, names, field.zip(defined), schema));
+                let kind = Kind::of(placed, of, field.zip(defined), schema);
+                self.steps.extend(kind.map(|kind| Step {
+                    definition: field.map(|field| field.span),
+                    count_of_values: counter,
+                    entries: entries.to_vec(),
+                    ..Step::new(placed, offset, names(), kind)
+                }));
                 continue;
             };
             let id = field.and_then(|field| match field.ty.element {
@@ -114,7 +143,15 @@ impl Plan {
                 let is_single = placed.shape == Shape::Single;
                 let path = if is_single { path.clone() } else { format!("{path}[{index}]") };
                 let before = self.steps.len();
-                self.add(nested, id, schema, offset + index * placed.stride, (&path, &subject));
+                let entry = counter.map(|counter| Entry { counter, index });
+                let entries: Vec<Entry> = entries.iter().copied().chain(entry).collect();
+                let base = offset + index * placed.stride;
+                self.add(
+                    nested,
+                    id,
+                    schema,
+                    Within { base, path: &path, subject: &subject, entries: &entries },
+                );
                 // All elements are alike, and there can be millions of them.
                 if self.steps.len() == before {
                     break;
@@ -134,7 +171,7 @@ impl Plan {
             for index in 0..step.count {
                 let start = step.offset + index * step.stride;
                 let Some(value) = payload.get(start..start + step.width()) else { continue };
-                if !step.is_healthy(value) {
+                if !step.is_healthy(value) && step.is_in_use(index, payload) {
                     step.explain(value, index, place, findings);
                 }
             }
@@ -172,33 +209,81 @@ fn count(shape: Shape) -> usize {
     }
 }
 
-impl Step {
-    fn new(
+impl Counter {
+    /// The field that counts the array of a name, in a message of the format `of` that starts at `base`.
+    fn of(array: &str, message: &Message, of: MessageType<'_>, base: usize) -> Option<Self> {
+        let index = message.fields.iter().position(|field| field.name == array)?;
+        let field = message.fields.iter().find(|field| field.counts == Some(index))?;
+        let placed = of.layout().find(|placed| placed.name == field.name && placed.shape == Shape::Single)?;
+        match placed.element {
+            PlacedElement::Scalar(scalar) => Some(Self { offset: base + placed.offset, scalar }),
+            PlacedElement::Text(_) | PlacedElement::String | PlacedElement::Message(_) => None,
+        }
+    }
+
+    /// Whether a payload says that it uses the entry of this index.
+    fn uses(self, index: usize, payload: &[u8]) -> bool {
+        let count = payload.get(self.offset..self.offset + self.scalar.size());
+        match count.and_then(|count| integer(self.scalar, count)) {
+            Some(count) => usize::try_from(count).map_or(true, |count| index < count),
+            None => true,
+        }
+    }
+}
+
+impl Kind {
+    /// What is checked of a field of the format `of`, for which the definition has this one.
+    fn of(
         placed: Placed<'_>,
-        offset: usize,
-        names: impl FnOnce() -> (String, String),
+        of: MessageType<'_>,
         field: Option<(&Field, &Message)>,
         schema: &Schema,
     ) -> Option<Self> {
         let is_text = |message| schema.package_of(message).form == Form::Msg(Dialect::Px4);
-        let kind = match placed.element {
+        match placed.element {
             // What comes from ROS 2 doesn't tell text from numbers.
             PlacedElement::Scalar(Scalar::Char) if field.is_some_and(|(_, message)| is_text(message)) => {
-                Kind::Text(count(placed.shape))
+                Some(Self::Text(count(placed.shape)))
             }
-            PlacedElement::Scalar(Scalar::Bool) => Kind::Bool,
-            PlacedElement::Text(length) => Kind::Text(length as usize),
+            PlacedElement::Scalar(Scalar::Bool) => Some(Self::Bool),
+            PlacedElement::Text(length) => Some(Self::Text(length as usize)),
             PlacedElement::Scalar(scalar) => {
-                let restriction = field.and_then(|(field, message)| schema.restriction(message, field))?;
+                let (field, message) = field?;
+                let mut restriction = schema.restriction(message, field)?;
+                let counted = field.counts.and_then(|array| message.fields.get(array));
+                // The array has the length that the format says; another than that of the definition is no breach.
+                restriction.count = counted.and_then(|array| most(&array.name, of));
                 let healthy = Healthy::of(scalar, &restriction);
-                Kind::Number(scalar, Box::new(restriction), healthy)
+                let says_nothing = restriction.constraint() == Constraint::NONE;
+                (!says_nothing).then(|| Self::Number(scalar, Box::new(restriction), healthy))
             }
-            PlacedElement::String | PlacedElement::Message(_) => return None,
-        };
-        let (path, subject) = names();
-        let definition = field.map(|(field, _)| field.span);
-        let count = if matches!(kind, Kind::Text(_)) { 1 } else { count(placed.shape) };
-        Some(Self { path, subject, offset, count, stride: placed.stride, kind, definition })
+            PlacedElement::String | PlacedElement::Message(_) => None,
+        }
+    }
+}
+
+/// How many entries the array of a name can have in a format.
+fn most(array: &str, of: MessageType<'_>) -> Option<u32> {
+    let placed = of.layout().find(|placed| placed.name == array)?;
+    match (placed.element, placed.shape) {
+        (PlacedElement::Text(length), _) | (_, Shape::Array(length) | Shape::Bounded(length)) => Some(length),
+        (_, Shape::Single | Shape::Sequence) => None,
+    }
+}
+
+impl Step {
+    fn new(placed: Placed<'_>, offset: usize, (path, subject): (String, String), kind: Kind) -> Self {
+        Self {
+            path,
+            subject,
+            offset,
+            count: if matches!(kind, Kind::Text(_)) { 1 } else { count(placed.shape) },
+            stride: placed.stride,
+            kind,
+            definition: None,
+            count_of_values: None,
+            entries: Vec::new(),
+        }
     }
 
     fn width(&self) -> usize {
@@ -244,11 +329,22 @@ impl Step {
         }
     }
 
+    /// Whether a value counts: what lies beyond the entries in use is ignored, whatever it is.
+    fn is_in_use(&self, index: usize, payload: &[u8]) -> bool {
+        // The letters of a text are one value.
+        let of_values = self.count_of_values.filter(|_| !matches!(self.kind, Kind::Text(_)));
+        of_values.is_none_or(|counter| counter.uses(index, payload))
+            && self.entries.iter().all(|entry| entry.counter.uses(entry.index, payload))
+    }
+
     /// Works out what a value that may be unhealthy breaks, and reports it.
     fn explain(&self, value: &[u8], index: usize, place: Place, findings: &mut Findings) {
         let mut report = |id: &str, detail: Detail| {
             let Some(rule) = rule(id) else { return };
-            let detail = detail.at(self.located(index)).excerpt(hexadecimal(value));
+            let path = self.path_of(index);
+            // Without an index the subject says it all.
+            let detail = if path.contains('[') { detail.at(path) } else { detail.located(path) };
+            let detail = detail.excerpt(hexadecimal(value));
             findings.report(rule, &self.subject, place, self.definition, || detail);
         };
         match &self.kind {
@@ -270,13 +366,9 @@ impl Step {
         }
     }
 
-    /// Which element is meant, where there are several.
-    fn located(&self, index: usize) -> String {
-        match (self.count > 1, self.path.contains('[')) {
-            (true, _) => format!("{}[{index}]", self.path),
-            (false, true) => self.path.clone(),
-            (false, false) => String::new(),
-        }
+    /// The path of a value: which element is meant, where there are several.
+    fn path_of(&self, index: usize) -> String {
+        if self.count > 1 { format!("{}[{index}]", self.path) } else { self.path.clone() }
     }
 }
 

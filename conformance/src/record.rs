@@ -56,6 +56,8 @@ pub struct Channel<'c> {
     pub multi_id: Option<u8>,
     /// The definition of its messages, where there is one.
     pub definition: Option<MessageId>,
+    /// The version that its messages have, where the source itself says that; otherwise it is that of the definition.
+    pub version: Option<u32>,
     /// Where it was opened.
     pub place: Place,
 }

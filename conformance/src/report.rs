@@ -490,8 +490,13 @@ pub struct Example {
     /// Where in the file.
     #[serde(flatten)]
     pub place: Place,
-    /// Which part of the subject, as `events[2].id`; empty where the subject says it all.
+    /// Where in the record: of JSON a pointer, as `/msg/events/2/id`, otherwise the path of a field, as `events[2].id`.
+    /// Empty where it is about the whole record, or more than one.
     pub path: String,
+    /// What the words are about, where the subject doesn't say it all; no part of what is written for programs, which
+    /// have the path.
+    #[serde(skip)]
+    pub part: String,
     /// What is the matter, in words.
     pub message: String,
     /// What should have been; empty where that can't be said alone.
@@ -689,9 +694,14 @@ impl Report {
 }
 
 impl Example {
+    /// Where in the record, unless the words begin with that.
+    pub fn at(&self) -> &str {
+        if self.path == self.part { "" } else { &self.path }
+    }
+
     /// What is the matter, and with what part.
     pub fn told(&self) -> String {
-        if self.path.is_empty() { self.message.clone() } else { format!("{}: {}", self.path, self.message) }
+        if self.part.is_empty() { self.message.clone() } else { format!("{}: {}", self.part, self.message) }
     }
 }
 

@@ -1,5 +1,7 @@
 //! Logs judged: each rule finds what breaks it, and nothing in a log that conforms.
 
+#[path = "check/counted.rs"]
+mod counted;
 mod support;
 #[path = "check/time.rs"]
 mod time;
@@ -382,6 +384,18 @@ fn values_in_nested_messages_are_named_by_their_way() {
             "glider.marks.height: marks[1].height: 9001 is out of range, -500 to 9000".to_owned()
         )]
     );
+}
+
+/// Where in the record something is, is told of each value, whether or not the words need it.
+#[test]
+fn findings_on_values_have_the_path_of_their_field() {
+    let mut glider = Glider { is_landed: 2, mode: 8, ..Glider::at(60 * PERIOD) };
+    glider.flaps[1] = 1.5;
+    glider.heights[1] = 9001;
+    let judgement = judge(&log_with(&glider));
+    let paths: Vec<&str> =
+        judgement.findings.groups().map(|group| group.examples[0].1.path.as_str()).collect();
+    assert_eq!(paths, ["is_landed", "mode", "flaps[1]", "marks[1].height"]);
 }
 
 #[test]

@@ -291,3 +291,92 @@ fn everything_that_is_wrong_with_a_message_is_told() {
     ];
     assert_eq!(ids, expected.map(|(id, subject)| (id, subject.to_owned())));
 }
+
+/// What findings are about is found again in the record by their pointers, whatever stands around the message.
+#[test]
+fn findings_point_into_the_record() {
+    let mut message = glider(PERIOD);
+    message["speed"] = json!(61);
+    message["marks"][2]["height"] = json!("high");
+    message["a/b~c"] = json!(null);
+    message["raw"] = json!([1, 2]);
+    let typed_record = typed(&message);
+    let published_record = published("/glider", &message);
+    let bare = message.to_string();
+    for (record, around) in [(&typed_record, "/message"), (&published_record, "/msg"), (&bare, "")] {
+        let judgement = if around.is_empty() { judge_bare(record) } else { judge_bytes(record.as_bytes()) };
+        let value: Value = serde_json::from_str(record).expect("JSON");
+        let found: Vec<(&str, &str)> = judgement
+            .findings
+            .groups()
+            .map(|group| (group.rule.id, group.examples[0].1.path.as_str()))
+            .collect();
+        let expected = [
+            ("PX-ARR-01", "/raw"),
+            ("PX-JSON-01", "/a~1b~0c"),
+            ("PX-JSON-02", "/marks/2/height"),
+            ("PX-RANGE-01", "/speed"),
+        ];
+        let expected = expected.map(|(rule, path)| (rule, format!("{around}{path}")));
+        assert_eq!(found, expected.each_ref().map(|(rule, path)| (*rule, path.as_str())));
+        for (_, pointer) in found {
+            assert!(value.pointer(pointer).is_some(), "{pointer} in {record}");
+        }
+    }
+}
+
+#[test]
+fn findings_show_what_was_written_and_not_too_much_of_it() {
+    let mut message = glider(PERIOD);
+    message.as_object_mut().expect("an object").remove("serial");
+    message["raw"] = json!([1, {"a": [true, "\u{1b}"]}]);
+    message["name"] = json!("x".repeat(10_000));
+    let judgement = judge_bare(&message.to_string());
+    let groups: Vec<_> = judgement.findings.groups().collect();
+    for group in &groups {
+        let excerpt = &group.examples[0].1.excerpt;
+        assert!(!excerpt.is_empty() && excerpt.len() < 300, "{} {excerpt}", group.rule.id);
+        assert!(!excerpt.contains('\u{1b}'), "{excerpt}");
+    }
+    let of = |subject: &str| {
+        let group = groups.iter().find(|group| group.subject == subject).expect("a finding");
+        group.examples[0].1.excerpt.as_str()
+    };
+    let whole = of("Glider.serial");
+    assert!(
+        whole.starts_with(r#"{"timestamp": 20000, "speed": 20.0, "flaps": [0.5, null], "mode": 7, "#),
+        "{whole}"
+    );
+    assert!(whole.ends_with("…}"), "{whole}");
+    assert_eq!(of("Glider.raw"), r#""raw": [1, {"a": [true, "\u{1b}"]}]"#);
+}
+
+/// Entries beyond their count may hold anything of their type, whether the count stands before them or behind.
+#[test]
+fn entries_that_are_not_in_use_are_ignored() {
+    let with = |num_marks: i64, height: Value| {
+        let mut message = glider(PERIOD);
+        message["num_marks"] = json!(num_marks);
+        message["marks"][2]["height"] = height;
+        message
+    };
+    for (message, id) in [
+        (with(2, json!(9001)), None),
+        (with(0, json!(9001)), None),
+        (with(3, json!(9001)), Some("PX-RANGE-01")),
+        (with(2, json!("high")), Some("PX-JSON-02")),
+        (with(2, json!(70_000)), Some("PX-JSON-02")),
+    ] {
+        let before = message.to_string();
+        assert!(before.find("\"num_marks\"") < before.find("\"marks\""));
+        let count = format!("\"num_marks\":{},", message["num_marks"]);
+        let behind = before.replace(&count, "");
+        let behind = format!("{},{}}}", behind.trim_end_matches('}'), count.trim_end_matches(','));
+        for text in [before, behind] {
+            let judgement = judge_bare(&format!("{text}\n{}", glider(2 * PERIOD)));
+            let found: Vec<&str> = broken(&judgement).iter().map(|(rule, _)| *rule).collect();
+            assert_eq!(found, Vec::from_iter(id), "{text}");
+            assert_eq!((judgement.judged, damage(&judgement)), (2, vec![]), "{text}");
+        }
+    }
+}

@@ -9,9 +9,10 @@ use std::sync::OnceLock;
 
 use html5gum::{Token, Tokenizer};
 use quick_junit::{NonSuccessKind, Report as Junit, TestCase, TestCaseStatus};
-use serde_json::Value;
+use serde_json::{Value, json};
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::report::{Kind, Outcome, Report, Verdict};
+use uavspec_conformance::judge::judge;
+use uavspec_conformance::report::{Action, Judged, Kind, Outcome, Report, Settings, Subject, Verdict};
 use uavspec_conformance::rule::RULES;
 
 use support::hostile::{HOSTILE, checked, tested};
@@ -281,6 +282,57 @@ fn sarif_has_rules_with_help_and_places_that_editors_open() {
     let place = &result["locations"][0]["physicalLocation"];
     assert_eq!(place["artifactLocation"]["uri"], "definitions/px4/Event.msg");
     assert!(place["region"]["startLine"].as_u64() > Some(0), "{place}");
+}
+
+/// Where in its record something is wrong, what was found there and how to see it again: each kind tells it.
+#[test]
+fn each_kind_tells_where_in_the_record_and_what_stood_there() {
+    let definitions = Definitions::built_in();
+    let of = |path: &str, bytes: &[u8]| {
+        let judgement = judge(bytes, None, &definitions).expect("bytes can be read");
+        let judged = Judged { path: path.to_owned(), judgement, notes: Vec::new(), elapsed: 0 };
+        let subject = Subject::of_source(judged, &definitions, &Settings::default());
+        Report::new(Action::Check, String::new(), &definitions, vec![subject], Vec::new(), Vec::new())
+    };
+    let line = json!({"op": "publish", "topic": "/fmu/in/unregister_ext_component", "msg": {"timestamp": 1}});
+    let report = of("-it's a \"log\".jsonl", line.to_string().as_bytes());
+    let (pointer, excerpt) = ("/msg/arming_check_id", r#"{"timestamp": 1}"#);
+    let command = r#"uavspec check "./-it's a \"log\".jsonl""#;
+    assert_eq!(
+        shlex::split(command).expect("words"),
+        ["uavspec", "check", "./-it's a \"log\".jsonl"],
+        "what a shell makes of it"
+    );
+    let json: Value = serde_json::from_str(&report.to_text(Kind::Json)).expect("JSON");
+    let finding = &json["subjects"][0]["findings"][0];
+    assert_eq!((&finding["examples"][0]["path"], &finding["reproduce"]), (&pointer.into(), &command.into()));
+    assert_eq!(finding["examples"][0]["excerpt"], excerpt);
+    let sarif: Value = serde_json::from_str(&report.to_text(Kind::Sarif)).expect("JSON");
+    let result = &sarif["runs"][0]["results"][0];
+    assert_eq!(result["locations"][0]["logicalLocations"][0]["fullyQualifiedName"], pointer);
+    assert_eq!(result["properties"]["excerpt"], excerpt);
+    assert!(result["message"]["text"].as_str().is_some_and(|text| text.contains(command)), "{result}");
+    let junit = read(&report);
+    let cases = junit.test_suites.iter().flat_map(|suite| &suite.test_cases);
+    let text: String = cases
+        .filter_map(|case| match &case.status {
+            TestCaseStatus::NonSuccess { description, .. } => description.as_ref(),
+            _ => None,
+        })
+        .map(quick_junit::XmlString::as_str)
+        .collect();
+    let (html, _) = read_html(&report.to_text(Kind::Html));
+    let markdown: String = pulldown_cmark::Parser::new(&report.to_text(Kind::Markdown))
+        .filter_map(|event| match event {
+            pulldown_cmark::Event::Text(text) | pulldown_cmark::Event::Code(text) => Some(text.into_string()),
+            _ => None,
+        })
+        .collect();
+    for text in [text, html, markdown] {
+        for wanted in [pointer, excerpt, command] {
+            assert!(text.contains(wanted), "{wanted} in {text}");
+        }
+    }
 }
 
 #[test]

@@ -33,6 +33,13 @@ const FAILURES: &str = "breached breach broken corrupt corrupted critical denied
     low missing overheated overload overloaded rejected spoofed stale stuck timeout triggered \
     unavailable unhealthy unsafe unstable violated violation warning weak";
 
+/// What may stand behind such a word without turning its meaning: how bad it has to be, or what has failed. A word of
+/// its own would: `high_accuracy_available` and `failure_cleared` are true while all is well.
+const QUALIFIERS: [&str; 3] = ["prop", "relaxed", "remaining_time"];
+
+/// Words before it that turn its meaning.
+const NEGATIONS: [&str; 4] = ["never", "no", "not", "without"];
+
 /// Masks over the flight modes: they require, and tell of no failure.
 pub(super) const REQUIREMENT: &str = "mode_req_";
 
@@ -57,5 +64,53 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
 fn names_a_failure(field: &Field) -> bool {
     field.ty.element != Element::Scalar(Scalar::Bool)
         || field.name.starts_with(REQUIREMENT)
-        || field.name.split('_').any(|word| FAILURES.split(' ').any(|known| known == word))
+        || ends_in_a_failure(&field.name)
+}
+
+fn ends_in_a_failure(name: &str) -> bool {
+    let qualified = QUALIFIERS.iter().find_map(|last| name.strip_suffix(last)?.strip_suffix('_'));
+    let mut words = qualified.unwrap_or(name).rsplit('_');
+    let is_failure = words.next().is_some_and(|last| FAILURES.split(' ').any(|known| known == last));
+    is_failure && words.all(|word| !NEGATIONS.contains(&word))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ends_in_a_failure;
+
+    /// The flags of PX4 1.15, 1.16 and what came since.
+    const FLAGS: &str = "angular_velocity_invalid attitude_invalid auto_mission_missing battery_low_remaining_time \
+        battery_unhealthy fd_alt_loss fd_critical_failure fd_esc_arming_failure fd_imbalanced_prop fd_motor_failure \
+        flight_time_limit_exceeded gcs_connection_lost geofence_breached global_position_invalid \
+        global_position_invalid_relaxed gnss_lost home_position_invalid local_altitude_invalid \
+        local_position_accuracy_low local_position_invalid local_position_invalid_relaxed local_velocity_invalid \
+        manual_control_signal_lost mission_failure navigator_failure offboard_control_signal_lost \
+        parachute_unhealthy position_accuracy_low remote_id_unhealthy traffic_avoidance_unhealthy \
+        vtol_fixed_wing_system_failure wind_limit_exceeded";
+
+    #[test]
+    fn flags_of_px4_name_a_failure() {
+        for flag in FLAGS.split(' ') {
+            assert!(ends_in_a_failure(flag), "{flag}");
+        }
+    }
+
+    #[test]
+    fn a_failure_that_something_else_follows_or_that_is_denied_is_none() {
+        for flag in [
+            "high_accuracy_available",
+            "low_noise_ok",
+            "failure_cleared",
+            "invalid_position_count",
+            "link_not_lost",
+            "no_failure",
+            "prop",
+            "relaxed",
+            "remaining_time",
+            "",
+            "_",
+        ] {
+            assert!(!ends_in_a_failure(flag), "{flag}");
+        }
+    }
 }

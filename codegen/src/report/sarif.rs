@@ -106,7 +106,11 @@ fn result(entry: &Entry, rule_index: Option<usize>, fingerprint: &str) -> Value 
     }
     put("level", json!(level(entry.level)));
     put("message", json!({ "text": message(&text.collect::<Vec<_>>().join("\n")) }));
-    put("locations", json!([{ "physicalLocation": place(&entry.place) }]));
+    let mut location = json!({ "physicalLocation": place(&entry.place) });
+    if !entry.part.is_empty() {
+        location["logicalLocations"] = json!([{ "fullyQualifiedName": entry.part }]);
+    }
+    put("locations", json!([location]));
     let related = related(entry);
     if !related.is_empty() {
         put("relatedLocations", Value::Array(related));
@@ -117,6 +121,7 @@ fn result(entry: &Entry, rule_index: Option<usize>, fingerprint: &str) -> Value 
         properties.insert("category".to_owned(), json!(category));
     }
     properties.insert("fixable".to_owned(), json!(entry.is_fixable));
+    properties.extend(entry.facts.iter().map(|(name, fact)| ((*name).to_owned(), json!(fact))));
     put("properties", Value::Object(properties));
     Value::Object(object)
 }

@@ -28,6 +28,8 @@ fn entry(rule: &'static str, level: Level, message: &str) -> Entry {
         place: place(PATH, 3, 5, 9),
         sides: None,
         related: Vec::new(),
+        part: String::new(),
+        facts: Vec::new(),
         is_fixable: false,
         url: rule_url(rule),
     }
@@ -45,6 +47,8 @@ fn hostile() -> Report {
         sides: Some((Some(place("old/A.msg", 1, 2, 3)), None)),
         related: vec![(place("B.msg", 7, 8, 9), HOSTILE.to_owned())],
         help: HOSTILE.to_owned(),
+        part: "/msg/a~1b".to_owned(),
+        facts: vec![("expected", "a [link](to nowhere)".to_owned())],
         is_fixable: true,
         ..entry("unit-missing", Level::Warning, HOSTILE)
     };
@@ -64,10 +68,15 @@ fn sarif_holds_what_was_found() {
     assert_eq!((&log["version"], &run["columnKind"]), (&json!("2.1.0"), &json!("unicodeCodePoints")));
     assert_eq!(run["tool"]["driver"]["name"], "uavspec");
     let [compared, error, note] = &run["results"].as_array().expect("results")[..] else { panic!("{run}") };
+    assert_eq!(compared["locations"][0]["logicalLocations"][0]["fullyQualifiedName"], "/msg/a~1b");
+    assert!(error["locations"][0].get("logicalLocations").is_none(), "{error}");
     let texts = HOSTILE.replace("](", "] (");
     assert_eq!(compared["message"]["text"], format!("{texts}\n{texts}"));
     assert_eq!(compared["level"], "warning");
-    assert_eq!(compared["properties"], json!({ "category": "wire", "fixable": true }));
+    assert_eq!(
+        compared["properties"],
+        json!({ "category": "wire", "fixable": true, "expected": "a [link](to nowhere)" })
+    );
     let physical = &compared["locations"][0]["physicalLocation"];
     assert_eq!(physical["artifactLocation"]["uri"], "msg/Fl%C3%BCgel%20a%2520b%231%2C2%3A3.msg");
     assert_eq!(physical["region"], json!({ "startLine": 3, "startColumn": 5, "endLine": 3, "endColumn": 9 }));

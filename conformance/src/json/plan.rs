@@ -33,6 +33,8 @@ pub(super) struct FieldPlan {
     /// How many of them; text is one.
     pub(super) shape: Shape,
     pub(super) restriction: Option<Restriction>,
+    /// The field that says how many of its entries are in use, where one does.
+    pub(super) counted_by: Option<usize>,
     pub(super) span: Span,
     /// Where it starts in memory, from the start of its message; 0 where that has no fixed size.
     pub(super) offset: usize,
@@ -130,6 +132,7 @@ impl FieldPlan {
             element,
             shape,
             restriction: schema.restriction(message, field),
+            counted_by: message.fields.iter().position(|other| other.counts == Some(index)),
             span: field.span,
             offset,
             stride: if let Shape::Array(length) = shape { size / (length as usize).max(1) } else { size },

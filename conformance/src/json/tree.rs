@@ -2,7 +2,7 @@
 //! programs write have a place. Strings and numbers are read by `serde_json`, so both readers take the same.
 
 use std::borrow::Cow;
-use std::fmt;
+use std::fmt::{self, Write as _};
 
 use serde::de::IgnoredAny;
 
@@ -14,6 +14,9 @@ const MAX_VALUES: usize = 1 << 20;
 
 /// How much of a value is shown.
 const MAX_SHOWN: usize = 40;
+
+/// How long an excerpt gets before it ends, in bytes: about a line.
+const MAX_EXCERPT: usize = 120;
 
 /// A value of JSON.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,6 +76,27 @@ impl<'t> Tree<'t> {
         members.iter().find(|(known, _)| known == key).map(|(_, value)| value)
     }
 
+    /// As it is written, with what arrays and objects hold, cut short.
+    pub fn excerpt(&self) -> String {
+        let mut text = String::new();
+        self.write(&mut text);
+        text
+    }
+
+    fn write(&self, text: &mut String) {
+        match self {
+            Self::List(values) => enclosed(text, ['[', ']'], values, |text, value| value.write(text)),
+            Self::Object(members) => enclosed(text, ['{', '}'], members, |text, (key, value)| {
+                // Writing to a string can't fail.
+                let _ = write!(text, "{:?}: ", shortened(key));
+                value.write(text);
+            }),
+            Self::Token(token) => text.push_str(token),
+            // Writing to a string can't fail.
+            other => _ = write!(text, "{other}"),
+        }
+    }
+
     /// Its text, where it is a string.
     pub fn as_str(&self) -> Option<&str> {
         if let Self::Text(text) = self { Some(text) } else { None }
@@ -93,6 +117,21 @@ impl fmt::Display for Tree<'_> {
             Self::Object(_) => formatter.write_str("an object"),
         }
     }
+}
+
+/// Writes values between marks, as many as an excerpt has room for.
+fn enclosed<T>(text: &mut String, [open, close]: [char; 2], values: &[T], write: impl Fn(&mut String, &T)) {
+    text.push(open);
+    for (at, value) in values.iter().enumerate() {
+        let comma = if at > 0 { ", " } else { "" };
+        text.push_str(comma);
+        if text.len() >= MAX_EXCERPT {
+            text.push('…');
+            break;
+        }
+        write(text, value);
+    }
+    text.push(close);
 }
 
 /// The start of a text that may be long.

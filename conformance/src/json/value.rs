@@ -152,6 +152,11 @@ impl Breach<'_> {
         }
     }
 
+    /// Whether the value is the matter, and not the way in which it is written: then only what is in use counts.
+    pub(super) fn is_of_value(&self) -> bool {
+        matches!(self, Self::Number(..) | Self::Nul(_) | Self::NotUtf8(_))
+    }
+
     /// What is said of it: what should be, and `found`, as it is written.
     pub(super) fn detail(&self, expected: &Expected<'_>, found: &str) -> Detail {
         match self {

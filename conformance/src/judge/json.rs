@@ -11,6 +11,7 @@ use uavspec_codegen::schema::MessageId;
 use self::envelope::{Channels, Fast, Form, Open, Which, form, read};
 use self::templates::Templates;
 use super::flockwave::{FlockwaveJudge, is_flockwave};
+use super::topic::{message_of, topic_of};
 use super::{Course, Judgement, Source};
 use crate::definitions::Definitions;
 use crate::json::{CUT_OFF, Clean, Dialects, Plans, SyntaxError, Told, Tree};
@@ -194,7 +195,7 @@ impl<'d> JsonJudge<'d> {
         }
         let definition = || match which {
             Which::Type => self.course.definitions.message_of_type(name),
-            Which::Topic => self.course.definitions.message_of_topic(last_segment(name)),
+            Which::Topic => message_of(topic_of(name), self.course.definitions),
         };
         let known = self.channels.get(which, name);
         let Some(at) = known.or_else(|| {
@@ -217,7 +218,7 @@ impl<'d> JsonJudge<'d> {
     fn judge(&mut self, at: usize, tree: &Tree<'_>, place: Place, is_rosbridge: bool) {
         let open = &self.channels.open[at];
         let Some((id, _)) = open.defined else { return self.course.records += 1 };
-        let told = Told { id, name: &open.name, place, is_rosbridge };
+        let told = Told { id, name: &open.name, place, key: open.key, is_rosbridge };
         let dialects = self.plans.explain(told, tree, &mut self.course.findings);
         let timestamp = self.plans.timestamp(id, tree);
         // What is broken somewhere may be so anywhere: nobody draws conclusions from its values.
@@ -246,7 +247,11 @@ impl<'d> JsonJudge<'d> {
             return None;
         }
         let defined = definition.map(|id| (id, self.course.number_channel()));
-        let name_told = last_segment(name).escape_debug().to_string();
+        let name_told = match which {
+            Which::Type => name.rsplit('/').next().unwrap_or(name),
+            Which::Topic => topic_of(name),
+        };
+        let name_told = name_told.escape_debug().to_string();
         let key = Some(which.key());
         let mut open = Open { name: name_told, defined, key, messages: 0, kept: 0, line };
         if let Some(channel) = open.channel() {
@@ -289,11 +294,6 @@ impl Open {
     fn channel(&self) -> Option<Channel<'_>> {
         let (id, index) = self.defined?;
         let place = Place::Line(self.line);
-        Some(Channel { index, topic: &self.name, multi_id: None, definition: Some(id), place })
+        Some(Channel { index, topic: &self.name, multi_id: None, definition: Some(id), version: None, place })
     }
-}
-
-/// The topic of PX4 in a name of ROS 2, `/fmu/out/failsafe_flags`; the message in the name of a type.
-fn last_segment(name: &str) -> &str {
-    name.rsplit('/').next().unwrap_or(name)
 }

@@ -257,6 +257,7 @@ impl Open {
             topic: &self.topic,
             multi_id: Some(self.multi_id),
             definition: self.definition,
+            version: None,
             place: Place::Byte(self.offset),
         }
     }

@@ -19,7 +19,7 @@ use serde::de::DeserializeSeed as _;
 use uavspec_codegen::schema::MessageId;
 
 use self::cdr::{CdrJudge, unpacked};
-use self::named::{definition_of, is_same_type, topic_of};
+use self::named::{definition_of, is_same_type};
 pub use self::open::{Basis, McapChannel, Standing};
 use self::open::{Identity, Open, Reading};
 use self::schemas::Schemas;
@@ -157,6 +157,8 @@ impl<'d> McapJudge<'d> {
         let definition = definition_of(&declared.topic, schema, definitions);
         let mut open = Open::new(declared, schema, definition, place, digest, self.course.number_channel());
         if let (Some(of), true) = (definition, matches!(declared.encoding.as_str(), "cdr" | "json")) {
+            let is_json = declared.encoding == "json";
+            (_, _, open.identity.version) = self.schemas.beside(declared.schema, of, is_json, definitions);
             self.course.opened(&open.identity.channel());
             self.read(&mut open, declared, of);
         }
@@ -167,7 +169,7 @@ impl<'d> McapJudge<'d> {
     fn read(&mut self, open: &mut Open, declared: &Declared, of: MessageId) {
         let definitions = self.course.definitions;
         let is_json = declared.encoding == "json";
-        let (basis, stated) = self.schemas.beside(declared.schema, of, is_json, definitions);
+        let (basis, stated, _) = self.schemas.beside(declared.schema, of, is_json, definitions);
         open.standing = Standing::Judged(basis);
         if is_json {
             self.plans.get_or_insert_with(|| Plans::new(&definitions.schema));
@@ -278,7 +280,7 @@ impl<'d> McapJudge<'d> {
             }
             Reading::Json(of) => {
                 let Some(plans) = &self.plans else { return };
-                let told = Told { id: *of, name: channel.topic, place, is_rosbridge: true };
+                let told = Told { id: *of, name: channel.topic, place, key: None, is_rosbridge: true };
                 let size =
                     definitions.types().get(*of).size().filter(|_| self.course.wants_values(channel.index));
                 self.values.clear();

@@ -114,6 +114,7 @@ fn told(findings: &[&Finding], count: u64) -> String {
         line(0, "", &format!("{}: {times}", finding.subject));
         for example in &finding.examples {
             line(2, "", &format!("{}: {}", example.place, example.told()));
+            line(4, "at: ", example.at());
             line(4, "expected: ", &example.expected);
             line(4, "found: ", &example.actual);
             line(4, "excerpt: ", &example.excerpt);

@@ -154,6 +154,7 @@ fn of_finding(page: &mut Page, finding: &Finding) {
             page.item(0, &format!("{label}: {}", code(&shown(value))));
         }
     };
+    item("at", first.at());
     item("expected", &first.expected);
     item("found", &first.actual);
     item("excerpt", &first.excerpt);

@@ -93,7 +93,11 @@ fn of_finding(subject: &Subject, finding: &Finding) -> Option<Entry> {
         .collect();
     related.extend(finding.definition.iter().map(defined));
     let message = format!("{}: {}", finding.subject, first.told());
+    let facts = [("expected", &first.expected), ("actual", &first.actual), ("excerpt", &first.excerpt)];
+    let facts = facts.into_iter().filter(|(_, fact)| !fact.is_empty());
     Some(Entry {
+        part: shown(&first.path),
+        facts: facts.map(|(name, fact)| (name, shown(fact))).collect(),
         help: format!("{times}to find it again: {}", shown(&finding.reproduce)),
         related,
         url: finding.url.clone(),
@@ -140,6 +144,8 @@ fn entry(rule: &str, level: Level, message: &str, place: Place) -> Entry {
         message: shown(message),
         help: String::new(),
         place,
+        part: String::new(),
+        facts: Vec::new(),
         sides: None,
         related: Vec::new(),
         is_fixable: false,

@@ -50,6 +50,11 @@ mod tests {
     #[test]
     fn commands_can_be_given_to_a_shell() {
         assert_eq!(command_line(["uavspec", "check", "a b.ulg", "-"]), "uavspec check 'a b.ulg' -");
+        // What a shell makes of it is what was meant.
+        for word in ["it's", "a\"b", "$HOME", "`id`", "a;b", "*", "", "~", "a\\b", "#1", "'", "a\nb", "é"] {
+            let words = ["uavspec", word];
+            assert_eq!(shlex::split(&command_line(words)).as_deref(), Some(&words.map(str::to_owned)[..]));
+        }
         let nul = command_line(["a\0b"]);
         assert!(!nul.contains('\0'), "{nul:?}");
     }

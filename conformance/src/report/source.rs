@@ -49,7 +49,10 @@ impl Settings {
             return command.clone();
         }
         let words = ["uavspec", "check"].into_iter().chain(self.arguments.iter().map(String::as_str));
-        super::shown::command_line(words.chain([path]))
+        // What begins with a dash would be taken for an option; the dash alone is standard input.
+        let is_like_option = path.starts_with('-') && path != "-";
+        let path = if is_like_option { format!("./{path}") } else { path.to_owned() };
+        super::shown::command_line(words.chain([path.as_str()]))
     }
 
     /// What came of a rule.
@@ -221,6 +224,7 @@ fn finding(group: &Group, verdict: Verdict, command: &str, definitions: &Definit
     let example = |(place, detail): &(_, crate::detail::Detail)| Example {
         place: *place,
         path: detail.path.clone(),
+        part: detail.part.clone(),
         message: detail.message.clone(),
         expected: detail.expected.clone(),
         actual: detail.actual.clone(),

@@ -7,7 +7,7 @@ pub(super) static RULE: Rule = Rule {
     level: Level::Must,
     status: Status::Normative,
     statement: "The version behind the name of a topic, `_vN`, is that of the message.",
-    source: "MESSAGE_VERSION of the definition",
+    source: "MESSAGE_VERSION of the type that a file brings along, or else of the definition",
     applies_to: "names of topics",
     check: Check::State(|| Box::new(Versions)),
     mutants: &[
@@ -51,17 +51,54 @@ impl Checker for Versions {
         let message = channel.definition.map(|id| judged.definitions.schema.message(id));
         // A topic may well be called so itself.
         let message = message.filter(|message| message.topics.iter().all(|topic| topic != channel.topic));
-        let version = channel.topic.rsplit_once("_v").map(|(_, version)| version);
-        let Some((message, version)) = message.zip(version) else { return Interest::Nothing };
+        let Some((message, version)) = message.zip(version_of(channel.topic)) else {
+            return Interest::Nothing;
+        };
         judged.exercise();
-        let defined = message.version.unwrap_or(0);
-        if version != defined.to_string() {
+        // A source of another version than the definition may well agree with itself.
+        let (whose, stated) = match channel.version {
+            Some(stated) => ("its schema", stated),
+            None => ("the definition", message.version.unwrap_or(0)),
+        };
+        if version != stated.to_string() {
             judged.report(channel.topic, channel.place, || {
-                Detail::new(format!("the topic is of version {version}, the definition of version {defined}"))
-                    .expected(defined.to_string())
+                Detail::new(format!("the topic is of version {version}, {whose} of version {stated}"))
+                    .expected(stated.to_string())
                     .actual(version)
             });
         }
         Interest::Nothing
+    }
+}
+
+/// The version behind the name of a topic; behind that may stand the number of an instance, `battery_status_v1_0`.
+fn version_of(topic: &str) -> Option<&str> {
+    let (_, behind) = topic.rsplit_once("_v")?;
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let (version, instance) = match behind.split_once(['_', '.']) {
+        Some((version, instance)) => (version, Some(instance)),
+        None => (behind, None),
+    };
+    (is_number(version) && instance.is_none_or(is_number)).then_some(version)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_version_is_a_number() {
+        for (topic, version) in [
+            ("glider_v1", Some("1")),
+            ("glider_v12_0", Some("12")),
+            ("glider_v12.01", Some("12")),
+            ("glider", None),
+            ("glider_v", None),
+            ("glider_velocity", None),
+            ("glider_v1_left", None),
+            ("glider_v1_", None),
+        ] {
+            assert_eq!(version_of(topic), version, "{topic}");
+        }
     }
 }

@@ -43,6 +43,22 @@ fn messages_come_in_several_forms() {
     assert_eq!(found.undefined.iter().collect::<Vec<_>>(), ["kite"]);
 }
 
+/// A topic is known by its name with the number of its instance, as it is in MCAP.
+#[test]
+fn instances_of_a_topic_are_of_its_type() {
+    let lines: Vec<String> = ["/fmu/out/glider/1", "/glider_1", "/glider.01", "/glider_v2_0", "/glider/"]
+        .iter()
+        .map(|topic| published(topic, &glider(PERIOD)))
+        .collect();
+    let judgement = judge_bytes(lines.join("\n").as_bytes());
+    assert_eq!((broken(&judgement), damage(&judgement)), (vec![], vec![]));
+    assert_eq!((judgement.judged, source(&judgement).undefined.len()), (5, 0));
+    let mut wrong = glider(PERIOD);
+    wrong["speed"] = json!(61);
+    let judgement = judge_bytes(published("/fmu/out/glider/1", &wrong).as_bytes());
+    assert_eq!(broken(&judgement), [("PX-RANGE-01", "glider.speed: 61 is out of range, 0 to 60".to_owned())]);
+}
+
 #[test]
 fn what_rosbridge_writes_is_understood_and_named() {
     let mut message = glider(PERIOD);

@@ -69,6 +69,60 @@ fn what_differs_is_read_by_its_own_schema_and_judged_where_it_agrees() {
     assert_eq!(ids, expected.map(|(id, text)| (id, text.to_owned())));
 }
 
+/// A file may have a longer array than the definition, or a shorter one.
+#[test]
+fn a_count_is_held_to_the_array_that_the_schema_has() {
+    let (name, _) = ros("Glider");
+    for (marks, num_marks, is_broken) in [(8, 7, false), (8, 9, true), (2, 2, false), (2, 3, true)] {
+        let text = format!("uint64 timestamp\nuint8 num_marks\nuint8[{marks}] marks\n");
+        let payload = [&[0, 1, 0, 0][..], &PERIOD.to_le_bytes(), &[num_marks], &vec![1; marks]].concat();
+        let records = [
+            schema(1, &name, "ros2msg", text.as_bytes()),
+            channel(3, 1, "/glider", "cdr", &[]),
+            message(3, &payload),
+        ];
+        let found = broken(&judged(&file(&records.concat())));
+        let found: Vec<_> = found.into_iter().filter(|(rule, _)| *rule != "PX-FMT-01").collect();
+        let said =
+            ("PX-LEN-01", format!("glider.num_marks: {num_marks} entries in use of an array of {marks}"));
+        assert_eq!(found, if is_broken { vec![said] } else { vec![] }, "{num_marks} of {marks}");
+    }
+}
+
+/// The version behind a topic is that of the type that the file brings, whatever the definition's is.
+#[test]
+fn a_topic_has_the_version_of_its_own_schema() {
+    let (name, _) = ros("Glider");
+    let of_version =
+        |number: u32| GLIDER.replace("MESSAGE_VERSION = 2", &format!("MESSAGE_VERSION = {number}"));
+    let without = GLIDER.replace("uint32 MESSAGE_VERSION = 2", "");
+    for (topic, text, said) in [
+        ("/glider_v2", of_version(2), ""),
+        ("/glider_v3", of_version(3), ""),
+        ("/glider_v2", of_version(3), "glider_v2: the topic is of version 2, its schema of version 3"),
+        ("/glider_v3", of_version(2), "glider_v3: the topic is of version 3, its schema of version 2"),
+        ("/glider_v2", without.clone(), ""),
+        ("/glider_v3", without, "glider_v3: the topic is of version 3, the definition of version 2"),
+        (
+            "/glider_v3",
+            "int8 a[".to_owned(),
+            "glider_v3: the topic is of version 3, the definition of version 2",
+        ),
+        ("/glider_v3_1", of_version(3), ""),
+        ("/glider_velocity", of_version(2), ""),
+    ] {
+        let text = if text.starts_with("int8") { text } else { ros2msg(&text) };
+        let records = [
+            schema(1, &name, "ros2msg", text.as_bytes()),
+            channel(3, 1, topic, "cdr", &[]),
+            message(3, &good().cdr()),
+        ];
+        let found = broken(&judged(&file(&records.concat())));
+        let expected = if said.is_empty() { vec![] } else { vec![("PX-VER-01", said.to_owned())] };
+        assert_eq!(found, expected, "{topic} {text}");
+    }
+}
+
 #[test]
 fn the_order_of_fields_counts_and_comments_and_constants_do_not() {
     let (name, _) = ros("Glider");

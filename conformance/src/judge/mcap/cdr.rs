@@ -243,13 +243,7 @@ fn report_at(
             subject.push(character);
         }
     }
-    findings.report(
-        rule,
-        &subject,
-        place,
-        None,
-        || {
-            if path.contains('[') { detail.at(path) } else { detail }
-        },
-    );
+    findings.report(rule, &subject, place, None, || {
+        if path.contains('[') { detail.at(path) } else { detail.located(path) }
+    });
 }

@@ -4,6 +4,7 @@ use uavspec_codegen::schema::fingerprint::ros_name;
 use uavspec_codegen::schema::{Message, MessageId, Schema};
 
 use crate::definitions::Definitions;
+use crate::judge::topic::{message_of, topic_of};
 
 /// The definition of a channel, by its topic and by the name and the encoding of its schema.
 ///
@@ -26,24 +27,6 @@ pub(super) fn definition_of(
         return by_topic().filter(is_called_so);
     }
     message_of(last, definitions).or_else(by_topic)
-}
-
-/// The definition of a topic of PX4, behind which programs that convert logs write an instance: `sensor_accel_1`,
-/// `sensor_accel.01`.
-fn message_of(topic: &str, definitions: &Definitions) -> Option<MessageId> {
-    definitions.message_of_topic(topic).or_else(|| {
-        let name = topic.trim_end_matches(|character: char| character.is_ascii_digit());
-        let name = name.strip_suffix(['_', '.']).filter(|_| name.len() < topic.len())?;
-        definitions.message_of_topic(name)
-    })
-}
-
-/// The topic of PX4 in a name of ROS 2, `/fmu/out/failsafe_flags`; behind it may stand the number of an instance,
-/// `/sensor_accel/1`.
-pub(super) fn topic_of(topic: &str) -> &str {
-    let mut segments = topic.rsplit('/').filter(|segment| !segment.is_empty());
-    let last = segments.next().unwrap_or(topic);
-    if last.bytes().all(|byte| byte.is_ascii_digit()) { segments.next().unwrap_or(last) } else { last }
 }
 
 /// Whether the name of a schema is that of a message of ROS 2.

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use uavspec_codegen::schema::MessageId;
 
+use super::Declared;
 use super::cdr::CdrJudge;
-use super::{Declared, topic_of};
 use crate::comparison::{Comparison, Differences};
 use crate::finding::Findings;
 use crate::json::Plans;
+use crate::judge::topic::topic_of;
 use crate::record::{Channel, Place};
 
 /// A channel of a file.
@@ -91,6 +92,7 @@ pub(super) struct Identity {
     pub(super) index: usize,
     pub(super) name: String,
     pub(super) definition: Option<MessageId>,
+    pub(super) version: Option<u32>,
     pub(super) place: Place,
 }
 
@@ -124,6 +126,7 @@ impl Identity {
             topic: &self.name,
             multi_id: None,
             definition: self.definition,
+            version: self.version,
             place: self.place,
         }
     }
@@ -141,7 +144,13 @@ impl Open {
         let is_known = matches!(declared.encoding.as_str(), "cdr" | "json");
         let escaped = |text: &str| text.escape_debug().to_string();
         Self {
-            identity: Identity { index, name: escaped(topic_of(&declared.topic)), definition, place },
+            identity: Identity {
+                index,
+                name: escaped(topic_of(&declared.topic)),
+                definition,
+                version: None,
+                place,
+            },
             topic: escaped(&declared.topic),
             encoding: escaped(&declared.encoding),
             schema: schema.map(|(name, encoding)| (escaped(name), escaped(encoding))),

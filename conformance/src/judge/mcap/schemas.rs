@@ -16,8 +16,9 @@ const MAX_SCHEMAS: usize = 8 << 20;
 /// Most bytes of one of them.
 const MAX_SCHEMA: usize = 1 << 20;
 
-/// What a schema is beside a definition; and the types that it states, where CDR has to be read by them.
-type Beside = (Basis, Option<Rc<Stated>>);
+/// What a schema is beside a definition; the types that it states, where CDR has to be read by them; and the version
+/// that it says its message has.
+type Beside = (Basis, Option<Rc<Stated>>, Option<u32>);
 
 /// The schemas of a file, by id.
 #[derive(Default)]
@@ -81,15 +82,15 @@ impl Schemas {
         is_json: bool,
         definitions: &Definitions,
     ) -> Beside {
-        let Some(schema) = self.by_id.get_mut(&id) else { return (Basis::NoSchema, None) };
-        let Some(text) = &schema.text else { return (Basis::TooLong, None) };
+        let Some(schema) = self.by_id.get_mut(&id) else { return (Basis::NoSchema, None, None) };
+        let Some(text) = &schema.text else { return (Basis::TooLong, None, None) };
         let beside = schema.beside.entry((of, is_json));
         let beside = beside.or_insert_with(|| match (schema.encoding.as_str(), is_json) {
             // So rosbag2 writes types whose definitions it doesn't find.
-            _ if text.is_empty() => (Basis::NoSchema, None),
+            _ if text.is_empty() => (Basis::NoSchema, None, None),
             ("ros2msg", false) => types(&schema.name, text, of, definitions),
-            ("jsonschema", true) => (json(text, of, definitions), None),
-            (encoding, _) => (Basis::Encoding(encoding.escape_debug().to_string()), None),
+            ("jsonschema", true) => (json(text, of, definitions), None, None),
+            (encoding, _) => (Basis::Encoding(encoding.escape_debug().to_string()), None, None),
         });
         beside.clone()
     }
@@ -98,11 +99,11 @@ impl Schemas {
 /// What the text of a schema as `ros2msg` is beside a definition.
 fn types(name: &str, text: &[u8], of: MessageId, definitions: &Definitions) -> Beside {
     match Stated::read(name, text) {
-        Err(error) => (Basis::Unreadable(error), None),
+        Err(error) => (Basis::Unreadable(error), None, None),
         Ok(stated) => {
             let comparison = compare_declared(stated.root(), definitions.types().get(of));
-            let differs = comparison != Comparison::Equal;
-            (Basis::Compared(Arc::new(comparison)), differs.then(|| Rc::new(stated)))
+            let (differs, version) = (comparison != Comparison::Equal, stated.version());
+            (Basis::Compared(Arc::new(comparison)), differs.then(|| Rc::new(stated)), version)
         }
     }
 }

@@ -11,8 +11,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use uavspec_codegen::diagnostic::{Level, Problem};
 use uavspec_codegen::dynamic::{MessageType, Types};
 use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::schema::{Form, MessageId};
+use uavspec_codegen::schema::{Form, Message, MessageId};
 use uavspec_codegen::{PackageInput, SourceMap, read};
+use uavspec_runtime::Number;
 
 /// The package of a type whose name tells none.
 const NO_PACKAGE: &str = "unnamed";
@@ -25,6 +26,7 @@ const SEPARATOR: usize = 40;
 pub(super) struct Stated {
     types: Types,
     root: MessageId,
+    version: Option<u32>,
 }
 
 impl Stated {
@@ -69,17 +71,31 @@ impl Stated {
         let is_root = |id: &&MessageId| schema.message(**id).name == root.1;
         let messages = schema.packages.iter().filter(|package| package.name == root.0);
         let found = messages.flat_map(|package| &package.messages).find(is_root).copied();
-        let stated =
-            Self { root: found.ok_or("it doesn't define its own type")?, types: Types::new(&schema) };
+        let root = found.ok_or("it doesn't define its own type")?;
+        let stated = Self { root, version: version(schema.message(root)), types: Types::new(&schema) };
         match stated.root().defect() {
             Some(defect) => Err(format!("it {defect}")),
             None => Ok(stated),
         }
     }
 
+    /// Its `MESSAGE_VERSION`, where it has one.
+    pub(super) fn version(&self) -> Option<u32> {
+        self.version
+    }
+
     /// The type itself.
     pub(super) fn root(&self) -> MessageType<'_> {
         self.types.get(self.root)
+    }
+}
+
+/// The version that PX4 gives a message; to ROS 2 that is a constant like any.
+fn version(message: &Message) -> Option<u32> {
+    let constant = message.constants.iter().find(|constant| constant.name == "MESSAGE_VERSION")?;
+    match constant.value.number()? {
+        Number::Int(version) => u32::try_from(version).ok(),
+        Number::Float(_) => None,
     }
 }
 

@@ -47,6 +47,7 @@ pub(super) fn article(finding: &Finding) -> Markup {
 
 fn evidence(example: &Example) -> Markup {
     html! {
+        (fact("At", example.at()))
         (fact("Expected", &example.expected))
         (fact("Found", &example.actual))
         (fact("Excerpt", &example.excerpt))

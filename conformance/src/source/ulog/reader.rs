@@ -6,7 +6,7 @@ use std::io::{self, Read};
 use super::kind::{HEADER, Header};
 use super::message::{Event, parse};
 use super::problem::{Problem, Resync};
-use super::resync::{Ids, LOOKAHEAD, Look, Verdict};
+use super::resync::{Beginning, Ids, LOOKAHEAD, Look};
 use super::window::{CAPACITY, Window};
 
 /// Bytes of the header of a file.
@@ -156,14 +156,14 @@ impl<R: Read> Reader<R> {
             match self.state {
                 State::Start => return self.start(),
                 State::First(version) => {
-                    let verdict = self.judge()?;
+                    let beginning = self.judge()?;
                     self.state = State::Messages;
-                    match verdict {
-                        Verdict::Message(header) if header.kind == b'B' => {
+                    match beginning {
+                        Beginning::Message(header) if header.kind == b'B' => {
                             self.state = State::First(version);
                             return Ok(Step::Message(header));
                         }
-                        Verdict::End => {}
+                        Beginning::End => {}
                         _ => return Ok(self.problem(Problem::NoFlagBits { version })),
                     }
                 }
@@ -174,8 +174,8 @@ impl<R: Read> Reader<R> {
                     }
                 }
                 State::Messages => {
-                    let verdict = self.judge()?;
-                    if let Some(step) = self.follow(verdict) {
+                    let beginning = self.judge()?;
+                    if let Some(step) = self.follow(beginning) {
                         return Ok(step);
                     }
                 }
@@ -209,33 +209,33 @@ impl<R: Read> Reader<R> {
     }
 
     /// Judges what is ahead by as little of it as will do, so that messages of a slow input aren't late.
-    fn judge(&mut self) -> io::Result<Verdict> {
+    fn judge(&mut self) -> io::Result<Beginning> {
         self.window.require(HEADER)?;
         let wanted = Header::read(self.window.ahead()).map_or(0, |header| header.total() + Look::NEXT);
         self.window.require(wanted)?;
-        if let Some(verdict) = self.look().judge() {
-            return Ok(verdict);
+        if let Some(beginning) = self.look().judge() {
+            return Ok(beginning);
         }
         self.window.require(LOOKAHEAD)?;
         Ok(self.look().judge_ahead())
     }
 
-    fn follow(&mut self, verdict: Verdict) -> Option<Step> {
-        match verdict {
-            Verdict::Message(header) => Some(Step::Message(header)),
-            Verdict::End => {
+    fn follow(&mut self, beginning: Beginning) -> Option<Step> {
+        match beginning {
+            Beginning::Message(header) => Some(Step::Message(header)),
+            Beginning::End => {
                 self.end_section();
                 None
             }
-            Verdict::Cut => Some(self.cut()),
-            Verdict::Skip(count, resync) => {
+            Beginning::Cut => Some(self.cut()),
+            Beginning::Skip(count, resync) => {
                 let from = self.window.offset();
                 self.window.advance(count);
                 self.state = State::Found;
                 let to = self.window.offset();
                 Some(Step::Problem(from, Problem::Skipped { to, resync }))
             }
-            Verdict::Lost(searched) => {
+            Beginning::Lost(searched) => {
                 self.state = State::Lost(self.window.offset());
                 self.window.advance(searched);
                 None

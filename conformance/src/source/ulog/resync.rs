@@ -31,7 +31,7 @@ pub(super) const LOOKAHEAD: usize = (RUN + 1) * LARGEST;
 
 /// What the bytes of a section start with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Verdict {
+pub(super) enum Beginning {
     /// Nothing: it ends here.
     End,
     /// A message.
@@ -144,9 +144,9 @@ impl Look<'_> {
     pub(super) const NEXT: usize = HEADER + 2;
 
     /// Judges by the message and what [`NEXT`](Self::NEXT) bytes behind it say. That is enough nearly always.
-    pub(super) fn judge(&self) -> Option<Verdict> {
+    pub(super) fn judge(&self) -> Option<Beginning> {
         if self.bytes.is_empty() && self.is_closed {
-            return Some(Verdict::End);
+            return Some(Beginning::End);
         }
         let header = Header::read(self.bytes)?;
         let (message, behind) = self.bytes.split_at_checked(header.total())?;
@@ -159,23 +159,23 @@ impl Look<'_> {
             b'B' => self.is_first && header.is_believable(),
             _ => self.looks(header, &message[HEADER..]) == Looks::Sound,
         };
-        (goes_on && is_sound()).then_some(Verdict::Message(header))
+        (goes_on && is_sound()).then_some(Beginning::Message(header))
     }
 
     /// Judges by what follows.
-    pub(super) fn judge_ahead(&self) -> Verdict {
-        let Some(header) = Header::read(self.bytes) else { return Verdict::Cut };
+    pub(super) fn judge_ahead(&self) -> Beginning {
+        let Some(header) = Header::read(self.bytes) else { return Beginning::Cut };
         let end = header.total();
         let searched = end.min(self.bytes.len());
         if let Some((count, resync)) = self.search(1..searched) {
-            return Verdict::Skip(count, resync);
+            return Beginning::Skip(count, resync);
         }
         let is_complete = end <= self.bytes.len();
         match header.is_believable() {
-            true if is_complete => Verdict::Message(header),
-            true => Verdict::Cut,
-            false if is_complete && self.follows(end) => Verdict::Message(header),
-            false => Verdict::Lost(searched),
+            true if is_complete => Beginning::Message(header),
+            true => Beginning::Cut,
+            false if is_complete && self.follows(end) => Beginning::Message(header),
+            false => Beginning::Lost(searched),
         }
     }
 
