@@ -12,7 +12,7 @@ use crate::definitions::Definitions;
 use crate::detail::Detail;
 use crate::finding::Findings;
 use crate::plan::Plan;
-use crate::record::{Channel, Message, Place};
+use crate::record::{Channel, Extent, Message, Place};
 use crate::rule::rule;
 use crate::source::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
 
@@ -100,7 +100,7 @@ impl<'d> LogJudge<'d> {
             Event::Data { .. } => self.course.records += 1,
             // Logs of the first version have none.
             Event::Problem(Problem::NoFlagBits { version: 0 }) => {}
-            Event::Problem(problem) => self.course.damage(place, problem.to_string()),
+            Event::Problem(problem) => self.course.damage(place, problem.to_string(), problem.extent()),
             _ => {}
         }
     }
@@ -170,7 +170,7 @@ impl<'d> LogJudge<'d> {
             LogProblem::Format { name, problem: FormatProblem::UnknownType { .. } } => {
                 ("PX-FMT-02", name.clone())
             }
-            _ => return self.course.damage(Place::Byte(offset), problem.to_string()),
+            _ => return self.course.damage(Place::Byte(offset), problem.to_string(), Extent::Whole),
         };
         if let Some(rule) = rule(id) {
             let detail = || Detail::new(problem.to_string());
