@@ -149,7 +149,7 @@ pub(super) fn test(args: &TestArgs) -> Status {
         },
     };
     let names: Vec<(&Case, String)> = cases.iter().map(|case| (case, case.name())).collect();
-    let is_stale = known.settle(Scope::Cases, &of_cases(&names, &outcome)) == Status::Stale;
+    let settled = known.settle(Scope::Cases, &of_cases(&names, &outcome));
     excuse_cases(&known.lists, &mut outcome);
     let subject = Subject::of_testee(&outcome, &definitions, &|case| again(args, case));
     if args.report.printed() == Kind::Text {
@@ -157,7 +157,7 @@ pub(super) fn test(args: &TestArgs) -> Status {
     }
     let subjects = vec![subject];
     let report = Report::new(Action::Test, super::command(), &definitions, subjects, Vec::new(), Vec::new());
-    deliver(&args.report, &report.with_stale_list(is_stale))
+    deliver(&args.report, &report.with_stale_list(settled.is_stale())).max(settled)
 }
 
 /// The command that asks one case alone.
