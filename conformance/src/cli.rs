@@ -1,7 +1,7 @@
 //! The command line of `uavspec`.
 //!
 //! Exit status: 0 conforms; 1 doesn't; 2 wrong usage, or definitions or lists that can't be read; 3 a source that
-//! can't be read, a report that can't be written, or a testee or server that broke; 4 a list of known failures no longer holds
+//! can't be read to its end, a report that can't be written, or a testee or server that broke; 4 a list of known failures no longer holds
 //! true; 5 nothing was checked. Where several apply, 2 goes before 3, 1, 4 and 5.
 
 mod check;
@@ -88,6 +88,13 @@ impl Status {
             Self::Stale => 4,
             Self::Nothing => 5,
         }
+    }
+}
+
+impl Status {
+    /// Whether what came of a list of known failures is that it doesn't hold true, and couldn't be mended.
+    fn is_stale(self) -> bool {
+        self != Self::Conforms
     }
 }
 

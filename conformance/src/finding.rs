@@ -26,10 +26,34 @@ pub struct Group {
     pub count: u64,
     /// The first of them: where, and what was found there.
     pub examples: Vec<(Place, Detail)>,
+    /// The message that has the least in common with the first one, at their beginnings; none where all are as that.
+    pub farthest: Option<String>,
+    /// How much all messages have in common at their beginnings, in bytes.
+    common: usize,
     /// Where the definition says what should be.
     pub definition: Option<Span>,
     /// Why it is let stand, where a list of known failures says so.
     pub known: Option<Excuse>,
+}
+
+impl Group {
+    /// Messages that stand for all: whether these begin with a text, tells whether all do.
+    pub fn messages(&self) -> Vec<String> {
+        let first = self.examples.iter().map(|(_, detail)| detail.to_string());
+        first.chain(self.farthest.clone()).collect()
+    }
+
+    /// Looks at a message of one more finding, which stands not yet among the examples.
+    fn compare(&mut self, message: String) {
+        let first = self.examples.first().map_or_else(|| message.clone(), |(_, detail)| detail.to_string());
+        let pairs = first.chars().zip(message.chars());
+        let common = pairs.take_while(|(left, right)| left == right).map(|(left, _)| left.len_utf8()).sum();
+        // Where the whole of the first message begins all others, these are expected wherever it is.
+        if common < self.common {
+            self.common = common;
+            self.farthest = (common < first.len()).then_some(message);
+        }
+    }
 }
 
 /// What came of a rule.
@@ -106,12 +130,21 @@ impl Findings {
             subject: subject.to_owned(),
             count: 0,
             examples: Vec::new(),
+            farthest: None,
+            common: usize::MAX,
             definition,
             known: None,
         });
         group.count += 1;
-        if group.examples.len() < MAX_EXAMPLES {
-            group.examples.push((place, detail()));
+        let has_examples = group.examples.len() >= MAX_EXAMPLES;
+        // Messages that have nothing in common can't have less.
+        if has_examples && group.common == 0 {
+            return;
+        }
+        let detail = detail();
+        group.compare(detail.to_string());
+        if !has_examples {
+            group.examples.push((place, detail));
         }
     }
 
@@ -174,4 +207,40 @@ impl Findings {
 /// id.
 fn index(rule: &Rule) -> Option<usize> {
     RULES.iter().position(|known| std::ptr::eq(*known, rule))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rule::rule;
+
+    fn reported(messages: &[&str]) -> Findings {
+        let mut findings = Findings::default();
+        for (line, message) in (1..).zip(messages) {
+            let rule = rule("PX-BOOL-01").expect("a rule");
+            findings.report(rule, "glider.is_landed", Place::Line(line), None, || Detail::new(*message));
+        }
+        findings
+    }
+
+    fn told(findings: &Findings) -> Vec<String> {
+        findings.groups().flat_map(Group::messages).collect()
+    }
+
+    #[test]
+    fn a_message_that_is_no_example_is_not_forgotten() {
+        let odd = ["153 is no bool", "153 is no bool", "153 is no bool", "15 is no bool", "94 is no bool"];
+        assert_eq!(told(&reported(&odd[..3])), odd[..3]);
+        for all in [&odd[..4], &odd] {
+            let findings = reported(all);
+            let messages = told(&findings);
+            assert_eq!(messages.last().map(String::as_str), all.last().copied());
+            for start in ["153", "15", "1", "94", ""] {
+                let begin = |messages: &[&str]| messages.iter().all(|message| message.starts_with(start));
+                let told: Vec<&str> = messages.iter().map(String::as_str).collect();
+                assert_eq!(begin(&told), begin(all), "{start} of {all:?}");
+            }
+            assert_eq!(findings.groups().map(|group| group.count).sum::<u64>(), all.len() as u64);
+        }
+    }
 }

@@ -1,13 +1,16 @@
 //! Files to judge: which there are, and their bytes, unpacked where they are packed.
 
+pub(crate) mod zstd;
+
 use std::fs::File;
-use std::io::{self, Cursor, Read};
+use std::io::{self, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
 use flate2::read::MultiGzDecoder;
 use globset::{Glob, GlobBuilder};
-use ruzstd::decoding::StreamingDecoder;
 use walkdir::WalkDir;
+
+use self::zstd::Frames;
 
 /// What stands for standard input.
 pub const STANDARD_INPUT: &str = "-";
@@ -15,8 +18,8 @@ pub const STANDARD_INPUT: &str = "-";
 /// How gzip begins (RFC 1952).
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 
-/// How zstd begins (RFC 8878).
-pub(crate) const ZSTD: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
+/// So many bytes tell how a file is packed.
+const START: usize = 4;
 
 /// Extensions of files that are looked for in folders; behind them may stand those of packers.
 const EXTENSIONS: [&str; 5] = ["ulg", "mcap", "json", "jsonl", "ndjson"];
@@ -102,17 +105,18 @@ pub fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
     Ok(Box::new(File::open(path)?))
 }
 
-/// What `input` holds, unpacked where it begins like gzip or zstd. Nothing is read ahead but its first bytes.
+/// What `input` holds, unpacked where it begins like gzip or zstd. Of what isn't packed, nothing is read ahead but its
+/// first bytes. Members of gzip and frames of zstd may follow each other; what follows them and is neither is an
+/// error when it is read.
 pub fn unpacked(mut input: impl Read + Send + 'static) -> io::Result<Box<dyn Read + Send>> {
-    let mut start = Vec::with_capacity(ZSTD.len());
-    input.by_ref().take(ZSTD.len() as u64).read_to_end(&mut start)?;
-    let is_gzip = start.starts_with(&GZIP);
-    let is_zstd = start.starts_with(&ZSTD);
+    let mut start = Vec::with_capacity(START);
+    input.by_ref().take(START as u64).read_to_end(&mut start)?;
+    let (is_gzip, is_zstd) = (start.starts_with(&GZIP), zstd::is_frame(&start));
     let whole = Cursor::new(start).chain(input);
     Ok(if is_gzip {
         Box::new(MultiGzDecoder::new(whole))
     } else if is_zstd {
-        Box::new(StreamingDecoder::new(whole).map_err(io::Error::other)?)
+        Box::new(Frames::new(BufReader::new(whole)))
     } else {
         Box::new(whole)
     })
@@ -145,7 +149,13 @@ mod tests {
         for bytes in [text.clone(), gzip.clone(), zstd.clone()] {
             assert_eq!(read(bytes).expect("readable"), text);
         }
-        assert_eq!(read([gzip.clone(), gzip.clone()].concat()).expect("readable"), text.repeat(2));
+        for packed in [&gzip, &zstd] {
+            let twice = [&packed[..], packed].concat();
+            assert_eq!(read(twice.clone()).expect("readable"), text.repeat(2), "both are read");
+            assert!(read([&twice[..], b"neither this nor that"].concat()).is_err(), "what follows is told");
+        }
+        let skipped = b"\x50\x2a\x4d\x18\x03\0\0\0abc";
+        assert_eq!(read([&skipped[..], &zstd].concat()).expect("readable"), text, "as pzstd writes");
         for cut in [&gzip[..gzip.len() / 2], &zstd[..zstd.len() / 2]] {
             assert!(read(cut.to_vec()).is_err(), "what is cut off is told");
         }

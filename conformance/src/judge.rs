@@ -22,9 +22,16 @@ pub use self::mcap::{Basis, McapChannel, McapSource, Standing, judge_mcap};
 use crate::conversation::{Conversations, Turn};
 use crate::definitions::Definitions;
 use crate::finding::Findings;
-use crate::record::{Channel, Connection, Direction, Exchange, Grouped, Message, Place};
+use crate::record::{Channel, Connection, Direction, Exchange, Extent, Grouped, Message, Place};
 use crate::rule::{Check, Checker, EachExchange, Interest, Judged, RULES, Rule};
-use crate::source::{MCAP_MAGIC, ULOG_MAGIC};
+use crate::source::{ENCRYPTED_MAGIC, MCAP_MAGIC, ULOG_MAGIC};
+
+/// What is said of an encrypted log.
+const ENCRYPTED: &str = "an encrypted log of PX4 (.ulge): decrypt it first, with its key, as \
+    https://docs.px4.io/main/en/dev_log/log_encryption tells";
+
+/// So many bytes of a magic tell what a source is that ends there.
+const MIN_MAGIC: usize = 4;
 
 /// How many kinds of damage are kept.
 const MAX_DAMAGE: usize = 100;
@@ -46,6 +53,8 @@ pub struct Judgement {
     pub damage: Vec<(Place, String)>,
     /// How much more of that there is.
     pub more_damage: u64,
+    /// How much of it could be read.
+    pub extent: Extent,
     /// What breaks rules.
     pub findings: Findings,
 }
@@ -67,8 +76,8 @@ pub enum Source {
 /// (recorded conversations of Flockwave among it). Where `of` names
 /// a message, the JSON is messages of that type and nothing around them.
 ///
-/// An error is one of reading its first bytes. What is wrong with the source later on, and that it can't be read any
-/// further, is part of the judgement.
+/// An error is one of reading its first bytes, or says that the source is encrypted. What is wrong with it later on, and
+/// that it can't be read any further, is part of the judgement.
 pub fn judge(
     mut input: impl Read,
     of: Option<MessageId>,
@@ -76,13 +85,21 @@ pub fn judge(
 ) -> io::Result<Judgement> {
     let mut start = Vec::new();
     input.by_ref().take(MCAP_MAGIC.len() as u64).read_to_end(&mut start)?;
-    let (is_log, is_mcap) = (start.starts_with(&ULOG_MAGIC), start == MCAP_MAGIC);
+    if start.starts_with(&ENCRYPTED_MAGIC) {
+        return Err(io::Error::new(io::ErrorKind::Unsupported, ENCRYPTED));
+    }
+    let (is_log, is_mcap) = (is_begun(&start, &ULOG_MAGIC), is_begun(&start, &MCAP_MAGIC));
     let whole = io::Cursor::new(start).chain(input);
     Ok(match (is_log, is_mcap) {
         (true, _) => judge_ulog(whole, definitions),
         (_, true) => judge_mcap(whole, definitions),
         _ => judge_json(whole, of, definitions),
     })
+}
+
+/// Whether a source begins with a magic, or ends within it so late that it can hardly be anything else.
+fn is_begun(start: &[u8], magic: &[u8]) -> bool {
+    start.starts_with(magic) || start.len() >= MIN_MAGIC && magic.starts_with(start)
 }
 
 /// What all kinds of sources have in common: messages that come on channels, and the rules that follow them.
@@ -102,6 +119,7 @@ struct Course<'d> {
     /// By what is told, which is told once.
     damage: HashMap<String, Told>,
     more_damage: u64,
+    extent: Extent,
 }
 
 /// Damage: where it was first, and how often it was.
@@ -167,6 +185,7 @@ impl<'d> Course<'d> {
             last: 0,
             damage: HashMap::new(),
             more_damage: 0,
+            extent: Extent::Whole,
         }
     }
 
@@ -293,20 +312,30 @@ impl<'d> Course<'d> {
         Some(self.definitions.schema.message(id).span)
     }
 
-    fn damage(&mut self, place: Place, text: String) {
+    /// Something that can't be read, and is passed over.
+    fn gap(&mut self, place: Place, text: String) {
+        self.damage(place, text, Extent::WithGaps);
+    }
+
+    /// Something is wrong with the source, of which so much can be read.
+    fn damage(&mut self, place: Place, text: String, extent: Extent) {
+        self.extent = self.extent.max(extent);
         self.lost_any(place);
         self.conversations.lose();
         let number = self.damage.len();
         match self.damage.entry(text) {
             Entry::Occupied(mut known) => known.get_mut().times += 1,
-            Entry::Vacant(new) if number < MAX_DAMAGE => _ = new.insert(Told { number, place, times: 1 }),
+            // Why nothing follows is told, however much goes before.
+            Entry::Vacant(new) if number < MAX_DAMAGE || extent == Extent::BrokenOff => {
+                _ = new.insert(Told { number, place, times: 1 });
+            }
             Entry::Vacant(_) => self.more_damage += 1,
         }
     }
 
     /// The source can't be read any further.
     fn unreadable(&mut self, place: Place, error: &io::Error) {
-        self.damage(place, format!("what follows can't be read: {error}"));
+        self.damage(place, format!("what follows can't be read: {error}"), Extent::BrokenOff);
     }
 
     fn finish(mut self, bytes: u64, source: Source) -> Judgement {
@@ -328,6 +357,7 @@ impl<'d> Course<'d> {
             judged: self.judged,
             damage: damage.into_iter().map(told).collect(),
             more_damage: self.more_damage,
+            extent: self.extent,
             findings: self.findings,
         }
     }

@@ -220,8 +220,8 @@ impl Lists {
     /// The lists without what is stale in them, and those of their texts that change.
     ///
     /// Entries go that pass, name nothing or are over. Those that pass in part name only the rest, and those that
-    /// fail otherwise get the beginning of the new message. All else stays as it is, byte for byte. None is added:
-    /// only a person knows a reason.
+    /// fail otherwise get the beginning of the new message, but where messages have none in common: the entry stays.
+    /// All else stays as it is, byte for byte. None is added: only a person knows a reason.
     pub fn fixed(&self, stale: &[Stale]) -> Result<Self, ListError> {
         let texts = fix::texts(self, stale);
         let text =

@@ -29,6 +29,25 @@ impl fmt::Display for Place {
     }
 }
 
+/// How much of a source could be read, from the best to the worst.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum Extent {
+    /// All of it.
+    #[default]
+    Whole,
+    /// All that is there, but it ends within something.
+    #[serde(rename = "ends early")]
+    EndsEarly,
+    /// Not all: parts of it were passed over.
+    #[serde(rename = "with gaps")]
+    WithGaps,
+    /// Not to its end: reading or unpacking it failed.
+    #[serde(rename = "broken off")]
+    BrokenOff,
+}
+
 /// A number with its thousands apart: 1,234,567.
 pub(crate) struct Grouped(pub(crate) u64);
 

@@ -32,7 +32,7 @@ pub use self::source::{Judged, Settings};
 pub use self::text::subject as subject_text;
 use crate::definitions::Definitions;
 use crate::known::Excuse;
-use crate::record::Place;
+use crate::record::{Extent, Place};
 use crate::rule::{Level, RULES, Rule, Status};
 
 /// The version of the form; it rises when a member changes its meaning or goes.
@@ -154,6 +154,8 @@ pub struct Subject {
     pub damage: Vec<Damage>,
     /// How much more of that there is.
     pub more_damage: u64,
+    /// How much of it could be read.
+    pub extent: Extent,
     /// What happened while a server was probed, in order, that is no finding.
     pub notes: Vec<String>,
     /// How long judging took, in milliseconds; no part of what is written for programs, as it differs from run to

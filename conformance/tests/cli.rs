@@ -3,9 +3,12 @@
 mod support;
 
 use std::fs;
+use std::io::Write as _;
 use std::path::Path;
 use std::process::Command;
 
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use serde_json::Value;
 use support::typical;
@@ -33,7 +36,7 @@ fn a_log_is_judged_and_the_status_says_how() {
     let (status, printed, _) = uavspec(folder.path(), &["check", "cut.ulg"]);
     assert_eq!(status, Some(0), "{printed}");
     assert!(
-        printed.contains("damage       byte") && printed.ends_with("and the log is damaged\n"),
+        printed.contains("damage       byte") && printed.ends_with("conforms, and not all can be read\n"),
         "{printed}"
     );
 
@@ -48,6 +51,103 @@ fn a_log_is_judged_and_the_status_says_how() {
     assert_eq!(status, Some(2));
     assert!(said.contains("nowhere") && said.contains("help:"), "{said}");
     assert_eq!(uavspec(folder.path(), &["check"]).0, Some(2));
+}
+
+/// What a run of `check` on a file says in each kind of report.
+fn reports(folder: &Path, file: &str) -> Vec<(&'static str, String)> {
+    let kinds = ["text", "json", "junit", "sarif", "html", "markdown"];
+    let printed = |kind| uavspec(folder, &["check", "--format", kind, file]).1;
+    kinds.into_iter().map(|kind| (kind, printed(kind))).collect()
+}
+
+/// How grave damage is in a report of SARIF.
+fn damage_level(report: &str) -> String {
+    let report: Value = serde_json::from_str(report).expect("JSON");
+    let results = report["runs"][0]["results"].as_array().expect("a list");
+    let damage = results.iter().find(|result| result["ruleId"] == "damage").expect("damage");
+    damage["level"].as_str().expect("a level").to_owned()
+}
+
+#[test]
+fn what_cannot_be_read_to_its_end_fails_and_says_so_in_each_kind() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut gzip = GzEncoder::new(Vec::new(), Compression::fast());
+    gzip.write_all(&typical(200)).expect("memory");
+    let gzip = gzip.finish().expect("memory");
+    let zstd = compress_to_vec(&typical(200)[..], CompressionLevel::Fastest);
+    let behind = [&zstd[..], b"no frame"].concat();
+    // Of a frame that is cut off within its window nothing can be read at all.
+    fs::write(folder.path().join("cut.ulg"), &zstd[..zstd.len() - 9]).expect("a file");
+    assert_eq!(uavspec(folder.path(), &["check", "cut.ulg"]).0, Some(3));
+    for packed in [&gzip[..gzip.len() / 2], &behind] {
+        fs::write(folder.path().join("flight.ulg"), packed).expect("a file");
+        assert_eq!(uavspec(folder.path(), &["check", "flight.ulg"]).0, Some(3));
+        for (kind, told) in reports(folder.path(), "flight.ulg") {
+            let said = match kind {
+                "text" => "; it could not be read to its end\n",
+                "json" => "\"extent\": \"broken off\"",
+                "junit" => "message=\"it can&apos;t be read to its end\"",
+                "sarif" => "what follows can't be read",
+                _ => "Could not be read to its end",
+            };
+            assert!(told.contains(said), "{kind}: {told}");
+            assert!(kind != "sarif" || damage_level(&told) == "error", "{told}");
+        }
+    }
+    fs::write(folder.path().join("good.ulg"), typical(20)).expect("a file");
+    let (status, printed, _) = uavspec(folder.path(), &["check", "good.ulg", "flight.ulg", "--format=json"]);
+    let report: Value = serde_json::from_str(&printed).expect("JSON");
+    let said = &report["conclusion"]["text"];
+    assert_eq!((status, said), (Some(3), &"1 of 2 files could not be read to their ends".into()));
+}
+
+#[test]
+fn what_is_passed_over_keeps_the_status_and_is_told_plainly() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let log = typical(20);
+    let (start, end) = log.split_at(log.len() / 2);
+    let garbage = [start, &[0xff; 3_000], end].concat();
+    let early = &log[..log.len() - 3];
+    let message = r#"{"type":"px4/UnregisterExtComponent","message":{"timestamp":1,"name":"a","arming_check_id":0,"mode_id":0,"mode_executor_id":0}}"#;
+    let lines = format!("{message}\nno JSON\n{message}\n");
+    for (name, bytes, is_error) in
+        [("gap.ulg", &garbage[..], true), ("early.ulg", early, false), ("gap.jsonl", lines.as_bytes(), true)]
+    {
+        fs::write(folder.path().join(name), bytes).expect("a file");
+        let (status, printed, _) = uavspec(folder.path(), &["check", name]);
+        assert_eq!(status, Some(0), "{name}: {printed}");
+        assert!(printed.ends_with("conforms, and not all can be read\n"), "{name}: {printed}");
+        for (kind, told) in reports(folder.path(), name) {
+            match kind {
+                "text" => {}
+                "junit" => assert_eq!(told.contains("errors=\"1\""), is_error, "{name}: {told}"),
+                "sarif" => assert_eq!(damage_level(&told) == "warning", is_error, "{name}: {told}"),
+                _ => assert!(told.contains("Conforms, as far as it can be read"), "{name}: {kind}: {told}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn a_log_that_is_encrypted_or_hardly_begun_is_told_from_json() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("a.ulge"), b"ULogEnc\x01\0\0\0\0\0\0\0\0\x04").expect("a file");
+    let (status, printed, said) = uavspec(folder.path(), &["check", "a.ulge"]);
+    assert_eq!((status, printed.as_str()), (Some(3), ""));
+    assert!(said.contains("an encrypted log of PX4") && said.contains("decrypt it first"), "{said}");
+    for begun in [&b"ULog"[..], b"ULog\x01\x12", b"ULog\x01\x12\x35\x01"] {
+        fs::write(folder.path().join("begun.ulg"), begun).expect("a file");
+        let (status, printed, _) = uavspec(folder.path(), &["check", "begun.ulg"]);
+        let wanted = format!("expected a header of 16 bytes, found {}", begun.len());
+        assert!(status == Some(5) && printed.contains(&wanted), "{printed}");
+    }
+    fs::write(folder.path().join("begun.mcap"), b"\x89MCAP0").expect("a file");
+    let (status, printed, _) = uavspec(folder.path(), &["check", "begun.mcap"]);
+    assert!(status == Some(5) && printed.contains("doesn't begin as MCAP does"), "{printed}");
+    for text in ["UL", "ULo", "ULogs of today\n"] {
+        fs::write(folder.path().join("text"), text).expect("a file");
+        assert!(uavspec(folder.path(), &["check", "text"]).1.contains("no JSON"), "{text}");
+    }
 }
 
 #[test]

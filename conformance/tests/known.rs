@@ -160,6 +160,83 @@ fn a_list_is_mended_and_the_run_judged_by_what_is_left() {
 }
 
 #[test]
+fn a_known_message_hides_no_other_however_late_it_comes() {
+    let folder = folder();
+    let marks = |marks: &[u32]| -> String {
+        marks.iter().map(|mark| format!("{{\"timestamp\":1,\"speed\":7,\"mark\":{mark}}}\n")).collect()
+    };
+    let list = MARKS.to_owned() + "message = \"expected an integer from 0 to 255, found 30\"\n";
+    let write = |text: String| fs::write(folder.path().join("logs/odd.jsonl"), text).expect("a file");
+    write(marks(&[300, 300, 300, 305, 300]));
+    assert_eq!(check(&folder, &list, &["logs"]).0, Some(0));
+    write(marks(&[300, 300, 300, 300, 7000, 300]));
+    let (status, printed, said) = check(&folder, &list, &["logs"]);
+    assert_eq!(status, Some(1), "{printed}{said}");
+    assert!(printed.contains("FAIL  PX-JSON-02"), "{printed}");
+    assert!(said.contains("known-fails-otherwise") && said.contains("found 7000"), "{said}");
+}
+
+#[test]
+fn messages_without_a_common_beginning_are_mended_by_nobody() {
+    let folder = folder();
+    let speeds = [70, -7].map(|speed| format!("{{\"timestamp\":1,\"speed\":{speed},\"mark\":3}}\n"));
+    fs::write(folder.path().join("logs/odd.jsonl"), speeds.concat()).expect("a file");
+    let entry = "[[known]]\nrule = \"PX-RANGE-01\"\nreason = \"a gauge\"\nmessage = \"70\"\n";
+    let gone = "\n[[known]]\nrule = \"PX-NAN-01\"\nreason = \"none\"\n";
+    let (status, printed, said) = check(&folder, &(entry.to_owned() + gone), &["--fix-known", "logs"]);
+    assert_eq!(status, Some(4), "{printed}{said}");
+    assert!(
+        said.contains("error[known-fails-otherwise]") && said.contains("write an entry for each"),
+        "{said}"
+    );
+    assert!(printed.contains("warn  PX-RANGE-01"), "{printed}");
+    assert_eq!(list_of(&folder), entry, "the other entry is mended");
+}
+
+#[test]
+fn a_list_that_cannot_be_mended_fails_the_run() {
+    let folder = folder();
+    fs::write(folder.path().join("known.toml"), MARKS).expect("a file");
+    let path = folder.path().join("known.toml");
+    let mut permissions = fs::metadata(&path).expect("a file").permissions();
+    permissions.set_readonly(true);
+    fs::set_permissions(&path, permissions).expect("a file of ours");
+    let check = |file: &str| {
+        let always = ["check", "--definitions", "msg", "--type", "px4/Glider", "--known", "known.toml"];
+        uavspec(folder.path(), &[&always[..], &["--fix-known", "--format", "json", file]].concat())
+    };
+    let (status, printed, said) = check("logs/good.jsonl");
+    assert_eq!(status, Some(2), "{printed}{said}");
+    assert!(said.contains("known.toml") && list_of(&folder) == MARKS, "{said}");
+    let report: Value = serde_json::from_str(&printed).expect("JSON");
+    assert_eq!(report["conclusion"]["outcome"], "stale list");
+    assert_eq!(check("logs/odd.jsonl").0, Some(0), "there is nothing to mend");
+
+    answer(&folder, &json!("CDR"));
+    let list = "[[known]]\ncase = \"decode-uorb/*\"\nreason = \"it was to come\"\n";
+    fs::remove_file(&path).expect("a file");
+    fs::write(&path, list).expect("a file");
+    let mut permissions = fs::metadata(&path).expect("a file").permissions();
+    permissions.set_readonly(true);
+    fs::set_permissions(&path, permissions).expect("a file of ours");
+    let always = ["test", "--definitions", "msg", "--replay", "answers", "--known", "known.toml"];
+    assert_eq!(uavspec(folder.path(), &[&always[..], &["--fix-known"]].concat()).0, Some(2));
+}
+
+#[test]
+fn what_lies_behind_a_break_may_hold_what_is_listed() {
+    let folder = folder();
+    let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::none());
+    let text = fs::read(folder.path().join("logs/good.jsonl")).expect("a file").repeat(100);
+    std::io::Write::write_all(&mut gzip, &text).expect("memory");
+    let packed = gzip.finish().expect("memory");
+    fs::write(folder.path().join("cut.jsonl.gz"), &packed[..packed.len() / 2]).expect("a file");
+    let (status, printed, said) = check(&folder, MARKS, &["cut.jsonl.gz"]);
+    assert_eq!(status, Some(3), "{printed}{said}");
+    assert!(!said.contains("known-passes"), "{said}");
+}
+
+#[test]
 fn what_is_no_list_is_wrong_usage() {
     let folder = folder();
     let (status, printed, said) = check(&folder, "[[known]]\nrule = \"PX-NONE-01\"\n", &["logs"]);

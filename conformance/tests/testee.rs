@@ -235,6 +235,25 @@ fn a_crash_that_no_case_leads_to_alone_ends_the_run() {
 }
 
 #[test]
+fn a_crash_over_every_case_ends_no_run() {
+    let selected = everything();
+    let outcome = ask(&selected[..70], &options(&["crash"]));
+    assert_eq!(outcome.gave_up, None);
+    let has_crashed = |(_, verdict): &(&Case, Verdict)| matches!(verdict, Verdict::Crashed { .. });
+    assert!(outcome.verdicts.len() == 70 && outcome.verdicts.iter().all(has_crashed));
+    // The first is looked for, and then each costs one start.
+    assert!((69..=72).contains(&outcome.restarts), "{}", outcome.restarts);
+}
+
+#[test]
+fn the_limit_of_restarts_can_be_set() {
+    let options = Options { max_restarts: 3, ..options(&["crash-third"]) };
+    let outcome = ask(&everything()[..100], &options);
+    assert_eq!(outcome.restarts, 3);
+    assert!(outcome.gave_up.as_ref().is_some_and(|why| why.starts_with("gave up after 3 restarts in a row")));
+}
+
+#[test]
 fn split_writes_and_much_on_standard_error_are_no_fault() {
     for mode in ["split", "flood"] {
         let outcome = ask(&some(), &options(&[mode]));
@@ -306,6 +325,12 @@ fn the_status_says_how_it_went() {
     assert_eq!(report["subjects"][0]["cases"][0]["verdict"], "fail");
     let (status, printed, _) = uavspec(here, &[filter, "--", testee, "late"]);
     assert!(status == Some(1) && printed.contains("breaks the protocol"), "{printed}");
+    // What is asked again is asked in the same way.
+    let limits = ["--timeout=60.5", "--window=3"];
+    let arguments = [&limits[..], &[filter, "--format", "json", "--", testee, "drop-nan"]].concat();
+    let report: Value = serde_json::from_str(&uavspec(here, &arguments).1).expect("JSON");
+    let again = report["subjects"][0]["cases"][0]["reproduce"].as_str().expect("a command");
+    assert!(again.contains(" --timeout 60.5 --window 3 -- ") && !again.contains("--start"), "{again}");
     for usage in [
         &["--filter", "decode/nothing", "--", testee][..],
         &["--filter", "[", "--", testee],

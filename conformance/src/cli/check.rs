@@ -57,8 +57,8 @@ A list of known failures is TOML:
   link = \"https://example.org/issues/7\"
   expires = 2027-06-30
 
-Exit status: 0 conforms, 1 does not, 2 wrong usage, definitions or list, 3 a file can't be read or a
-report can't be written, 4 a list of known failures no longer holds true, 5 nothing was checked.")]
+Exit status: 0 conforms, 1 does not, 2 wrong usage, definitions or list, 3 a file can't be read to its end
+or a report can't be written, 4 a list of known failures no longer holds true, 5 nothing was checked.")]
 pub(super) struct CheckArgs {
     /// Logs of PX4 in the format `ULog`, MCAP, messages as JSON or JSON Lines, or conversations of Flockwave, also packed with gzip or zstd;
     /// which, is seen by the content. Folders are searched; `-` is standard input.
@@ -145,11 +145,11 @@ pub(super) fn check(args: &CheckArgs) -> Status {
         },
     );
     drop(progress);
-    let is_stale = known.settle_sources(&mut judged, &unreadable) == Status::Stale;
+    let settled = known.settle_sources(&mut judged, &unreadable);
     judged.into_iter().for_each(take);
     let remarks = idle(&required, &subjects);
     let report = Report::new(Action::Check, super::command(), &definitions, subjects, unreadable, remarks);
-    deliver(&args.report, &report.with_stale_list(is_stale))
+    deliver(&args.report, &report.with_stale_list(settled.is_stale())).max(settled)
 }
 
 /// How sources are to be judged.

@@ -8,6 +8,7 @@ use uavspec_codegen::diagnostic::Level;
 
 use super::Status;
 use crate::known::{Checked, Date, Lists, Scope, Stale, excuse_findings, of_findings, of_unread};
+use crate::record::Extent;
 use crate::report::{Judged, Unreadable};
 
 /// Arguments of commands that know such lists.
@@ -17,7 +18,8 @@ pub(super) struct KnownArgs {
     /// that no longer holds true fails the run.
     #[arg(long, value_name = "FILE")]
     known: Vec<PathBuf>,
-    /// Take out of these lists what no longer holds true, and keep all else as it is.
+    /// Take out of these lists what no longer holds true, and keep all else as it is. What only a person can mend stays,
+    /// and fails the run.
     #[arg(long, requires = "known")]
     fix_known: bool,
 }
@@ -44,26 +46,32 @@ impl KnownArgs {
 }
 
 impl Known {
-    /// Tells which entries don't hold true, or takes them out of their files.
+    /// Tells which entries don't hold true, or takes them out of their files. What a person has to mend stays, and is
+    /// told.
     pub(super) fn settle(&mut self, scope: Scope, checked: &[Checked<'_>]) -> Status {
         let stale = self.lists.judge(scope, checked, self.today);
         if stale.is_empty() {
             return Status::Conforms;
         }
         if !self.is_fixing {
-            anstream::eprint!("{}", self.lists.render(&stale, Level::Error, true));
-            anstream::eprintln!(
-                "error: a list of known failures no longer holds true\n  help: --fix-known mends it"
-            );
+            self.tell(&stale, "--fix-known mends it");
             return Status::Stale;
         }
-        match self.fix(&stale) {
-            Ok(()) => Status::Conforms,
-            Err(error) => {
-                anstream::eprintln!("{error}");
-                Status::Usage
-            }
+        if let Err(error) = self.fix(&stale) {
+            anstream::eprintln!("{error}");
+            return Status::Usage;
         }
+        let left = self.lists.judge(scope, checked, self.today);
+        if left.is_empty() {
+            return Status::Conforms;
+        }
+        self.tell(&left, "its messages have no beginning in common, so write an entry for each");
+        Status::Stale
+    }
+
+    fn tell(&self, stale: &[Stale], help: &str) {
+        anstream::eprint!("{}", self.lists.render(stale, Level::Error, true));
+        anstream::eprintln!("error: a list of known failures no longer holds true\n  help: {help}");
     }
 
     /// Holds the lists against what was found in sources, and notes at each finding what excuses it.
@@ -74,6 +82,9 @@ impl Known {
         let mut checked: Vec<Checked<'_>> = unread.iter().flat_map(|file| of_unread(&file.path)).collect();
         for judged in judged.iter() {
             checked.extend(of_findings(&judged.path, &judged.judgement.findings));
+            if judged.judgement.extent == Extent::BrokenOff {
+                checked.extend(of_unread(&judged.path));
+            }
         }
         let status = self.settle(Scope::Rules, &checked);
         for judged in judged {
@@ -83,9 +94,13 @@ impl Known {
     }
 
     fn fix(&mut self, stale: &[Stale]) -> Result<(), Box<dyn Error>> {
-        let fixed = self.lists.fixed(stale)?;
+        let stale: Vec<Stale> = stale.iter().filter(|stale| stale.is_mendable()).cloned().collect();
+        if stale.is_empty() {
+            return Ok(());
+        }
+        let fixed = self.lists.fixed(&stale)?;
         fixed.write(&self.lists)?;
-        anstream::eprint!("{}", self.lists.render(stale, Level::Note, true));
+        anstream::eprint!("{}", self.lists.render(&stale, Level::Note, true));
         anstream::eprintln!(
             "mended: the entries above are gone, or have the new message; do their reasons still hold?"
         );

@@ -101,7 +101,7 @@ fn prepared(args: &ProbeArgs) -> Result<Status, Status> {
     }
     let (judgement, elapsed) = (probed.judgement, started.elapsed().as_millis());
     let mut judged = [Judged { path, judgement, notes: probed.notes, elapsed }];
-    let is_stale = known.settle_sources(&mut judged, &unreadable) == Status::Stale;
+    let settled = known.settle_sources(&mut judged, &unreadable);
     let settings = Settings { command: Some(super::command()), ..Settings::default() };
     let subjects: Vec<Subject> =
         judged.into_iter().map(|judged| Subject::of_source(judged, &definitions, &settings)).collect();
@@ -112,7 +112,7 @@ fn prepared(args: &ProbeArgs) -> Result<Status, Status> {
     }
     let remarks = idle(&required, &subjects);
     let report = Report::new(Action::Probe, super::command(), &definitions, subjects, unreadable, remarks);
-    let status = deliver(&args.report, &report.with_stale_list(is_stale));
+    let status = deliver(&args.report, &report.with_stale_list(settled.is_stale())).max(settled);
     match (probed.unrecorded, &args.record) {
         (Some(error), Some(path)) => {
             anstream::eprintln!("error: {}: the recording can't be written: {error}", path.display());

@@ -75,6 +75,11 @@ pub(super) struct TestArgs {
     /// How many questions are on their way to a process at once.
     #[arg(long, value_name = "N", default_value = "32", value_parser = clap::value_parser!(u16).range(1..))]
     window: u16,
+    /// How often the testee is started again in a row without a case being found that brings it down alone. Cases that
+    /// are found don't count: the run goes on, at the price of a start for each, and of --timeout for each hang. 5,000
+    /// crashes of a testee that starts in 0.1 s take eight minutes, and as many hangs seven hours; --jobs divides that.
+    #[arg(long, value_name = "N", default_value = "20")]
+    max_restarts: u32,
     /// How many processes run at once.
     #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..=256))]
     jobs: u16,
@@ -144,7 +149,7 @@ pub(super) fn test(args: &TestArgs) -> Status {
         },
     };
     let names: Vec<(&Case, String)> = cases.iter().map(|case| (case, case.name())).collect();
-    let is_stale = known.settle(Scope::Cases, &of_cases(&names, &outcome)) == Status::Stale;
+    let settled = known.settle(Scope::Cases, &of_cases(&names, &outcome));
     excuse_cases(&known.lists, &mut outcome);
     let subject = Subject::of_testee(&outcome, &definitions, &|case| again(args, case));
     if args.report.printed() == Kind::Text {
@@ -152,21 +157,34 @@ pub(super) fn test(args: &TestArgs) -> Status {
     }
     let subjects = vec![subject];
     let report = Report::new(Action::Test, super::command(), &definitions, subjects, Vec::new(), Vec::new());
-    deliver(&args.report, &report.with_stale_list(is_stale))
+    deliver(&args.report, &report.with_stale_list(settled.is_stale())).max(settled)
 }
 
 /// The command that asks one case alone.
 fn again(args: &TestArgs, case: &str) -> String {
     let filter = globset::escape(case);
     let mut words = vec!["uavspec".to_owned(), "test".to_owned(), "--filter".to_owned(), filter];
-    let mut add = |name: &str, path: &Path| words.extend([name.to_owned(), path.display().to_string()]);
+    let mut add = |name: &str, value: String| words.extend([name.to_owned(), value]);
     if let Some(path) = &args.definitions {
-        add("--definitions", path);
+        add("--definitions", path.display().to_string());
     }
     if let Some(path) = &args.replay {
-        add("--replay", path);
-    } else if let Some(address) = &args.attach {
-        words.extend(["--attach".to_owned(), address.to_string()]);
+        add("--replay", path.display().to_string());
+        return command_line(words.iter().map(String::as_str));
+    }
+    let usual = Options::new(target(&args.command, args.attach.as_ref()));
+    let limits = [
+        ("--timeout", args.timeout, usual.timeout),
+        ("--start-timeout", args.start_timeout, usual.start_timeout),
+    ];
+    for (name, limit, _) in limits.iter().filter(|(_, limit, usual)| limit != usual) {
+        add(name, limit.as_secs_f64().to_string());
+    }
+    if usize::from(args.window) != usual.window {
+        add("--window", args.window.to_string());
+    }
+    if let Some(address) = &args.attach {
+        add("--attach", address.to_string());
     } else {
         words.push("--".to_owned());
         words.extend(args.command.iter().map(|word| word.to_string_lossy().into_owned()));
@@ -194,6 +212,7 @@ fn ask<'c>(
         timeout: args.timeout,
         start_timeout: args.start_timeout,
         jobs: args.jobs.into(),
+        max_restarts: args.max_restarts,
         ..Options::new(target(&args.command, args.attach.as_ref()))
     };
     let progress = Progress::steps("cases");

@@ -19,7 +19,7 @@ use uavspec_codegen::schema::json_type;
 use crate::conversation::parts;
 use crate::definitions::Definitions;
 use crate::json::{CUT_OFF, SyntaxError, Tree};
-use crate::record::{Connection, Direction, Exchange, Grouped, Place, Trial};
+use crate::record::{Connection, Direction, Exchange, Extent, Grouped, Place, Trial};
 use crate::rule::rule;
 
 /// How many connections are told apart: hostile input can have any number.
@@ -150,7 +150,8 @@ impl<'d> FlockwaveJudge<'d> {
             None => self.read(bytes, place, is_last),
         };
         if let Err(problem) = done {
-            self.course.damage(place, problem);
+            let extent = if is_last { Extent::EndsEarly } else { Extent::WithGaps };
+            self.course.damage(place, problem, extent);
         }
     }
 

@@ -15,7 +15,7 @@ use super::topic::{message_of, topic_of};
 use super::{Course, Judgement, Source};
 use crate::definitions::Definitions;
 use crate::json::{CUT_OFF, Clean, Dialects, Plans, SyntaxError, Told, Tree};
-use crate::record::{Channel, Message, Place};
+use crate::record::{Channel, Extent, Message, Place};
 use crate::source::json::{Event, Reader};
 
 /// How many topics or types are told apart: hostile input can have any number.
@@ -48,7 +48,7 @@ pub fn judge_json(input: impl Read, of: Option<MessageId>, definitions: &Definit
         match reader.next() {
             Ok(Some(item)) => match item.event {
                 Event::Problem(problem) => {
-                    judge.course().damage(Place::Line(item.line), problem.to_string());
+                    judge.course().damage(Place::Line(item.line), problem.to_string(), problem.extent());
                 }
                 Event::Value { bytes, is_last } => judge.value(bytes, item.line, is_last),
             },
@@ -155,7 +155,7 @@ impl<'d> JsonJudge<'d> {
             Ok(text) => text,
             Err(error) => {
                 let text = format!("no UTF-8 from its byte {} on", error.valid_up_to());
-                return self.course.damage(place, text);
+                return self.course.gap(place, text);
             }
         };
         match read(text, &self.channels, &self.plans, &mut self.values) {
@@ -177,21 +177,22 @@ impl<'d> JsonJudge<'d> {
         let tree = match Tree::read(text) {
             Ok(tree) => tree,
             Err(SyntaxError { what: CUT_OFF, at }) if is_last => {
-                return self.course.damage(place, format!("the last value is cut off after {at} bytes"));
+                let text = format!("the last value is cut off after {at} bytes");
+                return self.course.damage(place, text, Extent::EndsEarly);
             }
-            Err(error) => return self.course.damage(place, error.to_string()),
+            Err(error) => return self.course.gap(place, error.to_string()),
         };
         let (which, name, message) = match self.channels.only {
             Some(at) => return self.judge(at, &tree, place, false),
             None => match form(&tree) {
                 Form::Message(which, name, message) => (which, name, message),
                 Form::Skipped => return self.skipped += 1,
-                Form::Unknown(problem) => return self.course.damage(place, problem.to_owned()),
+                Form::Unknown(problem) => return self.course.gap(place, problem.to_owned()),
             },
         };
         if name.len() > MAX_NAME {
             let text = format!("a topic or type whose name has more than {MAX_NAME} bytes");
-            return self.course.damage(place, text);
+            return self.course.gap(place, text);
         }
         let definition = || match which {
             Which::Type => self.course.definitions.message_of_type(name),
@@ -202,7 +203,7 @@ impl<'d> JsonJudge<'d> {
             let definition = definition();
             self.open(which, name, definition, line)
         }) else {
-            return self.course.damage(place, format!("more than {MAX_CHANNELS} topics and types"));
+            return self.course.gap(place, format!("more than {MAX_CHANNELS} topics and types"));
         };
         // Now that its channel is open, a first message with which nothing is wrong is read as those that follow:
         // rules want to know what it says, too.

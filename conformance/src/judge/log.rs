@@ -12,7 +12,7 @@ use crate::definitions::Definitions;
 use crate::detail::Detail;
 use crate::finding::Findings;
 use crate::plan::Plan;
-use crate::record::{Channel, Message, Place};
+use crate::record::{Channel, Extent, Message, Place};
 use crate::rule::{PX_DATA_01, PX_DATA_02, PX_FMT_01, PX_FMT_02, PX_FMT_03, Rule};
 use crate::source::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
 
@@ -59,6 +59,10 @@ pub fn judge_ulog(input: impl Read, definitions: &Definitions) -> Judgement {
             Some((id, None)) => judge.drop_topic(id),
             None => {}
         }
+    }
+    if judge.open.is_empty() && judge.course.extent == Extent::Whole {
+        let text = "no topic is subscribed: the log ends with its definitions, or within them".to_owned();
+        judge.course.damage(Place::Byte(reader.position()), text, Extent::EndsEarly);
     }
     log.finish(&mut |offset, problem| judge.tell(offset, &problem));
     judge.finish(&log, reader.position())
@@ -113,7 +117,7 @@ impl<'d> LogJudge<'d> {
             Event::Data { .. } => self.course.records += 1,
             // Logs of the first version have none.
             Event::Problem(Problem::NoFlagBits { version: 0 }) => {}
-            Event::Problem(problem) => self.course.damage(place, problem.to_string()),
+            Event::Problem(problem) => self.course.damage(place, problem.to_string(), problem.extent()),
             _ => {}
         }
     }
@@ -181,10 +185,12 @@ impl<'d> LogJudge<'d> {
         self.course.message(&open.channel(), &message);
     }
 
-    /// What is wrong with formats, subscriptions and sizes: a rule, where one is about that.
+    /// What is wrong with formats, subscriptions and sizes: a rule, where one is about that. Where something of the
+    /// log is missing, a subscription or a format that isn't there may have been in it.
     fn tell(&mut self, offset: u64, problem: &LogProblem) {
         let place = Place::Byte(offset);
         let detail = Detail::new(problem.to_string());
+        let is_whole = self.course.extent == Extent::Whole;
         match problem {
             LogProblem::DataSize { id, padded, no_padding, found } => {
                 let expected = if padded == no_padding {
@@ -195,17 +201,17 @@ impl<'d> LogJudge<'d> {
                 let detail = detail.expected(expected).actual(format!("{found} bytes"));
                 self.drop_data(*id, &PX_DATA_01, detail, place);
             }
-            LogProblem::UnknownId { id } | LogProblem::Unsubscribed { id } => {
+            LogProblem::UnknownId { id } | LogProblem::Unsubscribed { id } if is_whole => {
                 let detail = detail.expected("data of an id that is subscribed").actual(format!("id {id}"));
                 self.drop_data(*id, &PX_DATA_02, detail, place);
             }
-            LogProblem::Format { name, problem: FormatProblem::UnknownType { ty, .. } } => {
+            LogProblem::Format { name, problem: FormatProblem::UnknownType { ty, .. } } if is_whole => {
                 let ty = ty.escape_debug();
                 let detail = detail.expected(format!("a format `{ty}`")).actual("none");
                 let definition = self.course.definition_of(name);
                 self.course.findings.report(&PX_FMT_02, name, place, definition, || detail);
             }
-            _ => self.course.damage(place, problem.to_string()),
+            _ => self.course.damage(place, problem.to_string(), Extent::Whole),
         }
     }
 

@@ -79,14 +79,14 @@ pub fn judge_mcap(input: impl Read, definitions: &Definitions) -> Judgement {
             }
             Event::Schema { id, name, encoding, text } => {
                 if let Err(problem) = judge.schemas.add(id, name, encoding, text) {
-                    judge.course.damage(place, problem);
+                    judge.course.gap(place, problem);
                 }
             }
             Event::Channel { id, schema, topic, encoding, metadata } => {
                 judge.channel(id, &Declared { schema, topic, encoding, metadata }, place);
             }
             Event::Message { channel, payload } => judge.message(channel, payload, place),
-            Event::Problem(problem) => judge.course.damage(place, problem.to_string()),
+            Event::Problem(problem) => judge.course.damage(place, problem.to_string(), problem.extent()),
         }
     }
     judge.finish(reader.bytes())
@@ -139,19 +139,19 @@ impl<'d> McapJudge<'d> {
         if let Some(known) = self.channels.get(&id) {
             if known.digest != digest {
                 let text = format!("channel {id} is another than before; the first one is used");
-                self.course.damage(place, text);
+                self.course.gap(place, text);
             }
             return;
         }
         if declared.topic.len() > MAX_NAME || declared.encoding.len() > MAX_NAME {
             let text = format!("channel {id} has a topic or an encoding of more than {MAX_NAME} bytes");
-            return self.course.damage(place, text);
+            return self.course.gap(place, text);
         }
         let schema = self.schemas.get(declared.schema);
         if declared.schema != 0 && schema.is_none() {
             let text =
                 format!("channel {id} is of schema {}, which isn't declared before it", declared.schema);
-            self.course.damage(place, text);
+            self.course.gap(place, text);
         }
         let definitions = self.course.definitions;
         let definition = definition_of(&declared.topic, schema, definitions);
@@ -259,7 +259,7 @@ impl<'d> McapJudge<'d> {
             }
             return self
                 .course
-                .damage(place, format!("a message of channel {id}, which isn't declared before it"));
+                .gap(place, format!("a message of channel {id}, which isn't declared before it"));
         };
         open.messages += 1;
         let channel = open.identity.channel();
@@ -269,7 +269,7 @@ impl<'d> McapJudge<'d> {
             Reading::Cdr(judge) => {
                 let payload = &*match unpacked(payload) {
                     Ok(payload) => payload,
-                    Err(problem) => return self.course.damage(place, problem),
+                    Err(problem) => return self.course.gap(place, problem),
                 };
                 let wants_values = self.course.wants_values(channel.index);
                 let findings = &mut self.course.findings;
@@ -286,7 +286,7 @@ impl<'d> McapJudge<'d> {
                 self.values.clear();
                 self.values.resize(size.map_or(0, |size| size.padded), 0);
                 match judge_json(plans, told, payload, &mut self.values, &mut self.course.findings) {
-                    Err(problem) => self.course.damage(place, problem),
+                    Err(problem) => self.course.gap(place, problem),
                     Ok(Clean { timestamp, dialects }) => {
                         self.dialects.absorb(dialects);
                         open.judged += 1;

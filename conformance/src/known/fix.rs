@@ -19,7 +19,7 @@ const MAX_MESSAGE: usize = 120;
 pub(super) fn texts(lists: &Lists, stale: &[Stale]) -> BTreeMap<SourceId, String> {
     let mut removed = vec![false; lists.entries.len()];
     let mut values: BTreeMap<usize, Vec<(Span, String)>> = BTreeMap::new();
-    for Stale { entry, why } in stale {
+    for Stale { entry, why } in stale.iter().filter(|stale| stale.is_mendable()) {
         match why {
             Why::FailsOtherwise { common, .. } => {
                 let span = lists.entries[*entry].place.message;

@@ -67,6 +67,14 @@ pub struct Stale {
     pub why: Why,
 }
 
+impl Stale {
+    /// Whether the list can be mended without a person. Messages that have nothing in common at their beginning can't
+    /// be named by one entry: an empty beginning would excuse whatever comes.
+    pub fn is_mendable(&self) -> bool {
+        !matches!(&self.why, Why::FailsOtherwise { common, .. } if common.is_empty())
+    }
+}
+
 /// Why an entry doesn't hold true.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Why {

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::ptr;
 
 use super::{Checked, Lists, Name, Outcome};
-use crate::finding::{Findings, Group};
+use crate::finding::Findings;
 use crate::rule::{RULES, Rule};
 use crate::testee::case::Case;
 use crate::testee::outcome::{Outcome as Answers, Verdict};
 
-/// What came of the rules in a file. Of equal findings the first few are looked at, which are all that is kept.
+/// What came of the rules in a file. Of equal findings, messages are looked at that stand for all.
 pub fn of_findings<'r>(file: &'r str, findings: &'r Findings) -> impl Iterator<Item = Checked<'r>> {
     let rules = RULES.iter().map(move |rule| {
         let outcome = if findings.exercised(rule) > 0 { Outcome::Passed } else { Outcome::Idle };
@@ -17,7 +17,7 @@ pub fn of_findings<'r>(file: &'r str, findings: &'r Findings) -> impl Iterator<I
     });
     let groups = findings.groups().map(move |group| {
         let name = Name::Rule { rule: group.rule, subject: &group.subject, file };
-        Checked { name, outcome: Outcome::Failed(messages(group)) }
+        Checked { name, outcome: Outcome::Failed(group.messages()) }
     });
     rules.chain(groups)
 }
@@ -35,12 +35,8 @@ pub fn of_unread(file: &str) -> impl Iterator<Item = Checked<'_>> {
 pub fn excuse_findings(lists: &Lists, file: &str, findings: &mut Findings) {
     findings.excuse(|group| {
         let name = Name::Rule { rule: group.rule, subject: &group.subject, file };
-        lists.excuse(name, &messages(group)).cloned()
+        lists.excuse(name, &group.messages()).cloned()
     });
-}
-
-fn messages(group: &Group) -> Vec<String> {
-    group.examples.iter().map(|(_, message)| message.to_string()).collect()
 }
 
 /// What came of cases: of those that were asked, as `answers` says, and of all others, which were not. `names` are

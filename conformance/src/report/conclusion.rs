@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::{About, Action, Subject, Unreadable, Verdict};
+use crate::record::Extent;
 
 /// What something comes to.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -66,6 +67,22 @@ impl Conclusion {
             _ => Self::new(Outcome::Breaks, format!("Does not conform: {}", broken(failed))),
         };
         Self { remarks, ..conclusion }
+    }
+
+    /// The same of a source of which only so much could be read.
+    #[must_use]
+    pub(super) fn read_so_far(self, extent: Extent) -> Self {
+        match extent {
+            Extent::Whole => self,
+            Extent::EndsEarly | Extent::WithGaps => {
+                Self { text: format!("{}, as far as it can be read", self.text), ..self }
+            }
+            Extent::BrokenOff => {
+                let mut remarks = self.remarks;
+                remarks.insert(0, format!("{}, as far as it can be read", self.text));
+                Self { remarks, ..Self::new(Outcome::Broken, "Could not be read to its end") }
+            }
+        }
     }
 
     /// Of a testee, by how many of its cases failed and passed.
@@ -144,7 +161,11 @@ impl Conclusion {
                 let (broken, all) = (broken(of(Verdict::Fail)), subjects.len());
                 format!("Does not conform: {broken}, in {count} of {all} files")
             }
-            (Outcome::Broken, _) => "A testee broke".to_owned(),
+            (Outcome::Broken, _) if is_testee => "A testee broke".to_owned(),
+            (Outcome::Broken, _) => {
+                let count = outcomes.filter(|outcome| *outcome == Outcome::Broken).count();
+                format!("{count} of {} files could not be read to their ends", subjects.len())
+            }
         };
         Self { remarks: told, ..Self::new(worst, text) }
     }
@@ -186,6 +207,7 @@ mod tests {
             more_findings: 0,
             damage: Vec::new(),
             more_damage: 0,
+            extent: Extent::Whole,
             notes: Vec::new(),
             elapsed: 0,
         };
@@ -218,6 +240,30 @@ mod tests {
         assert_eq!(concluded(&[empty.clone(), empty]), (5, "Nothing was judged".to_owned()));
         assert_eq!(concluded(&[]), (5, "Nothing was judged".to_owned()));
         assert_eq!(concluded(&[good, bad]).0, 1);
+    }
+
+    #[test]
+    fn what_was_not_read_is_told_and_counts_where_nothing_more_can_be() {
+        let read = |extent, verdict| {
+            let mut source = source(1, &[verdict]);
+            source.extent = extent;
+            source.conclude();
+            source
+        };
+        let told = |extent, verdict| concluded(&[read(extent, verdict)]);
+        for extent in [Extent::EndsEarly, Extent::WithGaps] {
+            let text = "Conforms, as far as it can be read";
+            assert_eq!(told(extent, Verdict::Pass), (0, text.to_owned()));
+            assert_eq!(told(extent, Verdict::Fail).0, 1);
+        }
+        for verdict in [Verdict::Pass, Verdict::Fail] {
+            let text = "Could not be read to its end";
+            assert_eq!(told(Extent::BrokenOff, verdict), (3, text.to_owned()));
+        }
+        let broken = read(Extent::BrokenOff, Verdict::Pass);
+        assert_eq!(broken.conclusion.remarks, ["Conforms, as far as it can be read"]);
+        let all = [broken, source(1, &[Verdict::Fail])];
+        assert_eq!(concluded(&all), (3, "1 of 2 files could not be read to their ends".to_owned()));
     }
 
     #[test]

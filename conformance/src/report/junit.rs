@@ -12,6 +12,7 @@ use super::shown::shown;
 use super::{
     About, Action, Case, CaseVerdict, Finding, Report, RuleReport, RuleVerdict, Subject, Testee, Verdict,
 };
+use crate::record::Extent;
 
 /// How many findings of a rule the text of its case tells.
 const MAX_FINDINGS: usize = 20;
@@ -51,15 +52,29 @@ fn suite(subject: &Subject, rules: &[RuleReport]) -> Suite {
     Suite { name: shown(&subject.path), cases }
 }
 
-/// Damage fails nothing: what can be read is judged, and what can't is told.
+/// Whether a source can be read: what can't is told. That it ends early, as logs do when the power goes, or that
+/// something else is wrong with it, fails nothing; that parts of it were passed over, or that nothing more can be read,
+/// is an error.
 fn readable(subject: &Subject) -> junit::Case {
     let mut case = junit::Case::passed(shown(&subject.path), READABLE);
-    for damage in &subject.damage {
+    let mut damage = String::new();
+    for found in &subject.damage {
         // Writing to a string can't fail.
-        let _ = writeln!(case.output, "{}: {}", damage.place, shown(&damage.message));
+        let _ = writeln!(damage, "{}: {}", found.place, shown(&found.message));
     }
     if subject.more_damage > 0 {
-        let _ = writeln!(case.output, "… and {} more", subject.more_damage);
+        let _ = writeln!(damage, "… and {} more", subject.more_damage);
+    }
+    let (kind, message) = match subject.extent {
+        Extent::Whole | Extent::EndsEarly => ("", ""),
+        Extent::WithGaps => ("damaged", "parts of it can't be read, and were passed over"),
+        Extent::BrokenOff => ("unreadable", "it can't be read to its end"),
+    };
+    if message.is_empty() {
+        case.output = damage;
+    } else {
+        let text = damage.trim_end().to_owned();
+        case.outcome = Outcome::Error(Reason { kind: kind.to_owned(), message: message.to_owned(), text });
     }
     for note in &subject.notes {
         let _ = writeln!(case.output, "{}", shown(note));

@@ -8,7 +8,7 @@ use super::{
     About, Action, Case, CaseVerdict, Damage, Definition, Finding, Report, RuleReport, Subject, Testee,
     Verdict,
 };
-use crate::record;
+use crate::record::{self, Extent};
 use crate::rule;
 
 /// The id under which damage is told, and what it is.
@@ -107,7 +107,12 @@ fn of_finding(subject: &Subject, finding: &Finding) -> Option<Entry> {
 
 fn of_damage(subject: &Subject, damage: &Damage) -> Entry {
     let place = Place { path: subject.path.clone(), region: region(damage.place) };
-    entry(DAMAGE.0, Level::Note, &damage.message, place)
+    let level = match subject.extent {
+        Extent::Whole | Extent::EndsEarly => Level::Note,
+        Extent::WithGaps => Level::Warning,
+        Extent::BrokenOff => Level::Error,
+    };
+    entry(DAMAGE.0, level, &damage.message, place)
 }
 
 fn of_case(subject: &Subject, case: &Case) -> Entry {

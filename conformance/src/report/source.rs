@@ -105,6 +105,7 @@ impl Subject {
             rules,
             damage: damage.map(|(place, text)| Damage { place: *place, message: text.clone() }).collect(),
             more_damage: judgement.more_damage,
+            extent: judgement.extent,
             notes,
             elapsed,
         };
@@ -120,7 +121,8 @@ impl Subject {
             count => vec![format!("{count} places of the file can't be read")],
         };
         let (failed, warned) = (self.count(Verdict::Fail), self.count(Verdict::Warn));
-        self.conclusion = Conclusion::of_source(self.judged, failed, warned, remarks);
+        let conclusion = Conclusion::of_source(self.judged, failed, warned, remarks);
+        self.conclusion = conclusion.read_so_far(self.extent);
     }
 }
 
@@ -220,7 +222,7 @@ fn format_of(topic: &str, comparison: &Comparison) -> Format {
 }
 
 fn finding(group: &Group, verdict: Verdict, command: &str, definitions: &Definitions) -> Finding {
-    let Group { rule, subject, count, examples, definition, known } = group;
+    let Group { rule, subject, count, examples, definition, known, .. } = group;
     let example = |(place, detail): &(_, crate::detail::Detail)| Example {
         place: *place,
         path: detail.path.clone(),

@@ -9,6 +9,7 @@ use super::{
     Testee, Verdict,
 };
 use crate::definitions::Definitions;
+use crate::record::Extent;
 use crate::rule::rule;
 use crate::testee::{case, outcome};
 
@@ -61,6 +62,7 @@ impl Subject {
             more_findings: 0,
             damage: Vec::new(),
             more_damage: 0,
+            extent: Extent::Whole,
             notes: Vec::new(),
             elapsed: 0,
         }

@@ -10,7 +10,7 @@ use anstyle::{AnsiColor, Style};
 
 use super::shown::shown;
 use super::{About, Finding, FormatResult, Json, Known, Report, Subject, Ulog, Verdict};
-use crate::record::Grouped;
+use crate::record::{Extent, Grouped};
 use crate::rule::Level;
 
 /// How many formats that differ are shown, and how many places of damage.
@@ -208,11 +208,12 @@ fn verdicts(subject: &Subject, text: &mut String) -> std::fmt::Result {
     };
     writeln!(text, "{PASS}pass{PASS:#}  {} rules{idle}\n", subject.count(Verdict::Pass))?;
     let (failed, warned) = (subject.count(Verdict::Fail), subject.count(Verdict::Warn));
-    let damaged = match subject.about {
-        _ if subject.damage.is_empty() => "",
-        About::Ulog(_) => ", and the log is damaged",
-        About::Mcap(_) => ", and the file is damaged",
-        About::Json(_) | About::Flockwave(_) | About::Testee(_) => ", and not all can be read",
+    let damaged = match (subject.extent, &subject.about) {
+        (Extent::Whole, _) if subject.damage.is_empty() => "",
+        (Extent::Whole, About::Ulog(_)) => ", and the log is damaged",
+        (Extent::Whole, _) => ", and the file is damaged",
+        (Extent::EndsEarly | Extent::WithGaps, _) => ", and not all can be read",
+        (Extent::BrokenOff, _) => "; it could not be read to its end",
     };
     let known = subject.findings.iter().filter(|finding| finding.known.is_some()).count();
     let known = if known > 0 { format!(", {known} known") } else { String::new() };

@@ -2,7 +2,8 @@
 //!
 //! A request may be missing in the recording: a logger may take only some, and a file may end too early. So a
 //! reply that answers no known request waits for the next one. If that has the next number, none was missing, and
-//! the reply is wrong unless it answers that very request and stands before it only in the file.
+//! the reply is wrong unless it answers that very request and stands before it only in the file. Of a reply that is
+//! older than all known requests nothing is said: a log begins with the latest message of each topic.
 
 use super::px_ext::{Listener, Reply, Request, Requests, Talk, Waiting};
 use super::{Check, Detail, Judged, Level, Mutant, Rule, Status};
@@ -55,10 +56,10 @@ impl Listener for Answers {
     }
 
     fn reply(&mut self, reply: Reply, judged: &mut Judged<'_>) {
-        let known = [self.requests.latest(), self.requests.latest_at(reply.time)];
-        if known.iter().any(|request| is_answer(&reply, *request)) {
+        let then = self.requests.latest_at(reply.time);
+        if [self.requests.latest(), then].iter().any(|request| is_answer(&reply, *request)) {
             judged.exercise();
-        } else if self.requests.latest().is_some() {
+        } else if then.is_some() {
             self.waiting.push(reply);
         }
     }

@@ -34,7 +34,7 @@ pub(super) static RULE: Rule = Rule {
 };
 
 /// How many periods a channel is looked at before anything is said of it.
-const LEARNED: u32 = 32;
+const LEARNED: usize = 32;
 
 /// A pause is one from so many periods on.
 const PAUSE: u64 = 10;
@@ -51,13 +51,14 @@ struct Gaps {
     excused_until: u64,
 }
 
-/// The rhythm of a channel. The period is an estimate of the median that needs no memory: it goes up and down
-/// by a small step, so that rare pauses don't move it.
-#[derive(Clone, Copy, Default)]
+/// The rhythm of a channel. Its period is the median of the first pauses; from then on an estimate of the median that
+/// needs no memory: it goes up and down by a small step, so that rare pauses don't move it.
+#[derive(Clone, Default)]
 struct Rhythm {
     latest: u64,
-    period: u64,
-    seen: u32,
+    /// None until it is learned.
+    period: Option<u64>,
+    first: Vec<u64>,
 }
 
 impl Checker for Gaps {
@@ -71,23 +72,22 @@ impl Checker for Gaps {
             return;
         };
         self.now = self.now.max(timestamp);
-        let Rhythm { latest, period, seen } = *rhythm;
+        let Rhythm { latest, period, .. } = *rhythm;
         let pause = timestamp.saturating_sub(latest);
         if latest > 0 && pause > 0 {
             rhythm.learn(pause);
         }
         rhythm.latest = timestamp;
-        if seen <= LEARNED {
-            return;
-        }
+        let Some(period) = period else { return };
         judged.exercise();
         if pause > period.saturating_mul(PAUSE) && latest > self.excused_until {
             let definition = judged.defined(channel.definition);
             judged.report_defined(channel.topic, message.place, definition, || {
-                let (pause, period) = (pause / 1000, period / 1000);
-                Detail::new(format!("{pause} ms without a message, where one comes each {period} ms"))
-                    .expected(format!("{} ms at most, or a dropout", PAUSE * period))
-                    .actual(format!("{pause} ms"))
+                let (pause, most) = (time_text(pause), time_text(period.saturating_mul(PAUSE)));
+                let period = time_text(period);
+                Detail::new(format!("{pause} without a message, where one comes each {period}"))
+                    .expected(format!("{most} at most, or a dropout"))
+                    .actual(pause)
             });
         }
     }
@@ -100,13 +100,24 @@ impl Checker for Gaps {
 
 impl Rhythm {
     fn learn(&mut self, pause: u64) {
-        let step = (self.period / 16).max(1);
-        self.period = match self.seen {
-            0 => pause,
-            _ if pause > self.period => self.period + step.min(pause - self.period),
-            _ => self.period - step.min(self.period - pause),
-        };
-        self.seen = self.seen.saturating_add(1);
+        if let Some(period) = &mut self.period {
+            let step = (*period / 16).max(1);
+            *period = pause.clamp(*period - step.min(*period), period.saturating_add(step));
+            return;
+        }
+        self.first.push(pause);
+        if self.first.len() == LEARNED {
+            let mut first = std::mem::take(&mut self.first);
+            let (_, median, _) = first.select_nth_unstable(LEARNED / 2);
+            self.period = Some(*median);
+        }
+    }
+}
+
+fn time_text(time: u64) -> String {
+    match time {
+        0..1_000 => format!("{time} µs"),
+        1_000.. => format!("{} ms", time / 1_000),
     }
 }
 

@@ -11,6 +11,7 @@ use std::fmt;
 use std::io::{self, ErrorKind, Read};
 
 use self::cut::Cut;
+use crate::record::Extent;
 
 /// The longest value that is read: nothing that is sent as a message comes near it.
 pub const MAX_LENGTH: usize = 16 << 20;
@@ -60,6 +61,17 @@ pub enum Problem {
     NoComma(u8),
     /// The array isn't closed.
     Unclosed,
+}
+
+impl Problem {
+    /// How much of the source can be read that has it.
+    pub fn extent(&self) -> Extent {
+        match self {
+            Self::ByteOrderMark => Extent::Whole,
+            Self::Unclosed => Extent::EndsEarly,
+            Self::TooLong { .. } | Self::Stray(_) | Self::NoComma(_) => Extent::WithGaps,
+        }
+    }
 }
 
 impl fmt::Display for Problem {

@@ -1,6 +1,6 @@
 //! Testees that can't be started from here: questions go to a file, and answers come from one.
 
-use std::io::{self, BufRead, Write};
+use std::io::{self, BufRead, Read as _, Write};
 
 use serde_json::{Value, json};
 use uavspec_codegen::dynamic::Types;
@@ -8,7 +8,7 @@ use uavspec_codegen::dynamic::Types;
 use super::case::{Case, Want};
 use super::outcome::{Manners, Outcome, Verdict};
 use super::protocol::{Answer, Hello};
-use super::run::{excerpt, judge};
+use super::run::{LINE_LIMIT, excerpt, judge};
 use super::wire::{to_base64, to_wire};
 
 /// Writes the selected cases, a line each: what is sent, and beside it the name, the description and what is right.
@@ -40,7 +40,7 @@ fn expected(case: &Case, types: &Types) -> Value {
     expected
 }
 
-/// Judges answers that stand in a file, a line each. Where a hello stands among them, what it promises and the file
+/// Judges answers that stand in a file, a line each, of no more bytes than a process may write. Where a hello stands among them, what it promises and the file
 /// doesn't answer is not run; without one, all that has no answer is unsupported.
 pub fn replay<'c>(
     cases: &'c [Case],
@@ -50,20 +50,16 @@ pub fn replay<'c>(
 ) -> io::Result<Outcome<'c>> {
     let (mut hello, mut manners) = (None, Manners::default());
     let mut verdicts: Vec<Option<Verdict>> = vec![None; cases.len()];
-    let mut line = Vec::new();
-    loop {
-        line.clear();
-        if input.read_until(b'\n', &mut line)? == 0 {
-            break;
-        }
-        if let Ok(found) = Hello::read(&line) {
+    let mut lines = Lines { input, line: Vec::new(), number: 0 };
+    while let Some(line) = lines.next()? {
+        if let Ok(found) = Hello::read(line) {
             hello = Some(found);
             continue;
         }
         let (id, answer) = match Answer::read(line.trim_ascii()) {
             Ok(answer) => answer,
             Err(wrong) => {
-                manners.remark(format!("{wrong}: {}", excerpt(&line)));
+                manners.remark(format!("{wrong}: {}", excerpt(line)));
                 continue;
             }
         };
@@ -86,4 +82,45 @@ pub fn replay<'c>(
     let missing = verdicts.iter().filter(|(_, verdict)| *verdict == Verdict::NotRun).count();
     let gave_up = (missing > 0).then(|| format!("{missing} answers are absent"));
     Ok(Outcome { hello, verdicts, manners, restarts: 0, gave_up })
+}
+
+/// The lines of a file, which keep to a limit.
+struct Lines<'f> {
+    input: &'f mut dyn BufRead,
+    line: Vec<u8>,
+    number: u64,
+}
+
+impl Lines<'_> {
+    fn next(&mut self) -> io::Result<Option<&[u8]>> {
+        self.line.clear();
+        self.number += 1;
+        // One byte for the end of the line.
+        let most = LINE_LIMIT as u64 + 1;
+        let read = self.input.take(most).read_until(b'\n', &mut self.line)?;
+        if self.line.len() > LINE_LIMIT && !self.line.ends_with(b"\n") {
+            let text = format!("line {} has more than {LINE_LIMIT} bytes", self.number);
+            return Err(io::Error::new(io::ErrorKind::InvalidData, text));
+        }
+        Ok((read > 0).then_some(&self.line))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::{BufReader, repeat};
+
+    use super::*;
+    use crate::definitions::Definitions;
+
+    #[test]
+    fn a_line_without_end_is_not_read_to_its_end() {
+        let definitions = Definitions::built_in();
+        let answers = b"{\"id\":1,\"ok\":null}\n".chain(repeat(b'a'));
+        let error = replay(&[], &[], definitions.types(), &mut BufReader::new(answers)).expect_err("no end");
+        assert_eq!(error.to_string(), "line 2 has more than 16777216 bytes");
+        let longest = [&vec![b'a'; LINE_LIMIT][..], b"\n"].concat();
+        let outcome = replay(&[], &[], definitions.types(), &mut &longest[..]).expect("a line");
+        assert!(outcome.manners.remarks[0].0.starts_with("no JSON"), "{:?}", outcome.manners);
+    }
 }

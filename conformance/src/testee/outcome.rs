@@ -9,7 +9,8 @@ use super::compare::Difference;
 use super::protocol::Hello;
 use crate::known::Excuse;
 
-/// How many different remarks on manners are kept; of more only the number.
+/// How many different remarks on manners are kept, the first by their texts; of more only the number. Which come first
+/// in time depends on how processes take turns.
 const MAX_REMARKS: usize = 20;
 
 /// What came of a case.
@@ -83,7 +84,7 @@ impl fmt::Display for Verdict {
 /// What a testee did against the protocol, each remark once with how often it applied.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Manners {
-    /// What, and how often.
+    /// What, and how often; by text.
     pub remarks: Vec<(String, usize)>,
     /// How many others there were.
     pub more: usize,
@@ -91,12 +92,13 @@ pub struct Manners {
 
 impl Manners {
     pub(super) fn remark(&mut self, what: String) {
-        if let Some((_, count)) = self.remarks.iter_mut().find(|(known, _)| *known == what) {
-            *count += 1;
-        } else if self.remarks.len() < MAX_REMARKS {
-            self.remarks.push((what, 1));
-        } else {
-            self.more += 1;
+        match self.remarks.binary_search_by(|(known, _)| known.cmp(&what)) {
+            Ok(at) => self.remarks[at].1 += 1,
+            Err(at) => self.remarks.insert(at, (what, 1)),
+        }
+        // One that goes never comes again: there are enough before it.
+        if self.remarks.len() > MAX_REMARKS {
+            self.more += self.remarks.pop().map_or(0, |(_, count)| count);
         }
     }
 
@@ -177,5 +179,26 @@ impl Outcome<'_> {
             Verdict::Known { excuse, .. } => Some((*case, excuse)),
             _ => None,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn remarks_are_the_same_in_whatever_order_they_come() {
+        let all: Vec<String> =
+            (0..90).map(|number| format!("an answer without a question: id {}", number % 30)).collect();
+        let told = |remarks: &mut dyn Iterator<Item = &String>| {
+            let mut manners = Manners::default();
+            remarks.for_each(|remark| manners.remark(remark.clone()));
+            manners
+        };
+        let first = told(&mut all.iter());
+        assert_eq!((first.remarks.len(), first.more), (MAX_REMARKS, 30));
+        assert!(first.remarks.iter().all(|(_, count)| *count == 3) && first.remarks.is_sorted());
+        assert_eq!(told(&mut all.iter().rev()), first);
+        assert_eq!(told(&mut all[7..].iter().chain(&all[..7])), first);
     }
 }

@@ -188,7 +188,8 @@ impl Answer {
         let answer = match name {
             "ok" => Self::Ok(member.clone()),
             "rejected" => Self::Rejected(text(member)),
-            "unsupported" => Self::Unsupported,
+            "unsupported" if *member == true => Self::Unsupported,
+            "unsupported" => Self::Error(format!("\"unsupported\" is {member}, where it can only be true")),
             _ => Self::Error(text(member)),
         };
         Ok((id, answer))
@@ -231,6 +232,10 @@ mod tests {
         assert_eq!(read(r#"{"id":4,"error":{"no":1}}"#), Ok((4, Answer::Error(r#"{"no":1}"#.to_owned()))));
         for wrong in [r#"{"id":1}"#, r#"{"id":1,"ok":1,"error":""}"#] {
             assert!(matches!(read(wrong), Ok((1, Answer::Error(_)))), "{wrong}");
+        }
+        for wrong in ["false", "null", "1", "\"no\""] {
+            let (_, said) = read(&format!("{{\"id\":5,\"unsupported\":{wrong}}}")).expect("an answer");
+            assert!(matches!(&said, Answer::Error(why) if why.contains(wrong)), "{said:?}");
         }
         // Not every writer of JSON tells whole floats and integers apart.
         assert_eq!(read(r#"{"id":-5.0,"ok":null}"#), Ok((-5, Answer::Ok(Value::Null))));

@@ -5,6 +5,8 @@
 //! Several questions are on their way at once. When the process ends or falls silent, one of those without an answer
 //! is to blame: each is asked again alone, the oldest first, until one of them brings down a process that was asked
 //! nothing else. So a culprit is always seen to be one; a crash that none of them leads to alone is told as such.
+//! Where there was a culprit the next is often near, so after one the questions go out singly, and soon more at once again
+//! if all goes well: of a testee that crashes over everything each case costs one start.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -20,6 +22,9 @@ use super::outcome::{Manners, Outcome, Verdict};
 use super::protocol::{Answer, Hello};
 use super::target::Target;
 
+/// The longest line that is read, in bytes, unless something else is said.
+pub const LINE_LIMIT: usize = 16 << 20;
+
 /// How a testee is run.
 #[derive(Clone, Debug)]
 pub struct Options {
@@ -33,7 +38,7 @@ pub struct Options {
     pub start_timeout: Duration,
     /// How many processes run at once.
     pub jobs: usize,
-    /// How often processes are started again, all in all.
+    /// How often processes are started again in a row without a case being found that brings them down alone.
     pub max_restarts: u32,
     /// The longest line that is read, in bytes.
     pub line_limit: usize,
@@ -50,7 +55,7 @@ impl Options {
             start_timeout: Duration::from_secs(30),
             jobs: 1,
             max_restarts: 20,
-            line_limit: 16 << 20,
+            line_limit: LINE_LIMIT,
         }
     }
 }
@@ -115,6 +120,8 @@ struct State {
     verdicts: Vec<(usize, Verdict)>,
     manners: Manners,
     restarts: u32,
+    /// Those since the last case that was found to be to blame.
+    futile: u32,
     gave_up: Option<String>,
 }
 
@@ -149,6 +156,8 @@ struct Worker<'s, 'r> {
     open: VecDeque<usize>,
     /// How many questions this process was asked.
     asked: usize,
+    /// How many questions may be on their way.
+    window: usize,
     answered: BTreeSet<usize>,
     /// When a question or an answer last went over the wire.
     last: Instant,
@@ -165,6 +174,7 @@ impl<'s, 'r> Worker<'s, 'r> {
             link,
             open: VecDeque::new(),
             asked: 0,
+            window: shared.options.window.max(1),
             answered: BTreeSet::new(),
             last: Instant::now(),
             suspects: VecDeque::new(),
@@ -199,12 +209,14 @@ impl<'s, 'r> Worker<'s, 'r> {
     fn start(&mut self, is_restart: bool) -> bool {
         if is_restart {
             let mut state = self.shared.state();
-            if state.restarts >= self.shared.options.max_restarts {
+            if state.futile >= self.shared.options.max_restarts {
                 let why = self.suspicion.as_ref().map(|why| format!("; last {why}")).unwrap_or_default();
-                state.gave_up = Some(format!("gave up after {} restarts{why}", state.restarts));
+                let restarts = format!("{} restarts in a row without a culprit", state.futile);
+                state.gave_up = Some(format!("gave up after {restarts}{why}"));
                 return false;
             }
             state.restarts += 1;
+            state.futile += 1;
         }
         match start(self.shared.options, true) {
             Ok((link, _)) => {
@@ -232,7 +244,7 @@ impl<'s, 'r> Worker<'s, 'r> {
             }
             return;
         }
-        while self.open.len() < self.shared.options.window.max(1) {
+        while self.open.len() < self.window {
             let Some(id) = self.shared.state().queue.pop_front() else { return };
             self.send(id);
         }
@@ -287,6 +299,7 @@ impl<'s, 'r> Worker<'s, 'r> {
         };
         self.answered.insert(id);
         self.last = Instant::now();
+        self.window = (2 * self.window).min(self.shared.options.window.max(1));
         self.shared.decide(id, judge(case, &answer, self.shared.types));
         if self.suspects.is_empty()
             && self.open.is_empty()
@@ -310,8 +323,9 @@ impl<'s, 'r> Worker<'s, 'r> {
                     End::Ended(how) => Verdict::Crashed { how, stderr },
                 },
             );
-            self.suspicion = None;
+            (self.suspicion, self.window) = (None, 1);
             let mut state = self.shared.state();
+            state.futile = 0;
             self.suspects.drain(..).rev().for_each(|id| state.queue.push_front(id));
             return;
         }

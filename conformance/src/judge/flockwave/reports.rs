@@ -5,8 +5,9 @@
 //! that depends on few things: on the version, on which fields each state has and which of them are null, and on its error
 //! codes as they are written ([`Kind`]). The first state of a kind is shown to all rules that judge a message by itself
 //! ([`Check::Exchange`](crate::rule::Check)), alone in a report. They find the same in any other of its kind, and are exercised
-//! as often. As long as that wants examples, the line is read as any other; then it is only counted. Rules that keep a state,
-//! or look around (`Check::Context`), still see each report, reduced to what they look at ([`Report::message`]).
+//! as often. As long as that wants examples, and where a UAV is new to it that findings name, the line is read as any other;
+//! then it is only counted. Rules that keep a state, or look around (`Check::Context`), still see each report, reduced to
+//! what they look at ([`Report::message`]).
 //!
 //! What isn't plain to see, or is no report on UAVs, is read as any other line.
 

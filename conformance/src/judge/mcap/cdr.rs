@@ -4,7 +4,6 @@ use std::borrow::Cow;
 use std::io::Read as _;
 use std::rc::Rc;
 
-use ruzstd::decoding::StreamingDecoder;
 use uavspec_codegen::dynamic::{DynamicMessage, DynamicView, Error, MessageType, Reason, Violation};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, MessageId};
@@ -15,7 +14,7 @@ use super::Stated;
 use crate::definitions::Definitions;
 use crate::detail::{Detail, hexadecimal};
 use crate::finding::Findings;
-use crate::input::ZSTD;
+use crate::input::zstd::{Frames, MAGIC as ZSTD};
 use crate::judge::timestamp_offset;
 use crate::plan::Plan;
 use crate::record::{Channel, Place};
@@ -189,10 +188,7 @@ pub(super) fn unpacked(payload: &[u8]) -> Result<Cow<'_, [u8]>, String> {
         return Ok(Cow::Borrowed(payload));
     }
     let mut bytes = Vec::new();
-    let result = StreamingDecoder::new(payload).map_err(|error| error.to_string()).and_then(|decoder| {
-        decoder.take(MAX_UNPACKED + 1).read_to_end(&mut bytes).map_err(|error| error.to_string())
-    });
-    match result {
+    match Frames::new(payload).take(MAX_UNPACKED + 1).read_to_end(&mut bytes) {
         Ok(_) if bytes.len() as u64 > MAX_UNPACKED => {
             Err(format!("a packed message of more than {MAX_UNPACKED} bytes"))
         }

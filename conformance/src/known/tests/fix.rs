@@ -93,7 +93,7 @@ fn sample() -> impl Strategy<Value = Sample> {
 }
 
 proptest! {
-    /// What isn't stale stays byte for byte, and what is left holds true.
+    /// What isn't stale stays byte for byte, and what is left holds true, or is what only a person can mend.
     #[test]
     fn a_mended_list_holds_true(samples in vec(sample(), 0..6), is_dos in any::<bool>()) {
         let line_end = if is_dos { "\r\n" } else { "\n" };
@@ -111,7 +111,9 @@ proptest! {
         let list = list(&text);
         let stale = list.judge(Scope::Cases, &checked, TODAY);
         let fixed = list.fixed(&stale).expect("a list");
-        prop_assert_eq!(fixed.judge(Scope::Cases, &checked, TODAY), []);
+        let left = fixed.judge(Scope::Cases, &checked, TODAY);
+        prop_assert!(left.iter().all(|stale| !stale.is_mendable()), "{:?}", left);
+        prop_assert!(left.len() <= stale.iter().filter(|stale| !stale.is_mendable()).count());
         prop_assert_eq!(fixed.entries.len(), samples.iter().filter(|sample| !sample.is_stale).count());
         let new: String = fixed.texts().collect();
         prop_assert_eq!(new.matches("# apart").count(), text.matches("# apart").count());

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::record::Grouped;
+use crate::record::{Extent, Grouped};
 
 /// What is wrong with a file, beside what its messages say.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -112,6 +112,27 @@ pub enum Malformed {
         /// Its opcode.
         opcode: u8,
     },
+}
+
+impl Problem {
+    /// How much of the file can be read that has it.
+    pub fn extent(&self) -> Extent {
+        match self {
+            Self::CutOff { .. } | Self::NoEnd => Extent::EndsEarly,
+            Self::NoHeader
+            | Self::AfterEnd { .. }
+            | Self::ChunkSize { .. }
+            | Self::ChunkChecksum { .. }
+            | Self::DataChecksum { .. } => Extent::Whole,
+            Self::NoMagic
+            | Self::Skipped { .. }
+            | Self::Unreadable { .. }
+            | Self::TooLong { .. }
+            | Self::Packing { .. }
+            | Self::Unpack { .. }
+            | Self::InChunk { .. } => Extent::WithGaps,
+        }
+    }
 }
 
 impl fmt::Display for Problem {

@@ -3,7 +3,8 @@
 use std::io::{self, Cursor, Read};
 
 use lz4_flex::frame::FrameDecoder as Lz4;
-use ruzstd::decoding::{BlockDecodingStrategy, FrameDecoder as Zstd};
+
+use crate::input::zstd::Frames as Zstd;
 
 /// How a chunk is packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,7 +29,7 @@ type Packed = Cursor<Vec<u8>>;
 
 /// Reads what a packed chunk holds. Frames may follow each other.
 pub(super) enum Unpacker {
-    Zstd { packed: Packed, decoder: Box<Zstd> },
+    Zstd(Box<Zstd<Packed>>),
     Lz4(Box<Lz4<Packed>>),
 }
 
@@ -36,7 +37,7 @@ impl Unpacker {
     pub(super) fn new(packing: Packing, packed: Vec<u8>) -> Self {
         let packed = Cursor::new(packed);
         match packing {
-            Packing::Zstd => Self::Zstd { packed, decoder: Box::new(Zstd::new()) },
+            Packing::Zstd => Self::Zstd(Box::new(Zstd::new(packed))),
             Packing::Lz4 => Self::Lz4(Box::new(Lz4::new(packed))),
         }
     }
@@ -44,7 +45,7 @@ impl Unpacker {
     /// Gives back the room of the packed bytes.
     pub(super) fn into_room(self) -> Vec<u8> {
         match self {
-            Self::Zstd { packed, .. } => packed.into_inner(),
+            Self::Zstd(decoder) => decoder.into_inner().into_inner(),
             Self::Lz4(decoder) => decoder.into_inner().into_inner(),
         }
     }
@@ -53,7 +54,7 @@ impl Unpacker {
 impl std::fmt::Debug for Unpacker {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let name = match self {
-            Self::Zstd { .. } => "Zstd",
+            Self::Zstd(_) => "Zstd",
             Self::Lz4(_) => "Lz4",
         };
         formatter.debug_tuple(name).finish_non_exhaustive()
@@ -63,7 +64,7 @@ impl std::fmt::Debug for Unpacker {
 impl Read for Unpacker {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
         match self {
-            Self::Zstd { packed, decoder } => read_zstd(packed, decoder, out),
+            Self::Zstd(decoder) => decoder.read(out),
             Self::Lz4(decoder) => read_lz4(decoder, out),
         }
     }
@@ -71,44 +72,6 @@ impl Read for Unpacker {
 
 fn is_used_up(packed: &Packed) -> bool {
     packed.position() >= packed.get_ref().len() as u64
-}
-
-fn read_zstd(packed: &mut Packed, decoder: &mut Zstd, out: &mut [u8]) -> io::Result<usize> {
-    loop {
-        let read = decoder.read(out)?;
-        if read > 0 || out.is_empty() {
-            return Ok(read);
-        }
-        if decoder.is_finished() {
-            if is_used_up(packed) {
-                return Ok(0);
-            }
-            start_frame(packed, decoder)?;
-        }
-        if !decoder.is_finished() {
-            let room = BlockDecodingStrategy::UptoBytes(out.len());
-            decoder.decode_blocks(&mut *packed, room).map_err(io::Error::other)?;
-        }
-    }
-}
-
-/// Starts the next frame, and passes over those that are to be skipped.
-fn start_frame(packed: &mut Packed, decoder: &mut Zstd) -> io::Result<()> {
-    use ruzstd::decoding::errors::{FrameDecoderError, ReadFrameHeaderError};
-    loop {
-        match decoder.reset(&mut *packed) {
-            Ok(()) => return Ok(()),
-            Err(FrameDecoderError::ReadFrameHeaderError(ReadFrameHeaderError::SkipFrame {
-                length, ..
-            })) => {
-                packed.set_position(packed.position().saturating_add(length.into()));
-                if is_used_up(packed) {
-                    return Ok(());
-                }
-            }
-            Err(error) => return Err(io::Error::other(error)),
-        }
-    }
 }
 
 fn read_lz4(decoder: &mut Lz4<Packed>, out: &mut [u8]) -> io::Result<usize> {

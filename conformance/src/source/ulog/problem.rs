@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::record::Extent;
+
 /// What is wrong with the bytes of a log. The offset of its item is that of the header or of the first byte
 /// that it is about.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -135,6 +137,31 @@ pub enum Malformation {
     },
     /// It isn't the magic of a sync message.
     SyncMagic,
+}
+
+impl Problem {
+    /// How much of the log can be read that has it.
+    pub fn extent(&self) -> Extent {
+        match self {
+            Self::ForeignMagic(_)
+            | Self::ShortHeader { .. }
+            | Self::UnknownIncompatible(_)
+            | Self::Skipped { .. }
+            | Self::Malformed { .. } => Extent::WithGaps,
+            Self::AppendedBeyondEnd(_) | Self::EndsInHeader { .. } | Self::EndsInPayload { .. } => {
+                Extent::EndsEarly
+            }
+            Self::NewerVersion(_)
+            | Self::NoFlagBits { .. }
+            | Self::FlagBitsNotFirst
+            | Self::FlagBitsLonger { .. }
+            | Self::AppendedOffset(_)
+            // What writes such logs cuts the message off.
+            | Self::Straddles { .. }
+            | Self::UnknownKind(_)
+            | Self::Odd { .. } => Extent::Whole,
+        }
+    }
 }
 
 impl fmt::Display for Problem {

@@ -1,5 +1,7 @@
 //! What rules say of reports by what these have in common.
 
+use std::collections::BTreeSet;
+
 use crate::conversation::Conversations;
 use crate::definitions::Definitions;
 use crate::finding::Findings;
@@ -42,6 +44,8 @@ struct Entry<K> {
     outcome: Option<Outcome>,
     /// Whether its findings have examples enough, and are only to be counted.
     is_settled: bool,
+    /// The UAVs of which its findings were told since then: messages name them, and each message is looked at once.
+    told: BTreeSet<Box<str>>,
     /// How often it was counted.
     times: u64,
 }
@@ -56,15 +60,27 @@ struct Outcome {
 
 impl<K> Entry<K> {
     fn of(key: K, outcome: Option<Outcome>) -> Self {
-        Self { key, outcome, is_settled: false, times: 0 }
+        Self { key, outcome, is_settled: false, told: BTreeSet::new(), times: 0 }
     }
 
-    /// Whether its findings are only to be counted; how many there are.
-    fn settled(&mut self, findings: &Findings) -> Option<u64> {
+    /// Whether its findings are only to be counted, where they are of this UAV; how many there are.
+    fn settled(&mut self, uav: &str, findings: &Findings) -> Option<u64> {
         let broken = &self.outcome.as_ref()?.broken;
+        if broken.is_empty() {
+            return Some(0);
+        }
         self.is_settled =
             self.is_settled || broken.iter().all(|(rule, subject, _)| findings.has_examples(rule, subject));
-        self.is_settled.then(|| broken.iter().map(|(.., count)| count).sum())
+        if !self.is_settled {
+            return None;
+        }
+        if !self.told.contains(uav) {
+            if self.told.len() < MAX_KNOWN && uav.len() <= MAX_TEXT {
+                self.told.insert(uav.into());
+            }
+            return None;
+        }
+        Some(broken.iter().map(|(.., count)| count).sum())
     }
 }
 
@@ -85,7 +101,7 @@ impl<'d> Known<'d> {
             let outcome = self.judge(version, "");
             self.versions.push(Entry::of(version.into(), outcome));
         }
-        self.versions[at].settled(findings).map(|_| at)
+        self.versions[at].settled("", findings).map(|_| at)
     }
 
     /// The number of a kind, if nothing is to be told of a state of it, such as this one, of this UAV; and how many findings
@@ -106,7 +122,7 @@ impl<'d> Known<'d> {
                 None => self.learn(kind, uav, state)?,
             };
         }
-        let count = self.kinds[self.latest].settled(findings)?;
+        let count = self.kinds[self.latest].settled(uav, findings)?;
         Some((self.latest, count))
     }
 
