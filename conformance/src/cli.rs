@@ -127,10 +127,9 @@ pub fn main() -> ExitCode {
 
 /// Prints and writes a report; the status that the run ends with.
 fn deliver(args: &ReportArgs, report: &Report) -> Status {
-    args.print(report);
     let failures = args.write(report);
-    for (path, error) in &failures {
-        anstream::eprintln!("error: {}: the report can't be written: {error}", path.display());
+    for failure in &failures {
+        anstream::eprintln!("error: {failure}");
     }
     if failures.is_empty() { report.conclusion.outcome.into() } else { Status::Unreadable }
 }

@@ -33,7 +33,8 @@ const WILDCARDS: [char; 3] = ['*', '?', '['];
 /// The files that `paths` name, in their order; of a folder those below it that can be judged, and of a pattern
 /// such as `logs/**/*.ulg` those that it matches, sorted.
 ///
-/// An error names the folder or pattern that can't be read or has nothing to judge.
+/// An error names the folder or pattern that can't be read or has nothing to judge; of what is no pattern it is of the
+/// kind [`InvalidInput`](io::ErrorKind::InvalidInput).
 pub fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, (PathBuf, io::Error)> {
     let mut files = Vec::new();
     for path in paths {
@@ -43,7 +44,9 @@ pub fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, (PathBuf, io::Error)> {
             let nothing = || format!("nothing to judge in it: no .{}", EXTENSIONS.join(", ."));
             search(path, is_judged, nothing).map_err(|error| (path.clone(), error))?
         } else if let (false, Some(pattern)) = (path.exists(), pattern(path)) {
-            let pattern = pattern.map_err(|error| (path.clone(), io::Error::other(error)))?.compile_matcher();
+            let pattern = pattern
+                .map_err(|error| (path.clone(), io::Error::new(io::ErrorKind::InvalidInput, error)))?
+                .compile_matcher();
             let nothing = || "no file matches this pattern".to_owned();
             search(&folder_of(path), |file| pattern.is_match(file), nothing)
                 .map_err(|error| (path.clone(), error))?

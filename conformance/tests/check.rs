@@ -14,6 +14,7 @@ use uavspec_conformance::comparison::Comparison;
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::finding::Verdict;
 use uavspec_conformance::judge::{Judgement, LogSource, Source, judge_ulog};
+use uavspec_conformance::record::Extent;
 use uavspec_conformance::rule::{RULES, rule};
 
 use support::{Writer, shared};
@@ -115,6 +116,34 @@ fn start() -> Writer {
     log.format(MARK_FORMAT);
     log.subscribe(5, 0, "glider");
     log
+}
+
+/// What isn't there may have been in what is missing.
+#[test]
+fn what_was_lost_with_a_part_of_the_log_breaks_no_rule() {
+    let whole = log_with(&Glider::at(60 * PERIOD)).bytes;
+    let found = |bytes: &[u8]| {
+        let (_folder, definitions) = definitions();
+        let judgement = judge_ulog(bytes, &definitions);
+        let found: Vec<&str> = broken(&judgement).iter().map(|(rule, _)| *rule).collect();
+        assert_ne!(judgement.extent, Extent::Whole);
+        (found, judgement.damage.into_iter().map(|(_, text)| text).collect::<Vec<_>>())
+    };
+    let position = |what: &[u8]| whole.windows(what.len()).position(|part| part == what).expect("a part");
+    // The subscription, which is the last before the data.
+    let subscription = position(b"\x00\x05\x00glider") - 3;
+    let mut torn = whole.clone();
+    torn[subscription..subscription + 3].copy_from_slice(&[0xff, 0xff, 0]);
+    let (rules, damage) = found(&torn);
+    assert_eq!(rules, [""; 0]);
+    assert!(damage.iter().any(|text| text.starts_with("data of id 5, which isn't subscribed")), "{damage:?}");
+    // Behind the format of the glider, and within that of the mark.
+    let mark = position(b"mark:uint64_t") - 3;
+    for cut in [mark, mark + 2, mark + 20] {
+        let (rules, damage) = found(&whole[..cut]);
+        assert_eq!(rules, [""; 0], "cut at {cut}");
+        assert!(!damage.is_empty(), "cut at {cut}");
+    }
 }
 
 fn judge(log: &Writer) -> Judgement {

@@ -243,6 +243,26 @@ fn nothing_is_said_before_a_request_is_seen() {
     assert_eq!(script.exercised("PX-EXT-01"), 3);
 }
 
+/// A log begins with the latest message of each topic.
+#[test]
+fn nothing_is_said_of_an_answer_that_is_older_than_all_requests() {
+    for is_first in [false, true] {
+        let mut script = Script::new();
+        if is_first {
+            script.reply(70 * PERIOD, 70, 3);
+        }
+        script.request(100 * PERIOD, 100, &[3]);
+        if !is_first {
+            script.reply(70 * PERIOD, 70, 3);
+        }
+        script.reply(100 * PERIOD + 5, 100, 3);
+        script.talk(101, 110, &[3]);
+        assert_eq!(script.found(), NOTHING);
+        script.reply(110 * PERIOD, 70, 3);
+        assert_eq!(script.found().len(), 1);
+    }
+}
+
 /// A log with something between the messages before and those after it.
 fn interrupted(before: &Script<'_>, between: Vec<Entry>, after: &Script<'_>) -> Vec<u8> {
     let mut log = before.flight.log();
@@ -451,12 +471,13 @@ fn an_answer_to_what_was_asked_before_somebody_left_may_be_under_way() {
 
 #[test]
 fn answers_that_stand_far_behind_are_looked_up_among_eight_requests() {
-    for (requests, is_wrong) in [(8, false), (9, true)] {
+    for (requests, is_found) in [(8, true), (9, false)] {
         let mut script = Script::new();
         script.talk(100, 100 + requests, &[]);
         script.reply(100 * PERIOD + 5, 99, 3);
         script.talk(100 + requests, 102 + requests, &[]);
-        assert_eq!(script.found().len(), usize::from(is_wrong), "{requests}");
+        assert_eq!(script.found(), NOTHING, "{requests}");
+        assert_eq!(script.exercised("PX-EXT-01"), u64::from(is_found), "{requests}");
     }
 }
 

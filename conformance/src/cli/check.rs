@@ -11,14 +11,14 @@ use uavspec_codegen::schema::MessageId;
 
 use super::known::KnownArgs;
 use super::progress::Progress;
-use super::report::{self, ReportArgs};
+use super::report::ReportArgs;
 use super::required::{RequireArgs, idle};
 use super::{Status, deliver};
 use crate::definitions::Definitions;
 use crate::input;
 use crate::judge;
 use crate::parallel;
-use crate::report::{Action, Judged, Kind, Report, Settings, Subject, Unreadable, subject_text};
+use crate::report::{Action, Judged, Report, Settings, Subject, Unreadable};
 
 /// Arguments of `check`.
 #[derive(Args, Debug)]
@@ -111,7 +111,8 @@ pub(super) fn check(args: &CheckArgs) -> Status {
         Ok(files) => files,
         Err((path, error)) => {
             anstream::eprintln!("error: {}: {error}", path.display());
-            return Status::Unreadable;
+            let is_mistake = error.kind() == io::ErrorKind::InvalidInput;
+            return if is_mistake { Status::Usage } else { Status::Unreadable };
         }
     };
     let mut known = match args.known.read() {
@@ -122,9 +123,7 @@ pub(super) fn check(args: &CheckArgs) -> Status {
     let (mut judged, mut subjects, mut unreadable) = (Vec::new(), Vec::new(), Vec::new());
     let mut take = |found: Judged| {
         let subject = Subject::of_source(found, &definitions, &settings);
-        if args.report.printed() == Kind::Text {
-            report::print(&subject_text(&subject));
-        }
+        args.report.print_subject(&subject);
         subjects.push(subject);
     };
     let sizes = files.iter().filter_map(|path| Some(fs::metadata(path).ok()?.len()));

@@ -9,14 +9,14 @@ use clap::Args;
 
 use super::known::KnownArgs;
 use super::progress::Progress;
-use super::report::{self, ReportArgs};
+use super::report::ReportArgs;
 use super::required::{RequireArgs, idle};
 use super::serve::login;
 use super::test::seconds;
 use super::{Status, deliver};
 use crate::live::endpoint::Endpoint;
 use crate::probe::{Options, probe};
-use crate::report::{Action, Judged, Kind, Report, Settings, Subject, Unreadable, subject_text};
+use crate::report::{Action, Judged, Report, Settings, Subject, Unreadable};
 
 /// Arguments of `probe`.
 #[derive(Args, Debug)]
@@ -105,11 +105,7 @@ fn prepared(args: &ProbeArgs) -> Result<Status, Status> {
     let settings = Settings { command: Some(super::command()), ..Settings::default() };
     let subjects: Vec<Subject> =
         judged.into_iter().map(|judged| Subject::of_source(judged, &definitions, &settings)).collect();
-    if args.report.printed() == Kind::Text {
-        for subject in &subjects {
-            report::print(&subject_text(subject));
-        }
-    }
+    subjects.iter().for_each(|subject| args.report.print_subject(subject));
     let remarks = idle(&required, &subjects);
     let report = Report::new(Action::Probe, super::command(), &definitions, subjects, unreadable, remarks);
     let status = deliver(&args.report, &report.with_stale_list(settled.is_stale())).max(settled);

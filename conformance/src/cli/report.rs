@@ -1,13 +1,14 @@
 //! Where reports go: `--format`, and any number of `--report`.
 
 use std::fs;
-use std::io::{self, Write as _};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::sync::OnceLock;
 
 use clap::{Args, ValueEnum as _};
 
-use crate::report::{Kind, Report};
+use crate::report::{Kind, Report, Subject, subject_text};
 
 /// What stands for standard output.
 const STANDARD_OUTPUT: &str = "-";
@@ -22,6 +23,9 @@ pub(super) struct ReportArgs {
     /// - is standard output.
     #[arg(long, value_name = "KIND=PATH", value_delimiter = ',')]
     report: Vec<Target>,
+    /// Why something couldn't be printed, which is told with the reports that can't be written.
+    #[arg(skip)]
+    unprinted: OnceLock<String>,
 }
 
 /// A report, and where it goes.
@@ -71,16 +75,25 @@ impl ReportArgs {
         self.format.or(printed).unwrap_or(Kind::Text)
     }
 
-    /// Prints the report, but as text, which was printed as it came to be. A reader that has seen enough closes
-    /// the pipe: that is no failure.
-    pub(super) fn print(&self, report: &Report) {
-        if self.printed() != Kind::Text {
-            let _ = io::stdout().write_all(report.to_text(self.printed()).as_bytes());
+    /// Prints what is said of a source, where the report that is printed is the text, as soon as it is known.
+    pub(super) fn print_subject(&self, subject: &Subject) {
+        if self.printed() == Kind::Text {
+            self.keep(print(&subject_text(subject)));
         }
     }
 
-    /// Writes all reports that go to files, also where one can't be written; which that are, and why.
-    pub(super) fn write(&self, report: &Report) -> Vec<(PathBuf, io::Error)> {
+    /// Keeps the first failure of printing until the reports are written.
+    fn keep(&self, printed: io::Result<()>) {
+        if let Err(error) = printed {
+            let _ = self.unprinted.set(format!("standard output: the report can't be printed: {error}"));
+        }
+    }
+
+    /// Prints or writes all reports, also where one can't be; tells which that are, and why.
+    pub(super) fn write(&self, report: &Report) -> Vec<String> {
+        if self.printed() != Kind::Text {
+            self.keep(said(&mut io::stdout(), &report.to_text(self.printed())));
+        }
         let files = self.report.iter().filter(|target| !target.is_printed());
         let write = |target: &Target| {
             let text = report.to_text(target.kind);
@@ -89,10 +102,10 @@ impl ReportArgs {
                 Kind::Text => anstream::adapter::strip_str(&text).to_string(),
                 _ => text,
             };
-            let result = write(&target.path, text.as_bytes());
-            result.err().map(|error| (target.path.clone(), error))
+            let error = write(&target.path, text.as_bytes()).err()?;
+            Some(format!("{}: the report can't be written: {error}", target.path.display()))
         };
-        files.filter_map(write).collect()
+        self.unprinted.get().cloned().into_iter().chain(files.filter_map(write)).collect()
     }
 }
 
@@ -103,8 +116,16 @@ impl Target {
 }
 
 /// Prints a text with colours, where they are shown.
-pub(super) fn print(text: &str) {
-    let _ = anstream::stdout().write_all(text.as_bytes());
+pub(super) fn print(text: &str) -> io::Result<()> {
+    said(&mut anstream::stdout(), text)
+}
+
+/// A reader that has seen enough closes the pipe: that is no failure.
+fn said(to: &mut impl Write, text: &str) -> io::Result<()> {
+    match to.write_all(text.as_bytes()).and_then(|()| to.flush()) {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        result => result,
+    }
 }
 
 /// Writes a file at once: nobody sees half of it, and an old one stays where the new one can't be written.

@@ -43,6 +43,11 @@ pub(super) fn rules(args: &RulesArgs) -> Status {
         (None, Format::Text) => catalogue::to_text(),
         (None, Format::Json) => catalogue::to_json(&crate::rule::RULES),
     };
-    super::report::print(&text);
-    Status::Conforms
+    match super::report::print(&text) {
+        Ok(()) => Status::Conforms,
+        Err(error) => {
+            anstream::eprintln!("error: standard output: {error}");
+            Status::Unreadable
+        }
+    }
 }

@@ -12,10 +12,10 @@ use uavspec_codegen::dynamic::Types;
 
 use super::known::KnownArgs;
 use super::progress::Progress;
-use super::report::{self, ReportArgs};
+use super::report::ReportArgs;
 use super::{Status, deliver};
 use crate::known::{Scope, excuse_cases, of_cases};
-use crate::report::{Action, Kind, Report, Subject, command_line, subject_text};
+use crate::report::{Action, Report, Subject, command_line};
 use crate::testee::case::{Case, cases};
 use crate::testee::file::{dump, replay};
 use crate::testee::outcome::Outcome;
@@ -152,9 +152,7 @@ pub(super) fn test(args: &TestArgs) -> Status {
     let settled = known.settle(Scope::Cases, &of_cases(&names, &outcome));
     excuse_cases(&known.lists, &mut outcome);
     let subject = Subject::of_testee(&outcome, &definitions, &|case| again(args, case));
-    if args.report.printed() == Kind::Text {
-        report::print(&subject_text(&subject));
-    }
+    args.report.print_subject(&subject);
     let subjects = vec![subject];
     let report = Report::new(Action::Test, super::command(), &definitions, subjects, Vec::new(), Vec::new());
     deliver(&args.report, &report.with_stale_list(settled.is_stale())).max(settled)

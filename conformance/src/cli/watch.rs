@@ -103,7 +103,10 @@ fn watch_once(args: &WatchArgs, codes: &Codes, inputs: &Receiver<Input>) -> Stat
         }
     }
     if fleet.is_complete() || !fleet.is_empty() {
-        print(&table(&fleet, codes, Instant::now()));
+        if let Err(error) = print(&table(&fleet, codes, Instant::now())) {
+            anstream::eprintln!("error: standard output: {error}");
+            return Status::Unreadable;
+        }
     }
     if fleet.is_complete() {
         return Status::Conforms;

@@ -61,7 +61,8 @@ impl Checker for Versions {
             None => ("the definition", message.version.unwrap_or(0)),
         };
         if version != stated.to_string() {
-            judged.report(channel.topic, channel.place, || {
+            let definition = judged.defined(channel.definition);
+            judged.report_defined(channel.topic, channel.place, definition, || {
                 Detail::new(format!("the topic is of version {version}, {whose} of version {stated}"))
                     .expected(stated.to_string())
                     .actual(version)

@@ -54,13 +54,30 @@ fn a_pause_is_longer_than_ten_periods() {
 
 #[test]
 fn nothing_is_said_of_a_rhythm_that_is_not_known_yet() {
-    for (messages, is_known) in [(33, false), (34, true)] {
+    for (messages, is_known) in [(32, false), (33, true)] {
         let (mut log, last) = regular(messages);
         at(&mut log, [last + 20 * PERIOD]);
         let judgement = judge(&log);
         assert_eq!(broken(&judgement).len(), usize::from(is_known), "{messages}");
         assert_eq!(exercised(&judgement, "PX-TIME-02"), u64::from(is_known), "{messages}");
     }
+}
+
+/// A log begins with the latest message of each topic, whenever that was; and several may come at once.
+#[test]
+fn a_beginning_that_is_out_of_time_makes_no_pauses() {
+    for first in [FIRST - 1, FIRST - 100, FIRST - 500_000] {
+        let mut log = start();
+        at(&mut log, [first]);
+        at(&mut log, (0..400).map(|number| FIRST + number * PERIOD));
+        assert_eq!(broken(&judge(&log)), [], "{first}");
+    }
+    let mut log = start();
+    at(&mut log, (0..40).map(|number| FIRST + number * 20));
+    at(&mut log, [FIRST + 39 * 20 + 300]);
+    let judgement = judge(&log);
+    let detail = &judgement.findings.groups().next().expect("a finding").examples[0].1;
+    assert_eq!(detail.message, "300 µs without a message, where one comes each 20 µs");
 }
 
 /// One interval that is out of time moves the period a little, and no further than to itself.
