@@ -91,13 +91,6 @@ impl Status {
     }
 }
 
-impl Status {
-    /// Whether what came of a list of known failures is that it doesn't hold true, and couldn't be mended.
-    fn is_stale(self) -> bool {
-        self != Self::Conforms
-    }
-}
-
 impl From<Outcome> for Status {
     fn from(outcome: Outcome) -> Self {
         match outcome {

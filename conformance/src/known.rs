@@ -54,6 +54,7 @@ pub use self::date::Date;
 pub use self::judge::{Checked, Name, Outcome, Scope, Stale, Why};
 use self::pattern::Pattern;
 pub use self::run::{excuse_cases, excuse_findings, of_cases, of_findings, of_unread};
+use crate::report::Reason;
 use crate::rule::Rule;
 
 /// The longest list that is read, in bytes: room for some thousand entries.
@@ -215,6 +216,17 @@ impl Lists {
     pub fn render(&self, stale: &[Stale], level: Level, is_styled: bool) -> String {
         let findings: Vec<Finding> = stale.iter().filter_map(|stale| self.finding(stale, level)).collect();
         render::findings(&findings, &self.sources, is_styled)
+    }
+
+    /// The same for reports: each with its place.
+    pub fn reasons(&self, stale: &[Stale]) -> Vec<Reason> {
+        let findings = stale.iter().filter_map(|stale| self.finding(stale, Level::Error));
+        let reason = |finding: Finding| Reason {
+            message: finding.message,
+            path: self.sources.path(self.sources.source_of(finding.span)).to_owned(),
+            line: Some(self.sources.position(finding.span).line as u64),
+        };
+        findings.map(reason).collect()
     }
 
     /// The lists without what is stale in them, and those of their texts that change.

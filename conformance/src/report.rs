@@ -23,6 +23,8 @@ mod source;
 mod testee;
 mod text;
 
+use std::fmt;
+
 use serde::Serialize;
 
 pub use self::conclusion::{Conclusion, Outcome};
@@ -54,12 +56,27 @@ pub struct Report {
     pub definitions: String,
     /// What it comes to.
     pub conclusion: Conclusion,
+    /// Why the run as a whole fails, beside what was found: a rule that had to be exercised and wasn't, or an entry of a
+    /// list of known failures that no longer holds true.
+    pub reasons: Vec<Reason>,
     /// The rules that were applied, by id, with what came of them in all subjects.
     pub rules: Vec<RuleReport>,
     /// What was judged.
     pub subjects: Vec<Subject>,
     /// What couldn't be read.
     pub unreadable: Vec<Unreadable>,
+}
+
+/// Why a run as a whole fails.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Reason {
+    /// What is the matter.
+    pub message: String,
+    /// The list that it is about; empty where it is about none.
+    pub path: String,
+    /// The line in it.
+    pub line: Option<u64>,
 }
 
 /// What was done.
@@ -559,15 +576,16 @@ pub struct Unreadable {
 impl Report {
     /// Puts a report together.
     ///
-    /// `remarks` are reasons not to conform that are no findings, such as a rule that had to be exercised.
+    /// `reasons` not to conform are no findings, such as that a rule had to be exercised.
     pub fn new(
         action: Action,
         command: String,
         definitions: &Definitions,
         subjects: Vec<Subject>,
         unreadable: Vec<Unreadable>,
-        remarks: Vec<String>,
+        reasons: Vec<Reason>,
     ) -> Self {
+        let remarks = reasons.iter().map(Reason::to_string).collect();
         Self {
             version: VERSION,
             uavspec: env!("CARGO_PKG_VERSION").to_owned(),
@@ -575,21 +593,44 @@ impl Report {
             command,
             definitions: definitions.name.clone(),
             conclusion: Conclusion::of_all(action, &subjects, &unreadable, remarks),
+            reasons,
             rules: rules(&subjects),
             subjects,
             unreadable,
         }
     }
 
-    /// The same, where a list of known failures doesn't hold true any more; that weighs less than what fails.
+    /// The same, where these entries of lists of known failures don't hold true any more; that weighs less than what
+    /// fails.
     #[must_use]
-    pub fn with_stale_list(mut self, is_stale: bool) -> Self {
-        if is_stale && self.conclusion.outcome < Outcome::Stale {
-            let remarks = vec![self.conclusion.text];
+    pub fn with_stale(mut self, entries: Vec<Reason>) -> Self {
+        if entries.is_empty() {
+            return self;
+        }
+        let mut remarks = vec![self.conclusion.text.clone()];
+        remarks.extend(entries.iter().map(Reason::to_string));
+        self.reasons.extend(entries);
+        if self.conclusion.outcome < Outcome::Stale {
             let text = "A list of known failures no longer holds true";
             self.conclusion = Conclusion { remarks, ..Conclusion::new(Outcome::Stale, text) };
         }
         self
+    }
+}
+
+impl From<String> for Reason {
+    fn from(message: String) -> Self {
+        Self { message, path: String::new(), line: None }
+    }
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { message, path, line } = self;
+        match line {
+            Some(line) => write!(formatter, "{path}:{line}: {message}"),
+            None => formatter.write_str(message),
+        }
     }
 }
 

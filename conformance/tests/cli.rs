@@ -232,9 +232,45 @@ fn formats_and_idle_rules_count_where_that_is_asked() {
     let (status, _, said) = check(&["--require", "PX-VER-01"]);
     assert_eq!(status, Some(1));
     assert!(said.contains("PX-VER-01 was required"), "{said}");
+    for (kind, marks) in [
+        ("junit", &["failures=\"1\"", "name=\"as a whole\"", "PX-VER-01 was required"][..]),
+        ("sarif", &["\"ruleId\": \"run\"", "PX-VER-01 was required"]),
+        ("json", &["\"reasons\": [\n    {\n      \"message\": \"PX-VER-01 was required"]),
+        ("markdown", &["PX-VER-01 was required"]),
+        ("html", &["PX-VER-01 was required"]),
+    ] {
+        let (_, printed, _) = check(&["--require", "PX-VER-01", "--format", kind]);
+        assert!(marks.iter().all(|mark| printed.contains(mark)), "{kind}: {printed}");
+    }
     let (status, _, said) = check(&["--require", "PX-NONE-01"]);
     assert_eq!(status, Some(2));
     assert!(said.contains("no such rule") && said.contains("help:"), "{said}");
+}
+
+#[test]
+fn a_pattern_that_is_none_is_a_mistake() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (status, _, said) = uavspec(folder.path(), &["check", "[day"]);
+    assert_eq!(status, Some(2));
+    assert!(said.starts_with("error: [day: "), "{said}");
+}
+
+/// A disk may be full.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_report_that_can_not_be_printed_fails_the_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("flight.ulg"), typical(20)).expect("a file");
+    for arguments in [&["check", "flight.ulg"][..], &["check", "flight.ulg", "--format", "json"], &["rules"]]
+    {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_uavspec"));
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("a device");
+        let output =
+            command.args(arguments).current_dir(folder.path()).stdout(full).output().expect("it runs");
+        assert_eq!(output.status.code(), Some(3), "{arguments:?}");
+        let said = String::from_utf8(output.stderr).expect("UTF-8");
+        assert!(said.contains("error: standard output: "), "{said}");
+    }
 }
 
 #[test]

@@ -62,7 +62,10 @@ impl Evil {
                 process::exit(5);
             }
             "wrong-id" => writeln!(output, "{}", json!({ "id": 1_000_000, "ok": null }))?,
-            "not-utf8" => output.write_all(b"{\"id\":0,\"ok\":\"\xff\"}\n")?,
+            "not-utf8" => {
+                write!(output, "{{\"id\":{},\"ok\":\"", request["id"])?;
+                output.write_all(b"\xff\"}\n")?;
+            }
             "endless" => loop {
                 output.write_all(&[b'x'; 4096])?;
             },

@@ -146,9 +146,9 @@ pub(super) fn check(args: &CheckArgs) -> Status {
     drop(progress);
     let settled = known.settle_sources(&mut judged, &unreadable);
     judged.into_iter().for_each(take);
-    let remarks = idle(&required, &subjects);
-    let report = Report::new(Action::Check, super::command(), &definitions, subjects, unreadable, remarks);
-    deliver(&args.report, &report.with_stale_list(settled.is_stale())).max(settled)
+    let reasons = idle(&required, &subjects);
+    let report = Report::new(Action::Check, super::command(), &definitions, subjects, unreadable, reasons);
+    deliver(&args.report, &report.with_stale(known.stale)).max(settled)
 }
 
 /// How sources are to be judged.

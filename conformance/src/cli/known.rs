@@ -9,7 +9,7 @@ use uavspec_codegen::diagnostic::Level;
 use super::Status;
 use crate::known::{Checked, Date, Lists, Scope, Stale, excuse_findings, of_findings, of_unread};
 use crate::record::Extent;
-use crate::report::{Judged, Unreadable};
+use crate::report::{Judged, Reason, Unreadable};
 
 /// Arguments of commands that know such lists.
 #[derive(Args, Debug)]
@@ -28,6 +28,8 @@ pub(super) struct KnownArgs {
 pub(super) struct Known {
     /// The lists, as they are after the run.
     pub(super) lists: Lists,
+    /// Why they don't hold true after the run, entry by entry.
+    pub(super) stale: Vec<Reason>,
     today: Date,
     is_fixing: bool,
 }
@@ -41,7 +43,7 @@ impl KnownArgs {
         };
         let lists = Lists::read(&self.known).map_err(|error| told(error.to_string()))?;
         let today = Date::today().map_err(|error| told(format!("error: {error}")))?;
-        Ok(Known { lists, today, is_fixing: self.fix_known })
+        Ok(Known { lists, stale: Vec::new(), today, is_fixing: self.fix_known })
     }
 }
 
@@ -59,6 +61,7 @@ impl Known {
         }
         if let Err(error) = self.fix(&stale) {
             anstream::eprintln!("{error}");
+            self.stale = self.lists.reasons(&stale);
             return Status::Usage;
         }
         let left = self.lists.judge(scope, checked, self.today);
@@ -69,7 +72,8 @@ impl Known {
         Status::Stale
     }
 
-    fn tell(&self, stale: &[Stale], help: &str) {
+    fn tell(&mut self, stale: &[Stale], help: &str) {
+        self.stale = self.lists.reasons(stale);
         anstream::eprint!("{}", self.lists.render(stale, Level::Error, true));
         anstream::eprintln!("error: a list of known failures no longer holds true\n  help: {help}");
     }

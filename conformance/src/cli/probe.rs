@@ -106,9 +106,9 @@ fn prepared(args: &ProbeArgs) -> Result<Status, Status> {
     let subjects: Vec<Subject> =
         judged.into_iter().map(|judged| Subject::of_source(judged, &definitions, &settings)).collect();
     subjects.iter().for_each(|subject| args.report.print_subject(subject));
-    let remarks = idle(&required, &subjects);
-    let report = Report::new(Action::Probe, super::command(), &definitions, subjects, unreadable, remarks);
-    let status = deliver(&args.report, &report.with_stale_list(settled.is_stale())).max(settled);
+    let reasons = idle(&required, &subjects);
+    let report = Report::new(Action::Probe, super::command(), &definitions, subjects, unreadable, reasons);
+    let status = deliver(&args.report, &report.with_stale(known.stale)).max(settled);
     match (probed.unrecorded, &args.record) {
         (Some(error), Some(path)) => {
             anstream::eprintln!("error: {}: the recording can't be written: {error}", path.display());

@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::Status;
-use crate::report::Subject;
+use crate::report::{Reason, Subject};
 use crate::rule::{Rule, rule};
 
 /// Arguments of commands that judge by rules.
@@ -28,7 +28,7 @@ impl RequireArgs {
 }
 
 /// Which of these rules were not exercised in any subject; that is told as well.
-pub(super) fn idle(required: &[&Rule], subjects: &[Subject]) -> Vec<String> {
+pub(super) fn idle(required: &[&Rule], subjects: &[Subject]) -> Vec<Reason> {
     let is_idle = |id: &str| {
         let rules = subjects.iter().flat_map(|subject| &subject.rules);
         rules.filter(|rule| rule.id == id).all(|rule| rule.exercised == 0)
@@ -37,7 +37,7 @@ pub(super) fn idle(required: &[&Rule], subjects: &[Subject]) -> Vec<String> {
     let remarks = idle.map(|rule| {
         let remark = format!("{} was required, and nothing was there that it could have judged", rule.id);
         anstream::eprintln!("error: {remark}");
-        remark
+        Reason::from(remark)
     });
     remarks.collect()
 }

@@ -155,7 +155,7 @@ pub(super) fn test(args: &TestArgs) -> Status {
     args.report.print_subject(&subject);
     let subjects = vec![subject];
     let report = Report::new(Action::Test, super::command(), &definitions, subjects, Vec::new(), Vec::new());
-    deliver(&args.report, &report.with_stale_list(settled.is_stale())).max(settled)
+    deliver(&args.report, &report.with_stale(known.stale)).max(settled)
 }
 
 /// The command that asks one case alone.

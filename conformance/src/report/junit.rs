@@ -32,7 +32,17 @@ pub(super) fn write(report: &Report) -> String {
         let case = junit::Case { outcome, ..junit::Case::passed(&name, READABLE) };
         Suite { name, cases: vec![case] }
     }));
+    suites.extend(whole(name, &report.reasons));
     junit::write(name, &suites)
+}
+
+/// What fails the run, and belongs to no source.
+fn whole(name: &str, reasons: &[super::Reason]) -> Option<Suite> {
+    let told: Vec<String> = reasons.iter().map(|reason| shown(&reason.to_string())).collect();
+    let (kind, message) = ("run".to_owned(), told.first()?.clone());
+    let outcome = Outcome::Failed(Reason { kind, message, text: told.join("\n") });
+    let case = junit::Case { outcome, ..junit::Case::passed(name, "as a whole") };
+    Some(Suite { name: name.to_owned(), cases: vec![case] })
 }
 
 /// The case that says what can't be read.

@@ -14,6 +14,10 @@ use crate::rule;
 /// The id under which damage is told, and what it is.
 const DAMAGE: (&str, &str) = ("damage", "A file can be read from its start to its end.");
 
+/// The id of what fails a run as a whole, and what that asks.
+const RUN: (&str, &str) =
+    ("run", "Rules that are required are exercised, and lists of known failures hold true.");
+
 /// The id of what is against the protocol of testees, and what that asks.
 const MANNERS: (&str, &str) = ("protocol", "A testee keeps to the protocol.");
 
@@ -37,6 +41,13 @@ pub(super) fn write(report: &Report) -> String {
         level: Level::Error,
         ..entry(DAMAGE.0, Level::Error, &unreadable.message, whole(&unreadable.path))
     }));
+    entries.extend(report.reasons.iter().map(|reason| {
+        // What belongs to no file has to stand at one.
+        let first = report.subjects.first().map_or(".", |subject| &subject.path);
+        let path = if reason.path.is_empty() { first } else { &reason.path };
+        let region = reason.line.map_or(Region::Whole, Region::Line);
+        entry(RUN.0, Level::Error, &reason.message, Place { path: path.to_owned(), region })
+    }));
     let mut rules: Vec<RuleInfo> = report.rules.iter().map(rule).collect();
     let mut other = |(id, purpose): (&'static str, &'static str), level| {
         if entries.iter().any(|entry| entry.rule == id) {
@@ -44,6 +55,7 @@ pub(super) fn write(report: &Report) -> String {
         }
     };
     other(DAMAGE, Level::Note);
+    other(RUN, Level::Error);
     other(MANNERS, Level::Error);
     for case in report.subjects.iter().flat_map(cases) {
         if rules.iter().all(|rule| rule.id != case.op) {

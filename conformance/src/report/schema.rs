@@ -8,7 +8,7 @@ use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use serde_json::{Map, Value, json};
 
-use super::{Action, Judged, Report, Settings, Subject, Unreadable};
+use super::{Action, Judged, Reason, Report, Settings, Subject, Unreadable};
 use crate::definitions::Definitions;
 use crate::judge::judge;
 use crate::rule::RULES;
@@ -105,14 +105,14 @@ fn a_report_with_every_rule_broken_keeps_to_it() {
     let mut subjects: Vec<Subject> = mutants.map(subject).collect();
     subjects.push(subject(b"no JSON\n".to_vec()));
     let unreadable = Unreadable { path: "gone".to_owned(), message: "absent".to_owned() };
-    let remarks = vec!["something was required".to_owned()];
+    let reasons = vec![Reason::from("something was required".to_owned())];
     let report = Report::new(
         Action::Check,
         "uavspec check".to_owned(),
         &definitions,
         subjects,
         vec![unreadable],
-        remarks,
+        reasons,
     );
     let value = serde_json::to_value(&report).expect("JSON");
     let validator = jsonschema::validator_for(&schema()).expect("a schema");

@@ -56,7 +56,7 @@ pub fn replay<'c>(
             hello = Some(found);
             continue;
         }
-        let (id, answer) = match Answer::read(line.trim_ascii()) {
+        let (id, answer) = match Answer::read_or_blame(line.trim_ascii()) {
             Ok(answer) => answer,
             Err(wrong) => {
                 manners.remark(format!("{wrong}: {}", excerpt(line)));

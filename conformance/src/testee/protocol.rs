@@ -170,10 +170,7 @@ pub enum Answer {
 impl Answer {
     /// Reads a line: the id, and the answer or what is wrong with it.
     pub fn read(line: &[u8]) -> Result<(i64, Self), String> {
-        if let Err(error) = std::str::from_utf8(line) {
-            return Err(format!("no UTF-8 from byte {}", error.valid_up_to()));
-        }
-        let value: Value = serde_json::from_slice(line).map_err(|error| format!("no JSON: {error}"))?;
+        let value = json(line)?;
         let id = Some(&value["id"]).filter(|id| id.is_number()).and_then(integer);
         let id = id.and_then(|id| i64::try_from(id).ok()).ok_or("no member \"id\" with an integer")?;
         let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
@@ -194,6 +191,31 @@ impl Answer {
         };
         Ok((id, answer))
     }
+
+    /// The same; of a line that can't be read the answer is that, where its id stands at its beginning. Many libraries
+    /// write NaN by its name, and nobody has to wait for an answer that has come.
+    pub fn read_or_blame(line: &[u8]) -> Result<(i64, Self), String> {
+        Self::read(line).or_else(|wrong| match leading_id(line) {
+            Some(id) => Ok((id, Self::Error(wrong))),
+            None => Err(wrong),
+        })
+    }
+}
+
+fn json(line: &[u8]) -> Result<Value, String> {
+    let text =
+        std::str::from_utf8(line).map_err(|error| format!("no UTF-8 from byte {}", error.valid_up_to()))?;
+    serde_json::from_str(text).map_err(|error| format!("no JSON: {error}"))
+}
+
+/// The id of a line that can't be read, where it stands at its beginning.
+fn leading_id(line: &[u8]) -> Option<i64> {
+    let mut rest = line;
+    for part in ["{", "\"id\"", ":"] {
+        rest = rest.strip_prefix(part.as_bytes())?.trim_ascii_start();
+    }
+    let end = rest.iter().position(|byte| !byte.is_ascii_digit() && *byte != b'-')?;
+    std::str::from_utf8(&rest[..end]).ok()?.parse().ok()
 }
 
 #[cfg(test)]
@@ -250,5 +272,19 @@ mod tests {
             assert!(read(wrong).is_err(), "{wrong}");
         }
         assert!(Answer::read(b"\xff").expect_err("no UTF-8").contains("no UTF-8"));
+        for (line, wrong) in [
+            (&b"{ \"id\": 7, \"ok\": {\"speed\": NaN}}"[..], "no JSON"),
+            (b"{\"id\":7,\"ok\":\"\xff\"}", "no UTF-8 from byte 14"),
+            (b"{\"id\":7,", "no JSON"),
+        ] {
+            let Ok((7, Answer::Error(why))) = Answer::read_or_blame(line) else { panic!("{line:?}") };
+            assert!(why.starts_with(wrong), "{why}");
+            assert_eq!(Answer::read(line), Err(why));
+        }
+        for line in
+            ["{\"id\":7", "{\"id\":\"7\"", "{\"ok\":{\"id\":7,", "{\"id\" 7,", "\"id\":7,", "{\"id\":-,"]
+        {
+            assert!(Answer::read_or_blame(line.as_bytes()).is_err(), "{line}");
+        }
     }
 }

@@ -284,7 +284,7 @@ impl<'s, 'r> Worker<'s, 'r> {
     }
 
     fn line(&mut self, line: &[u8]) {
-        let (id, answer) = match Answer::read(line.trim_ascii()) {
+        let (id, answer) = match Answer::read_or_blame(line.trim_ascii()) {
             Ok(answer) => answer,
             Err(wrong) => return self.shared.remark(format!("{wrong}: {}", excerpt(line))),
         };

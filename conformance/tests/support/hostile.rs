@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::judge::judge;
-use uavspec_conformance::report::{Action, Judged, Known, Report, Settings, Subject, Unreadable};
+use uavspec_conformance::report::{Action, Judged, Known, Reason, Report, Settings, Subject, Unreadable};
 use uavspec_conformance::rule::RULES;
 use uavspec_conformance::sample::Flight;
 use uavspec_conformance::testee::case::cases;
@@ -68,8 +68,8 @@ pub(crate) fn checked(definitions: &Definitions) -> Report {
     };
     last.findings[0].known = Some(known);
     let unreadable = vec![Unreadable { path: format!("gone{HOSTILE}"), message: HOSTILE.to_owned() }];
-    let remarks = vec![format!("required: {HOSTILE}")];
-    Report::new(Action::Check, format!("uavspec check {HOSTILE}"), definitions, subjects, unreadable, remarks)
+    let reasons = vec![Reason::from(format!("required: {HOSTILE}"))];
+    Report::new(Action::Check, format!("uavspec check {HOSTILE}"), definitions, subjects, unreadable, reasons)
 }
 
 /// A report of `test` with every verdict.
