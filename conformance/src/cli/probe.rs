@@ -105,7 +105,9 @@ fn prepared(args: &ProbeArgs) -> Result<Status, Status> {
     let settings = Settings { command: Some(super::command()), ..Settings::default() };
     let subjects: Vec<Subject> =
         judged.into_iter().map(|judged| Subject::of_source(judged, &definitions, &settings)).collect();
-    subjects.iter().for_each(|subject| args.report.print_subject(subject));
+    for subject in &subjects {
+        args.report.print_subject(subject);
+    }
     let reasons = idle(&required, &subjects);
     let report = Report::new(Action::Probe, super::command(), &definitions, subjects, unreadable, reasons);
     let status = deliver(&args.report, &report.with_stale(known.stale)).max(settled);

@@ -102,11 +102,11 @@ fn watch_once(args: &WatchArgs, codes: &Codes, inputs: &Receiver<Input>) -> Stat
             fleet.take(event, now);
         }
     }
-    if fleet.is_complete() || !fleet.is_empty() {
-        if let Err(error) = print(&table(&fleet, codes, Instant::now())) {
-            anstream::eprintln!("error: standard output: {error}");
-            return Status::Unreadable;
-        }
+    if (fleet.is_complete() || !fleet.is_empty())
+        && let Err(error) = print(&table(&fleet, codes, Instant::now()))
+    {
+        anstream::eprintln!("error: standard output: {error}");
+        return Status::Unreadable;
     }
     if fleet.is_complete() {
         return Status::Conforms;

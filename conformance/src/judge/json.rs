@@ -11,7 +11,7 @@ use uavspec_codegen::schema::MessageId;
 use self::envelope::{Channels, Fast, Form, Open, Which, form, read};
 use self::templates::Templates;
 use super::flockwave::{FlockwaveJudge, is_flockwave};
-use super::topic::{message_of, topic_of};
+use super::topic::{definition_of, topic_of};
 use super::{Course, Judgement, Source};
 use crate::definitions::Definitions;
 use crate::json::{CUT_OFF, Clean, Dialects, Plans, SyntaxError, Told, Tree};
@@ -23,6 +23,9 @@ const MAX_CHANNELS: usize = 10_000;
 
 /// The longest name of a topic or type that is kept; ROS 2 allows no longer ones either.
 const MAX_NAME: usize = 256;
+
+/// What MCAP calls types of ROS 2, as rosbridge names them.
+const ROS: &str = "ros2msg";
 
 /// What a source of JSON says of itself.
 #[derive(Debug)]
@@ -115,6 +118,8 @@ struct JsonJudge<'d> {
     plans: Plans,
     channels: Channels,
     templates: Templates,
+    /// Topics whose type was named, with its definition, if there is one.
+    advertised: HashMap<String, Option<MessageId>>,
     skipped: u64,
     dialects: Dialects,
     /// What the message says that is read, as it lies in memory.
@@ -133,6 +138,7 @@ impl<'d> JsonJudge<'d> {
                 by_topic: HashMap::new(),
             },
             templates: Templates::default(),
+            advertised: HashMap::new(),
             skipped: 0,
             dialects: Dialects::default(),
             values: Vec::new(),
@@ -186,6 +192,10 @@ impl<'d> JsonJudge<'d> {
             Some(at) => return self.judge(at, &tree, place, false),
             None => match form(&tree) {
                 Form::Message(which, name, message) => (which, name, message),
+                Form::Advertised(topic, ty) => {
+                    self.advertise(topic, ty);
+                    return self.skipped += 1;
+                }
                 Form::Skipped => return self.skipped += 1,
                 Form::Unknown(problem) => return self.course.gap(place, problem.to_owned()),
             },
@@ -194,13 +204,16 @@ impl<'d> JsonJudge<'d> {
             let text = format!("a topic or type whose name has more than {MAX_NAME} bytes");
             return self.course.gap(place, text);
         }
-        let definition = || match which {
-            Which::Type => self.course.definitions.message_of_type(name),
-            Which::Topic => message_of(topic_of(name), self.course.definitions),
+        let definition = |judge: &Self| match which {
+            Which::Type => judge.course.definitions.message_of_type(name),
+            Which::Topic => {
+                let guessed = || definition_of(name, None, judge.course.definitions);
+                judge.advertised.get(name).copied().unwrap_or_else(guessed)
+            }
         };
         let known = self.channels.get(which, name);
         let Some(at) = known.or_else(|| {
-            let definition = definition();
+            let definition = definition(self);
             self.open(which, name, definition, line)
         }) else {
             return self.course.gap(place, format!("more than {MAX_CHANNELS} topics and types"));
@@ -213,6 +226,14 @@ impl<'d> JsonJudge<'d> {
             return self.message(at, clean, place);
         }
         self.judge(at, message, place, which == Which::Topic);
+    }
+
+    /// A topic is of this type, whatever it is called.
+    fn advertise(&mut self, topic: &str, ty: &str) {
+        if self.advertised.len() < MAX_CHANNELS && topic.len() <= MAX_NAME {
+            let definition = definition_of(topic, Some((ty, ROS)), self.course.definitions);
+            self.advertised.insert(topic.to_owned(), definition);
+        }
     }
 
     /// Judges a message of an open channel.
@@ -249,6 +270,8 @@ impl<'d> JsonJudge<'d> {
         }
         let defined = definition.map(|id| (id, self.course.number_channel()));
         let name_told = match which {
+            // Whose it is says why it isn't known.
+            _ if definition.is_none() => name,
             Which::Type => name.rsplit('/').next().unwrap_or(name),
             Which::Topic => topic_of(name),
         };

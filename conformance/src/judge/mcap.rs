@@ -6,7 +6,6 @@
 
 mod cdr;
 mod json_schema;
-mod named;
 mod open;
 mod schemas;
 mod stated;
@@ -19,11 +18,11 @@ use serde::de::DeserializeSeed as _;
 use uavspec_codegen::schema::MessageId;
 
 use self::cdr::{CdrJudge, unpacked};
-use self::named::{definition_of, is_same_type};
 pub use self::open::{Basis, McapChannel, Standing};
 use self::open::{Identity, Open, Reading};
 use self::schemas::Schemas;
 use self::stated::Stated;
+use super::topic::{definition_of, is_same_type};
 use super::{Course, Judgement, Source};
 use crate::definitions::Definitions;
 use crate::detail::Detail;

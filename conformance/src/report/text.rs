@@ -7,6 +7,7 @@ mod testee;
 use std::fmt::{self, Write as _};
 
 use anstyle::{AnsiColor, Style};
+use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::shown::shown;
 use super::{About, Finding, FormatResult, Json, Known, Report, Subject, Ulog, Verdict};
@@ -84,31 +85,36 @@ fn of_source(
 
 fn head(subject: &Subject, log: &Ulog, text: &mut String) -> std::fmt::Result {
     let firmware = log.firmware.as_deref().map_or_else(|| "unknown firmware".to_owned(), shown);
-    let seconds = subject.duration_us / 1_000_000;
     writeln!(
         text,
-        "{}  {firmware}, {} min {} s, {} topics, {} records, {} dropouts ({} ms)\n",
+        "{}  {firmware}, {}, {}, {}, {} ({} ms)\n",
         shown(&subject.path),
-        seconds / 60,
-        seconds % 60,
-        log.formats.len(),
-        Grouped(subject.records),
-        log.dropouts,
+        duration(subject),
+        plural(log.formats.len() as u64, "topic"),
+        plural(subject.records, "record"),
+        plural(log.dropouts, "dropout"),
         subject.elapsed,
     )
+}
+
+/// From the first to the last timestamp.
+fn duration(subject: &Subject) -> String {
+    let seconds = subject.duration_us / 1_000_000;
+    match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
+        (0, 0, seconds) => format!("{seconds} s"),
+        (0, minutes, seconds) => format!("{minutes} min {seconds} s"),
+        (hours, minutes, _) => format!("{} h {minutes} min", Grouped(hours)),
+    }
 }
 
 fn json(subject: &Subject, found: &Json, text: &mut String) -> std::fmt::Result {
     writeln!(
         text,
-        "{}  {} {}, {} {} of {} {} ({} ms)\n",
+        "{}  {}, {} of {} ({} ms)\n",
         shown(&subject.path),
-        Grouped(found.lines),
-        if found.lines == 1 { "line" } else { "lines" },
-        Grouped(subject.records),
-        if subject.records == 1 { "message" } else { "messages" },
-        found.types,
-        if found.types == 1 { "type" } else { "types" },
+        plural(found.lines, "line"),
+        plural(subject.records, "message"),
+        plural(found.types, "type"),
         subject.elapsed,
     )?;
     let mut has_notes = false;

@@ -40,7 +40,34 @@ fn messages_come_in_several_forms() {
     assert_eq!((judgement.records, judgement.judged), (6, 4));
     let found = source(&judgement);
     assert_eq!((found.lines, found.types, found.skipped), (7, 1, 1));
-    assert_eq!(found.undefined.iter().collect::<Vec<_>>(), ["kite"]);
+    assert_eq!(found.undefined.iter().collect::<Vec<_>>(), ["/fmu/out/kite"]);
+}
+
+/// What rosbridge says of the type of a topic counts more than what the topic is called.
+#[test]
+fn topics_have_the_type_that_was_advertised() {
+    let topics = [
+        ("/any", "px4_msgs/msg/Glider", true),
+        ("/glider", "px4_msgs/Glider", true),
+        ("/robot/glider", "robot_msgs/msg/Wing", false),
+        ("/other/glider", "", true),
+        ("/other", "", false),
+    ];
+    let mut lines = Vec::new();
+    for (topic, ty, _) in topics {
+        if !ty.is_empty() {
+            lines.push(json!({"op": "advertise", "topic": topic, "type": ty}).to_string());
+        }
+        lines.push(published(topic, &glider(PERIOD)));
+    }
+    lines.push(json!({"op": "subscribe", "topic": "/some"}).to_string());
+    lines.push(json!({"op": "subscribe", "topic": "/more", "type": "px4_msgs/msg/Glider"}).to_string());
+    lines.push(published("/more", &glider(PERIOD)));
+    let judgement = judge_bytes(lines.join("\n").as_bytes());
+    assert_eq!((broken(&judgement), damage(&judgement)), (vec![], vec![]));
+    assert_eq!((judgement.records, judgement.judged), (6, 4));
+    assert_eq!(source(&judgement).undefined.iter().collect::<Vec<_>>(), ["/other", "/robot/glider"]);
+    assert_eq!(source(&judgement).skipped, 5);
 }
 
 /// A topic is known by its name with the number of its instance, as it is in MCAP.

@@ -154,7 +154,7 @@ fn names_are_bounded_and_shown_harmlessly() {
     let named = |ty: &str| format!("{}\n", serde_json::json!({"type": ty, "message": {}}));
     let judgement = judge_bytes(format!("{}{}", named(&"x".repeat(300)), named("x/\u{1b}[31m")).as_bytes());
     assert_eq!(damage(&judgement), ["line 1: a topic or type whose name has more than 256 bytes"]);
-    assert_eq!(source(&judgement).undefined.iter().collect::<Vec<_>>(), ["\\u{1b}[31m"]);
+    assert_eq!(source(&judgement).undefined.iter().collect::<Vec<_>>(), ["x/\\u{1b}[31m"]);
     let mut message = glider(PERIOD);
     message["\u{1b}[31m"] = 1.into();
     let judgement = judge_bytes(typed(&message).as_bytes());

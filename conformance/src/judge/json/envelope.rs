@@ -10,6 +10,10 @@ use uavspec_codegen::schema::MessageId;
 
 use crate::json::{Clean, MessageSeed, Plans, Tree};
 
+/// The operations of rosbridge that may name the type of a topic.
+const ADVERTISE: &str = "advertise";
+const SUBSCRIBE: &str = "subscribe";
+
 /// How a message says what it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Which {
@@ -76,6 +80,8 @@ impl Channels {
 /// What a value is, from its tree.
 pub(super) enum Form<'t> {
     Message(Which, &'t str, &'t Tree<'t>),
+    /// rosbridge says which type a topic has.
+    Advertised(&'t str, &'t str),
     /// rosbridge says something else.
     Skipped,
     /// It can't be said, and why.
@@ -96,6 +102,9 @@ pub(super) fn form<'t>(tree: &'t Tree<'t>) -> Form<'t> {
         return match (text("op"), text("topic"), tree.get("msg")) {
             (Some("publish"), Some(topic), Some(message)) => Form::Message(Which::Topic, topic, message),
             (Some("publish"), ..) => Form::Unknown("rosbridge's `publish` without `topic` or `msg`"),
+            (Some(ADVERTISE | SUBSCRIBE), Some(topic), _) => {
+                text("type").map_or(Form::Skipped, |ty| Form::Advertised(topic, ty))
+            }
             (Some(_), ..) => Form::Skipped,
             (None, ..) => Form::Unknown("`op` is no string"),
         };
@@ -159,6 +168,9 @@ impl<'de> Visitor<'de> for Envelope<'_> {
             match (key, channel) {
                 (Key::Op, None) if !is_published => {
                     let op: Cow<'de, str> = map.next_value()?;
+                    if op == ADVERTISE || op == SUBSCRIBE {
+                        return Err(unclear());
+                    }
                     if op != "publish" {
                         while map.next_entry::<IgnoredAny, IgnoredAny>()?.is_some() {}
                         return Ok(Fast::Skipped);

@@ -2,32 +2,30 @@
 
 use std::fmt::{Result, Write as _};
 
-use super::MAX_SHOWN;
+use uavspec_codegen::emit::docs::markdown::plural;
+
+use super::{MAX_SHOWN, duration};
 use crate::record::Grouped;
 use crate::report::shown::shown;
 use crate::report::{Flockwave, FlockwaveType, Subject};
 
 /// Writes what the recording is, and which messages aren't judged.
 pub(super) fn write(subject: &Subject, found: &Flockwave, text: &mut String) -> Result {
-    let seconds = subject.duration_us / 1_000_000;
-    let count =
-        |number: u64, what: &str| format!("{} {what}{}", Grouped(number), if number == 1 { "" } else { "s" });
     writeln!(
         text,
-        "{}  Flockwave, {}, {} min {} s, {}, {}, {} ({} ms)\n",
+        "{}  Flockwave, {}, {}, {}, {}, {} ({} ms)\n",
         shown(&subject.path),
-        count(found.connections, "connection"),
-        seconds / 60,
-        seconds % 60,
-        count(found.requests, "request"),
-        count(found.responses, "response"),
-        count(found.notifications, "notification"),
+        plural(found.connections, "connection"),
+        duration(subject),
+        plural(found.requests, "request"),
+        plural(found.responses, "response"),
+        plural(found.notifications, "notification"),
         subject.elapsed,
     )?;
     writeln!(text, "types        {}, the most frequent: {}", found.types.len(), frequent(&found.types))?;
     if !found.unsupported.is_empty() || found.uncounted > 0 {
         let messages: u64 = found.unsupported.iter().map(total).sum::<u64>() + found.uncounted;
-        let messages = count(messages, "message");
+        let messages = plural(messages, "message");
         writeln!(
             text,
             "unsupported  {messages} of types that the definitions don't have: {}",

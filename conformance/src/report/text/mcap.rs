@@ -2,7 +2,9 @@
 
 use std::fmt::{Result, Write as _};
 
-use super::MAX_SHOWN;
+use uavspec_codegen::emit::docs::markdown::plural;
+
+use super::{MAX_SHOWN, duration};
 use crate::record::Grouped;
 use crate::report::shown::shown;
 use crate::report::{ChannelResult, Mcap, McapChannel, Subject};
@@ -44,19 +46,15 @@ pub(super) fn write(subject: &Subject, found: &Mcap, text: &mut String) -> Resul
 
 fn head(subject: &Subject, found: &Mcap, text: &mut String) -> Result {
     let or = |text: &str, none: &str| if text.is_empty() { none.to_owned() } else { shown(text) };
-    let seconds = subject.duration_us / 1_000_000;
     writeln!(
         text,
-        "{}  {} ({}), {} min {} s, {} {}, {} {} ({} ms)\n",
+        "{}  {} ({}), {}, {}, {} ({} ms)\n",
         shown(&subject.path),
         or(&found.profile, "no profile"),
         or(&found.library, "unknown library"),
-        seconds / 60,
-        seconds % 60,
-        found.channels.len(),
-        if found.channels.len() == 1 { "channel" } else { "channels" },
-        Grouped(subject.records),
-        if subject.records == 1 { "message" } else { "messages" },
+        duration(subject),
+        plural(found.channels.len() as u64, "channel"),
+        plural(subject.records, "message"),
         subject.elapsed,
     )
 }
