@@ -76,8 +76,8 @@ pub enum Source {
 /// (recorded conversations of Flockwave among it). Where `of` names
 /// a message, the JSON is messages of that type and nothing around them.
 ///
-/// An error is one of reading its first bytes, or says that the source is encrypted. What is wrong with it later on, and
-/// that it can't be read any further, is part of the judgement.
+/// An error is one of reading its first bytes, or says that the source is encrypted, or nothing that can be judged. What
+/// is wrong with it later on, and that it can't be read any further, is part of the judgement.
 pub fn judge(
     mut input: impl Read,
     of: Option<MessageId>,
@@ -89,6 +89,11 @@ pub fn judge(
         return Err(io::Error::new(io::ErrorKind::Unsupported, ENCRYPTED));
     }
     let (is_log, is_mcap) = (is_begun(&start, &ULOG_MAGIC), is_begun(&start, &MCAP_MAGIC));
+    if !is_log && !is_mcap && is_binary(&start) {
+        let bytes: Vec<String> = start.iter().map(|byte| format!("{byte:02x}")).collect();
+        let text = format!("byte 0: no ULog, no MCAP and no JSON: it begins with {}", bytes.join(" "));
+        return Err(io::Error::new(io::ErrorKind::InvalidData, text));
+    }
     let whole = io::Cursor::new(start).chain(input);
     Ok(match (is_log, is_mcap) {
         (true, _) => judge_ulog(whole, definitions),
@@ -100,6 +105,18 @@ pub fn judge(
 /// Whether a source begins with a magic, or ends within it so late that it can hardly be anything else.
 fn is_begun(start: &[u8], magic: &[u8]) -> bool {
     start.starts_with(magic) || start.len() >= MIN_MAGIC && magic.starts_with(start)
+}
+
+/// Whether a source begins neither as JSON nor as any text does. One byte that is wrong may be damage.
+fn is_binary(start: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(start);
+    if text.trim_start_matches('\u{feff}').trim_start().starts_with(['{', '[']) {
+        return false;
+    }
+    let is_foreign = |character: &char| {
+        *character == char::REPLACEMENT_CHARACTER || character.is_control() && !character.is_whitespace()
+    };
+    text.chars().filter(is_foreign).count() > 1
 }
 
 /// What all kinds of sources have in common: messages that come on channels, and the rules that follow them.

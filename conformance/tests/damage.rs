@@ -114,11 +114,20 @@ fn noise_is_told_from_the_start() {
     let definitions = Definitions::built_in();
     let noise = Random(3).bytes(1 << 20);
     for start in
-        [&b""[..], b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0", b"[", b"{\"type\":\"px4/Event\",\"message\":"]
+        [&b"{"[..], b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0", b"[", b"{\"type\":\"px4/Event\",\"message\":"]
     {
         let judgement = judged(&[start, &noise].concat(), &definitions);
         assert_eq!(judgement.judged, 0, "{start:?}");
         assert!(!judgement.damage.is_empty(), "{start:?}");
         check_places("noise", &judgement, start.len() + noise.len());
+    }
+    for start in [&b"ULoG\x01\x12\x35\x01"[..], &[0; 20], &noise, b"\xff\xfe{\0}\0", b"\x01\x02"] {
+        let error = judge(start, None, &definitions).expect_err("nothing that can be judged");
+        let expected = format!("byte 0: no ULog, no MCAP and no JSON: it begins with {:02x} ", start[0]);
+        assert!(error.to_string().starts_with(&expected), "{error}");
+    }
+    // What has one wrong byte may be damaged, and letters of other languages are none.
+    for start in [&b"\x1b{\"type\":1}\n"[..], "\u{feff}{\"ключ\":1}".as_bytes(), b"\0"] {
+        assert!(judge(start, None, &definitions).is_ok(), "{}", start.escape_ascii());
     }
 }

@@ -3,9 +3,10 @@
 use std::io::{self, Read};
 
 use proptest::prelude::*;
+use uavspec_conformance::judge::judge_json;
 use uavspec_conformance::source::json::{Event, MAX_LENGTH, Problem, Reader};
 
-use super::{PERIOD, broken, damage, glider, judge_bare, judge_bytes, source, typed};
+use super::{PERIOD, broken, damage, definitions, glider, judge_bare, judge_bytes, source, typed};
 
 /// Something that can't be read, between two messages that can, and what is said of it.
 #[test]
@@ -119,7 +120,8 @@ proptest! {
         let lines = bytes.split(|byte| *byte == b'\n').count() - 1;
         let is_open = bytes.last().is_some_and(|byte| *byte != b'\n');
         prop_assert_eq!(whole.1, lines as u64 + u64::from(is_open));
-        judge_bytes(&bytes);
+        let (_folder, definitions) = definitions();
+        judge_json(&bytes[..], None, &definitions);
     }
 }
 
