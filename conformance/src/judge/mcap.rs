@@ -156,20 +156,18 @@ impl<'d> McapJudge<'d> {
         let definition = definition_of(&declared.topic, schema, definitions);
         let mut open = Open::new(declared, schema, definition, place, digest, self.course.number_channel());
         if let (Some(of), true) = (definition, matches!(declared.encoding.as_str(), "cdr" | "json")) {
-            let is_json = declared.encoding == "json";
-            (_, _, open.identity.version) = self.schemas.beside(declared.schema, of, is_json, definitions);
-            self.course.opened(&open.identity.channel());
             self.read(&mut open, declared, of);
         }
         self.channels.insert(id, open);
     }
 
-    /// Finds out how the messages of a channel are read.
+    /// Opens a channel that has a definition, and finds out how its messages are read.
     fn read(&mut self, open: &mut Open, declared: &Declared, of: MessageId) {
         let definitions = self.course.definitions;
         let is_json = declared.encoding == "json";
-        let (basis, stated, _) = self.schemas.beside(declared.schema, of, is_json, definitions);
-        open.standing = Standing::Judged(basis);
+        let (basis, stated, version) = self.schemas.beside(declared.schema, of, is_json, definitions);
+        (open.standing, open.identity.version) = (Standing::Judged(basis), version);
+        self.course.opened(&open.identity.channel());
         if is_json {
             self.plans.get_or_insert_with(|| Plans::new(&definitions.schema));
             open.reading = Reading::Json(of);

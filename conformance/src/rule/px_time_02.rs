@@ -102,7 +102,7 @@ impl Rhythm {
     fn learn(&mut self, pause: u64) {
         if let Some(period) = &mut self.period {
             let step = (*period / 16).max(1);
-            *period = pause.clamp(*period - step.min(*period), period.saturating_add(step));
+            *period = pause.clamp(period.saturating_sub(step), period.saturating_add(step));
             return;
         }
         self.first.push(pause);
