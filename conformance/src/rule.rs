@@ -543,6 +543,18 @@ impl Judged<'_> {
     ) {
         self.findings.report(self.rule, subject, place, definition, detail);
     }
+
+    /// A field of the messages of a channel breaks the rule.
+    fn report_field(
+        &mut self,
+        channel: &Channel<'_>,
+        name: &str,
+        place: Place,
+        detail: impl FnOnce() -> Detail,
+    ) {
+        let definition = self.field(channel.definition, name);
+        self.report_defined(&format!("{}.{name}", channel.topic), place, definition, detail);
+    }
 }
 
 // A rule that finds nothing is none.

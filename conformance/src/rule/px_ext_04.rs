@@ -51,18 +51,12 @@ impl Checker for Reasons {
             let Some(id) = number::<u32>(event, "id") else { return };
             judged.exercise();
             if id == 0 {
-                let definition = judged.field(channel.definition, "events");
-                judged.report_defined(
-                    &format!("{}.events", channel.topic),
-                    message.place,
-                    definition,
-                    || {
-                        Detail::new(format!("an event without an id, where {in_use} are in use"))
-                            .at(format!("events[{index}].id"))
-                            .expected("an id other than 0")
-                            .actual("0")
-                    },
-                );
+                judged.report_field(channel, "events", message.place, || {
+                    Detail::new(format!("an event without an id, where {in_use} are in use"))
+                        .at(format!("events[{index}].id"))
+                        .expected("an id other than 0")
+                        .actual("0")
+                });
             }
         }
     }

@@ -44,17 +44,11 @@ impl Checker for Refusals {
         let (Some(false), Some(events)) = (is_agreed, number::<u64>(values, "num_events")) else { return };
         judged.exercise();
         if events == 0 {
-            let definition = judged.field(channel.definition, "num_events");
-            judged.report_defined(
-                &format!("{}.num_events", channel.topic),
-                message.place,
-                definition,
-                || {
-                    Detail::new("can_arm_and_run is false, and no event says why")
-                        .expected("1 or more")
-                        .actual("0")
-                },
-            );
+            judged.report_field(channel, "num_events", message.place, || {
+                Detail::new("can_arm_and_run is false, and no event says why")
+                    .expected("1 or more")
+                    .actual("0")
+            });
         }
     }
 }

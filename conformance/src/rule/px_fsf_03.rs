@@ -80,17 +80,11 @@ impl Checker for Flags {
             judged.exercise();
             if is_set(flag) == Some(true) && is_set(requirement) == Some(false) {
                 let [flag, requirement] = [&fields.names[*flag], &fields.names[*requirement]];
-                let definition = judged.field(channel.definition, flag);
-                judged.report_defined(
-                    &format!("{}.{flag}", channel.topic),
-                    message.place,
-                    definition,
-                    || {
-                        Detail::new(format!("set, and {requirement} is 0: no mode requires it"))
-                            .expected(format!("not set, or {requirement} other than 0"))
-                            .actual("set")
-                    },
-                );
+                judged.report_field(channel, flag, message.place, || {
+                    Detail::new(format!("set, and {requirement} is 0: no mode requires it"))
+                        .expected(format!("not set, or {requirement} other than 0"))
+                        .actual("set")
+                });
             }
         }
     }

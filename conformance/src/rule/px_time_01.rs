@@ -51,8 +51,7 @@ impl Checker for Times {
         };
         if timestamp < *latest && timestamp != 0 {
             let latest = *latest;
-            let definition = judged.field(channel.definition, "timestamp");
-            judged.report_defined(&format!("{}.timestamp", channel.topic), message.place, definition, || {
+            judged.report_field(channel, "timestamp", message.place, || {
                 Detail::new(format!("timestamp is {timestamp}, and was {latest} before"))
                     .expected(format!("{latest} or later"))
                     .actual(timestamp.to_string())
