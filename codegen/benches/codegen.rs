@@ -11,13 +11,12 @@ use divan::Bencher;
 use divan::counter::ItemsCount;
 use tempfile::TempDir;
 use uavspec_codegen::breaking::{Between, breaking};
-use uavspec_codegen::diagnostic::render;
 use uavspec_codegen::emit::{self, OutputFile};
 use uavspec_codegen::lint::{Preset, Settings, lint};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, Schema};
 use uavspec_codegen::translation::Translations;
-use uavspec_codegen::{PackageInput, SourceMap, cli, read};
+use uavspec_codegen::{PackageInput, SourceMap, cli, read, render};
 
 /// How many times over the corpus is read.
 const TIMES: [usize; 3] = [1, 4, 16];

@@ -35,8 +35,9 @@ use self::config::{Config, Emitter, EmitterOptions, Plan, PlannedOutput};
 pub use self::format::FmtArgs;
 use self::load::Loaded;
 use self::output::{Difference, Folder};
-use crate::diagnostic::{Diagnostic, Level, has_errors, render};
+use crate::diagnostic::{Diagnostic, Level, has_errors};
 use crate::emit::{self, OutputFile};
+use crate::render;
 use crate::schema::{Form, Schema};
 use crate::source::SourceMap;
 use crate::translation::{self, Translations};
@@ -354,7 +355,7 @@ fn inspect(args: &InspectArgs) -> Result<bool, Failure> {
 
 fn read(plan: &Plan) -> Result<(Loaded, Schema, Vec<Diagnostic>), Failure> {
     let mut loaded = load::load(plan)?;
-    let (schema, mut diagnostics) = crate::read(&loaded.sources, &loaded.packages);
+    let (schema, mut diagnostics) = crate::read::read(&loaded.sources, &loaded.packages);
     diagnostics.append(&mut loaded.diagnostics);
     Ok((loaded, schema, diagnostics))
 }
@@ -364,7 +365,7 @@ type Translated = (Loaded, Schema, Translations, Vec<Diagnostic>);
 
 fn read_translated(plan: &Plan) -> Result<Translated, Failure> {
     let mut loaded = load::load_with_catalogues(plan)?;
-    let (schema, mut diagnostics) = crate::read(&loaded.sources, &loaded.packages);
+    let (schema, mut diagnostics) = crate::read::read(&loaded.sources, &loaded.packages);
     diagnostics.append(&mut loaded.diagnostics);
     let mut translations = Translations::default();
     // Translations of what can't be read would seem to name nothing.

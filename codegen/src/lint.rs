@@ -82,9 +82,10 @@ pub use self::subject::{Subject, Text};
 use crate::diagnostic::{Diagnostic, Level, has_errors};
 pub use crate::example::Example;
 use crate::finding::{Edit, Finding};
+use crate::read::{PackageInput, parse_all};
 use crate::schema::{self, Form, Package, PackageSource, Schema};
 use crate::source::{SourceId, SourceMap, Span};
-use crate::{PackageInput, parse_all, translation};
+use crate::translation;
 
 /// Every rule, by id.
 pub const RULES: &[&Rule] = &[

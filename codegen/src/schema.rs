@@ -11,7 +11,6 @@ pub mod error_codes;
 pub mod fingerprint;
 pub mod json_type;
 pub mod layout;
-pub(crate) mod pattern;
 pub(crate) mod resolve;
 
 use uavspec_runtime::Scalar;

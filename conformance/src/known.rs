@@ -45,10 +45,10 @@ use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
 use uavspec_codegen::cli::rewrite::Change;
-use uavspec_codegen::diagnostic::{Level, render};
+use uavspec_codegen::diagnostic::Level;
 use uavspec_codegen::finding::Finding;
 use uavspec_codegen::source::{SourceId, Span};
-use uavspec_codegen::{SourceMap, cli};
+use uavspec_codegen::{SourceMap, cli, render};
 
 pub use self::date::Date;
 pub use self::judge::{Checked, Name, Outcome, Scope, Stale, Why};

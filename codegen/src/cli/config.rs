@@ -11,8 +11,8 @@ use toml::Spanned;
 pub(super) use self::lint::PresetName;
 use self::lint::{Lint, PlannedLint};
 use super::Failure;
-use crate::diagnostic::render;
 use crate::emit::{docs, json_schema, typescript, vectors};
+use crate::render;
 use crate::schema::Form;
 use crate::source::SourceMap;
 

@@ -10,10 +10,10 @@ use walkdir::WalkDir;
 
 use super::Failure;
 use super::config::{Inputs, Plan, PlannedPackage, normalise};
-use crate::PackageInput;
 use crate::diagnostic::Diagnostic;
 use crate::msg::ast::{Element, Item};
 use crate::msg::{self, Dialect, Kind};
+use crate::read::PackageInput;
 use crate::schema::Form;
 use crate::source::{SourceId, SourceMap, Span};
 

@@ -4,8 +4,9 @@ use std::io::{self, Write as _};
 
 use clap::{Args, ValueEnum};
 
-use crate::diagnostic::{Level, render};
+use crate::diagnostic::Level;
 use crate::finding::Finding;
+use crate::render;
 use crate::report::{Entry, Format, Report, RuleInfo};
 use crate::source::SourceMap;
 

@@ -14,6 +14,7 @@ use super::rewrite::{self, Change};
 use super::{Failure, plural, read_translated, report};
 use crate::diagnostic::Level;
 use crate::schema::Schema;
+use crate::source::stem;
 use crate::translation::catalogue::{Catalogue, parse, print};
 use crate::translation::{self, SOURCE_LANGUAGE, Text, is_tag, new_catalogue, update};
 
@@ -128,7 +129,7 @@ fn outcomes(
     let mut outcomes = Vec::new();
     for id in &loaded.catalogues {
         let Some(path) = loaded.paths.get(id) else { continue };
-        if !args.languages.is_empty() && !is_named(crate::stem(sources.path(*id))) {
+        if !args.languages.is_empty() && !is_named(stem(sources.path(*id))) {
             continue;
         }
         let (catalogue, _, _) = parse(sources, *id);
@@ -139,9 +140,8 @@ fn outcomes(
             old: Some((sources.text(*id).to_owned(), catalogue)),
         });
     }
-    let is_there = |tag: &str| {
-        loaded.catalogues.iter().any(|id| crate::stem(sources.path(*id)).eq_ignore_ascii_case(tag))
-    };
+    let is_there =
+        |tag: &str| loaded.catalogues.iter().any(|id| stem(sources.path(*id)).eq_ignore_ascii_case(tag));
     for tag in args.languages.iter().collect::<BTreeSet<_>>() {
         if !is_there(tag) {
             let all = || texts.iter().map(|text| text.unit.clone()).collect();

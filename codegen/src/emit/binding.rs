@@ -16,7 +16,7 @@ use std::fmt::Write as _;
 pub(super) use self::declare::modules;
 pub(super) use self::labels::{LabelLanguage, Labels, labels};
 pub(super) use self::names::{identifier, is_python_keyword};
-use super::prose;
+use crate::prose;
 use crate::value::Value;
 
 /// The declarations of a package.

@@ -439,7 +439,7 @@ fn statement_of_page<'s>(name: &str, argument: &'s str) -> Option<Read<'s>> {
 /// Whether a text is a regular expression that all readers of JSON Schema take in the same sense: one without
 /// back references and without looking around.
 fn is_pattern(text: &str) -> bool {
-    !text.is_empty() && regex_lite::Regex::new(text).is_ok() && crate::schema::pattern::is_known(text)
+    !text.is_empty() && regex_lite::Regex::new(text).is_ok() && crate::pattern::is_known(text)
 }
 
 /// Lengths: both bounds with a comma between them, of which one may be absent, or the only one there is.

@@ -8,7 +8,7 @@ use super::markdown::Page;
 use super::message::heading;
 use super::site::{Said, Site};
 use super::words::{self, Word, Words};
-use crate::emit::prose::{gist, visible, xml};
+use crate::prose::{gist, visible, xml};
 use crate::schema::{Dialect, Element, EnumRef, Field, Message, MessageId, Shape, UorbLayout};
 use crate::translation::MessageText;
 

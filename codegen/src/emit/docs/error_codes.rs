@@ -13,7 +13,7 @@ use super::site::Site;
 use super::words::{self, Words};
 use crate::emit::OutputFile;
 use crate::emit::json_schema::Target;
-use crate::emit::prose::xml;
+use crate::prose::xml;
 use crate::schema::{ErrorCode, ErrorTable, Package};
 use crate::translation::{error_code_key, error_codes_unit, error_table_key};
 

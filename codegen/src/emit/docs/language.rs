@@ -2,7 +2,7 @@
 
 use super::markdown::{Page, href, inline, link};
 use super::site::Site;
-use crate::emit::prose;
+use crate::prose;
 use crate::translation::{SOURCE_LANGUAGE, is_right_to_left};
 
 /// The page that says in another language what `path` says in English: it stands beside that, so that relative links

@@ -7,9 +7,10 @@ use std::fmt::{self, Write as _};
 
 use super::language::heading_anchor;
 use super::notice;
-pub(super) use crate::emit::prose::gist;
-use crate::emit::prose::percent_encoded;
-use crate::emit::{OutputFile, prose};
+use crate::emit::OutputFile;
+use crate::prose;
+pub(super) use crate::prose::gist;
+use crate::prose::percent_encoded;
 
 /// A page while it is written.
 #[derive(Debug)]

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use annotate_snippets::{AnnotationKind, Group, Level as Title, Renderer, Snippet};
 
-use super::{Diagnostic, Level};
+use crate::diagnostic::{Diagnostic, Level};
 use crate::finding::Finding;
 use crate::source::{SourceMap, Span};
 
