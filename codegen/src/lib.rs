@@ -1,7 +1,7 @@
 //! Reads drone interface specifications in the form their authors write them, and generates from them.
 //!
 //! ```text
-//!  text ──msg, table──▶ syntax tree ──schema::resolve──▶ Schema ──▶ emit (rust, json_schema, docs, vectors, typescript, python)
+//!  text ──msg, table──▶ syntax tree ──resolve──────────▶ Schema ──▶ emit (rust, json_schema, docs, vectors, typescript, python)
 //!                            │                                ├──▶ dynamic (codecs and checks at run time)
 //!                            └──▶ format                      ├──▶ lint ──────┐
 //!                                                             └──▶ breaking ──┴──▶ report
@@ -9,7 +9,7 @@
 //!
 //! A stage can't see the types of the stage before the last. Reading never stops at the first
 //! mistake: every stage returns what it could make out and a list of [`Diagnostic`]s. After
-//! [`schema::resolve`] no name is looked up and no text is parsed. Only [`cli`] touches files.
+//! `resolve` no name is looked up and no text is parsed. Only [`cli`] touches files.
 //!
 //! # Choices
 //!
@@ -86,6 +86,7 @@ mod prose;
 mod read;
 pub mod render;
 pub mod report;
+mod resolve;
 pub mod schema;
 pub mod source;
 mod span;

@@ -83,7 +83,8 @@ use crate::diagnostic::{Diagnostic, Level, has_errors};
 pub use crate::example::Example;
 use crate::finding::{Edit, Finding};
 use crate::read::{PackageInput, parse_all};
-use crate::schema::{self, Form, Package, PackageSource, Schema};
+use crate::resolve::{PackageSource, resolve};
+use crate::schema::{Form, Package, Schema};
 use crate::source::{SourceId, SourceMap, Span};
 use crate::translation;
 
@@ -314,7 +315,7 @@ pub fn lint(
     settings: &Settings,
 ) -> Vec<Finding> {
     let (parsed, mut diagnostics) = parse_all(sources, packages);
-    let (schema, mut resolved) = schema::resolve(&parsed);
+    let (schema, mut resolved) = resolve(&parsed);
     diagnostics.append(&mut resolved);
     // Translations of what can't be read would seem to name nothing.
     if !has_errors(&diagnostics) {

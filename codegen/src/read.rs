@@ -2,7 +2,8 @@
 
 use crate::diagnostic::Diagnostic;
 use crate::msg::{self, Kind};
-use crate::schema::{self, Form, PackageSource, Schema};
+use crate::resolve::{PackageSource, resolve};
+use crate::schema::{Form, Schema};
 use crate::source::{SourceId, SourceMap, Span, stem};
 use crate::table;
 
@@ -58,7 +59,7 @@ const PX4_ROS_PACKAGE: &str = "px4_msgs";
 /// ```
 pub fn read(sources: &SourceMap, packages: &[PackageInput]) -> (Schema, Vec<Diagnostic>) {
     let (parsed, mut diagnostics) = parse_all(sources, packages);
-    let (schema, mut found) = schema::resolve(&parsed);
+    let (schema, mut found) = resolve(&parsed);
     diagnostics.append(&mut found);
     diagnostics.sort_by_key(|diagnostic| diagnostic.span);
     (schema, diagnostics)

@@ -2,7 +2,7 @@
 
 use uavspec_runtime::Scalar;
 
-use super::{PendingEnum, Resolver, id};
+use super::resolver::{PendingEnum, Resolver, id};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::msg::annotation::Prefix;
 use crate::schema::{Element, EnumRef, MessageId, enumeration};

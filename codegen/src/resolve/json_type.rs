@@ -1,14 +1,17 @@
 //! Resolution of the types and messages of all pages of a package.
 
+mod endless;
+mod kind;
+
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::kind::{ByName, kinds};
-use super::{
-    Definition, Expression, JsonMessage, JsonPart, JsonType, JsonTypeId, Limits, Member, Object, Set,
-    SetValue, SetValues, TYPE_FIELD, Typed, endless,
-};
+use self::kind::{ByName, kinds};
 use crate::diagnostic::{Diagnostic, Problem, has_errors};
 use crate::msg::annotation::{Note, Statement};
+use crate::schema::json_type::{
+    Definition, ERROR_CODE, ERROR_LIST, Expression, JsonMessage, JsonPart, JsonType, JsonTypeId, Limits,
+    Member, Object, Set, SetValue, SetValues, TYPE_FIELD, Typed,
+};
 use crate::schema::{Docs, Range};
 use crate::source::Span;
 use crate::table::type_table::{
@@ -16,12 +19,6 @@ use crate::table::type_table::{
     TypeDefinition,
 };
 use crate::table::{Page, Text, type_table::Expression as Written};
-
-/// The name that stands for an error code of the package, where it has error codes.
-pub(super) const ERROR_CODE: &str = "ErrorCode";
-
-/// The name that stands for a list of such codes.
-pub(super) const ERROR_LIST: &str = "ErrorList";
 
 /// What a paragraph says of an object that has no further fields.
 const CLOSED: [&str; 2] = ["closed object", "object is closed"];
@@ -40,20 +37,20 @@ const MAX_SUGGESTION_LEN: usize = 100;
 
 /// What a package defines beside error codes.
 #[derive(Debug, Default)]
-pub struct Resolved {
+pub(super) struct Resolved {
     /// Its types, by name.
-    pub types: Vec<JsonType>,
+    pub(super) types: Vec<JsonType>,
     /// Its messages, by name.
-    pub messages: Vec<JsonMessage>,
+    pub(super) messages: Vec<JsonMessage>,
     /// For each page, whether it defines any of them, or was meant to.
-    pub has_definitions: Vec<bool>,
+    pub(super) has_definitions: Vec<bool>,
     /// What is wrong.
-    pub diagnostics: Vec<Diagnostic>,
+    pub(super) diagnostics: Vec<Diagnostic>,
 }
 
 /// Resolves the types and messages of all `pages` of the package at the index `package`. The first type gets the id
 /// `first`; with `has_error_codes` the names of error codes are types too.
-pub fn resolve(pages: &[Page], package: (usize, &str), first: u32, has_error_codes: bool) -> Resolved {
+pub(super) fn resolve(pages: &[Page], package: (usize, &str), first: u32, has_error_codes: bool) -> Resolved {
     let mut resolved = Resolved::default();
     let mut written = Definitions::default();
     for page in pages {

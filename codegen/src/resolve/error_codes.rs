@@ -1,19 +1,22 @@
 //! Resolution of the tables of all pages to the model.
 
+mod alternatives;
+mod prose;
+
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
 use uavspec_runtime::ErrorClass;
 
-use super::alternatives::Alternatives;
-use super::{ErrorCode, ErrorTable, prose};
+use self::alternatives::Alternatives;
 use crate::diagnostic::{Diagnostic, Problem};
+use crate::schema::{ErrorCode, ErrorTable};
 use crate::source::Span;
 use crate::table::error_code::{self, ErrorCodeRow, ErrorCodeTable, range_text};
 use crate::table::{Page, Text};
 
 /// Resolves the error codes of all `pages` of a package, sorted by their ranges.
-pub fn resolve(pages: &[Page]) -> (Vec<ErrorTable>, Vec<Diagnostic>) {
+pub(super) fn resolve(pages: &[Page]) -> (Vec<ErrorTable>, Vec<Diagnostic>) {
     let mut resolver = Resolver::default();
     let tables: Vec<ErrorCodeTable<'_>> = pages.iter().flat_map(|page| resolver.read(page)).collect();
     resolver.check_overlaps(&tables);

@@ -2,7 +2,7 @@
 
 use uavspec_runtime::Scalar;
 
-use super::Resolver;
+use super::resolver::Resolver;
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::schema::{Dialect, Form, MessageId};
 use crate::source::Span;

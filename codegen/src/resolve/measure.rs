@@ -1,6 +1,6 @@
 //! Layouts, sizes and hashes, and the limits on them.
 
-use super::{Resolver, id, nested_ids};
+use super::resolver::{Resolver, id, nested_ids};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::msg::ast;
 use crate::schema::fingerprint::MAX_NESTED_FIELDS;

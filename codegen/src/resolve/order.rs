@@ -1,6 +1,6 @@
 //! An order in which each message comes after those that it holds; and messages that hold themselves.
 
-use super::{Resolver, id, nested_ids};
+use super::resolver::{Resolver, id, nested_ids};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::schema::{Element, Field, MessageId};
 

@@ -1,7 +1,7 @@
 //! Types that hold themselves with nothing to end it.
 
-use super::{Definition, Expression, JsonType, Member};
 use crate::diagnostic::{Diagnostic, Problem};
+use crate::schema::json_type::{Definition, Expression, JsonType, Member};
 
 /// So many cycles are reported; where there are more, they have much in common.
 const MAX_REPORTED: usize = 20;

@@ -2,6 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
+use crate::schema::json_type::ERROR_LIST;
 use crate::table::type_table::{Body, Expression, ExpressionKind, TypeDefinition};
 
 /// Kinds of values, as far as annotations tell them apart.
@@ -35,7 +36,7 @@ pub(super) fn kinds(expression: &Expression, by_name: &ByName<'_, '_>, is_within
                 if let Some(Body::Named { ty, .. }) = found.map(|definition| &definition.body) {
                     open.push(ty);
                 }
-                kinds.has_list |= name == super::resolve::ERROR_LIST;
+                kinds.has_list |= name == ERROR_LIST;
             }
             ExpressionKind::Any
             | ExpressionKind::Null

@@ -4,7 +4,8 @@ use std::collections::{BTreeSet, HashMap};
 
 use uavspec_runtime::Scalar;
 
-use super::{PackageSource, PendingEnum, Resolver, id};
+use super::package::PackageSource;
+use super::resolver::{PendingEnum, Resolver, id};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::msg::annotation::{Note, Prefix, SpecialValue, Statement};
 use crate::msg::ast::{self, ConstantType, Item, Line, Part};
