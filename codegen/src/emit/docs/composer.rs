@@ -3,9 +3,9 @@
 
 use serde_json::{Map, Value as Json, json};
 
-use super::fields::unit;
+use super::cell::unit;
+use super::language::heading;
 use super::markdown::Page;
-use super::message::heading;
 use super::site::{Said, Site};
 use super::words::{self, Word, Words};
 use crate::prose::{gist, visible, xml};
