@@ -14,6 +14,7 @@ use super::{DefinitionsArgs, Failure, PackageArgs, plural};
 use crate::breaking::{Between, Category, RULES, breaking};
 use crate::diagnostic::{Diagnostic, Level, has_errors};
 use crate::finding::Finding;
+use crate::read::read;
 use crate::render;
 use crate::report::RuleInfo;
 
@@ -69,8 +70,8 @@ pub(super) fn run(args: &BreakingArgs) -> Result<bool, Failure> {
     let new = load_beside(&new_plan, sources)?;
     let sources = &new.sources;
     let ((old_schema, mut old_diagnostics), (new_schema, mut new_diagnostics)) = thread::scope(|scope| {
-        let old = scope.spawn(|| crate::read::read(sources, &old.packages));
-        let new = crate::read::read(sources, &new.packages);
+        let old = scope.spawn(|| read(sources, &old.packages));
+        let new = read(sources, &new.packages);
         // A panic in a thread is a defect here, and goes on in the caller.
         (old.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)), new)
     });

@@ -102,6 +102,25 @@ pub enum Statement<'s> {
     Format(&'s str),
 }
 
+impl Statement<'_> {
+    /// Its place in the order of annotations. Of two that decide the same, the last counts: they have one rank.
+    pub(crate) fn rank(&self) -> u8 {
+        match self {
+            Self::Unit(_) => 0,
+            Self::Enum(_) | Self::Flags(_) => 1,
+            Self::Range { .. } => 2,
+            Self::Invalid(_) => 3,
+            Self::Uncontrolled(_) => 4,
+            Self::Frame(_) => 5,
+            Self::Count(_) => 6,
+            Self::Length { .. } => 7,
+            Self::Unique => 8,
+            Self::Pattern(_) => 9,
+            Self::Format(_) => 10,
+        }
+    }
+}
+
 /// Where annotations stand, which decides which ones there are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Vocabulary {
