@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use uavspec_conformance::catalogue::{CONTENTS, pages};
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::matrix::matrix;
+use uavspec_conformance::report::catalogue::{CONTENTS, pages};
 
 /// Where the documentation stands.
 const DOCS: &str = "../generated/docs";

@@ -2,10 +2,10 @@
 
 mod support;
 
+use uavspec_conformance::check::{Judgement, judge};
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::judge::{Judgement, judge};
-use uavspec_conformance::record::Place;
-use uavspec_conformance::sample::{Flight, ROUNDS};
+use uavspec_conformance::model::Place;
+use uavspec_conformance::rules::sample::{Flight, ROUNDS};
 
 use support::Random;
 

@@ -2,9 +2,9 @@
 
 use std::io::{self, Read};
 
-use uavspec_conformance::judge::{Basis, Standing};
-use uavspec_conformance::record::Place;
-use uavspec_conformance::source::mcap::{Event, Problem, Reader};
+use uavspec_conformance::capture::mcap::{Event, Problem, Reader};
+use uavspec_conformance::check::{Basis, Standing};
+use uavspec_conformance::model::Place;
 
 use crate::file::{
     FORMS, Form, MAGIC, channel, chunk, chunked, end, file, header, message, raw_chunk, record, schema,

@@ -3,9 +3,9 @@
 use std::fs;
 
 use serde_json::{Value, json};
-use uavspec_conformance::comparison::Differences;
+use uavspec_conformance::check::{Basis, Judgement, Source, Standing, judge_mcap};
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::judge::{Basis, Judgement, Source, Standing, judge_mcap};
+use uavspec_conformance::px4::comparison::Differences;
 
 use crate::file::{channel, file, message, schema};
 use crate::support::shared;
