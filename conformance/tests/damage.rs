@@ -1,6 +1,6 @@
 //! Sources that are damaged in every way are judged as far as they can be read, and say where they can't.
 
-mod support;
+use crate::support;
 
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::judge::{Judgement, judge};
