@@ -1,9 +1,7 @@
 //! Logs judged: each rule finds what breaks it, and nothing in a log that conforms.
 
-#[path = "check/counted.rs"]
 mod counted;
-mod support;
-#[path = "check/time.rs"]
+use crate::support;
 mod time;
 
 use std::fs;

@@ -1,6 +1,6 @@
 //! `uavspec` as a user meets it.
 
-mod support;
+use crate::support;
 
 use std::fs;
 use std::io::Write as _;

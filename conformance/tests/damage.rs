@@ -1,6 +1,6 @@
 //! Sources that are damaged in every way are judged as far as they can be read, and say where they can't.
 
-mod support;
+use crate::support;
 
 use uavspec_conformance::check::{Judgement, judge};
 use uavspec_conformance::definitions::Definitions;

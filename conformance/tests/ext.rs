@@ -1,9 +1,7 @@
 //! The talk between a flight controller and external components: what the rules find in it, and what they leave
 //! alone since a recording doesn't show all.
 
-#[allow(dead_code)] // other tests need the rest
-#[path = "mcap/file.rs"]
-mod file;
+use crate::mcap::file;
 
 use std::fs;
 use std::sync::LazyLock;

@@ -1,6 +1,6 @@
 //! Recorded conversations of Flockwave: what is certain is found, and nothing else.
 
-mod support;
+use crate::support;
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;

@@ -1,12 +1,9 @@
 //! JSON judged: each rule finds what breaks it, and reading goes on whatever comes.
 
-#[path = "json/forms.rs"]
 mod forms;
-#[path = "json/hostile.rs"]
 mod hostile;
-#[path = "json/logs.rs"]
 mod logs;
-mod support;
+use crate::support;
 
 use std::fs;
 

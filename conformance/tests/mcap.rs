@@ -1,13 +1,8 @@
 //! MCAP judged: whatever packs it, each rule finds what breaks it, and reading goes on after damage.
 
-#[path = "mcap/damage.rs"]
 mod damage;
-#[path = "mcap/file.rs"]
-mod file;
-#[path = "mcap/schemas.rs"]
+pub(crate) mod file;
 mod schemas;
-mod support;
-#[path = "mcap/varying.rs"]
 mod varying;
 
 use std::borrow::Cow;

@@ -1,6 +1,6 @@
 //! Each rule finds its mutants, and no rule finds anything in what conforms.
 
-mod support;
+use crate::support;
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -1,6 +1,6 @@
 //! Reports of every kind, read back as other programs read them, whatever the input holds.
 
-mod support;
+use crate::support;
 
 use std::collections::BTreeSet;
 use std::fs;

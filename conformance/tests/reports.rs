@@ -1,6 +1,6 @@
 //! Reports on UAVs that are seen at once to be sound come to the same as those that are shown to all rules.
 
-mod support;
+use crate::support;
 
 use std::sync::LazyLock;
 

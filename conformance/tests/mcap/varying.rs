@@ -9,8 +9,8 @@ use uavspec_conformance::check::{Judgement, judge_mcap};
 use uavspec_conformance::definitions::Definitions;
 use uavspec_runtime::cdr::ByteOrder;
 
-use crate::file::{channel, file, message, schema};
-use crate::{broken, damages, equal, source};
+use super::file::{channel, file, message, schema};
+use super::{broken, damages, equal, source};
 
 const ROPE: &str = "\
 uint64 timestamp

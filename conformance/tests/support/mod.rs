@@ -1,5 +1,4 @@
 //! What several tests need: the corpus, and logs of our own.
-#![allow(dead_code)] // each test uses its part
 
 pub(crate) mod hostile;
 
