@@ -1,7 +1,7 @@
 //! TypeScript and Python: what is in the modules, as far as it can be told without either language. `xtask` has the
 //! tests that run their type checkers.
 
-mod support;
+use crate::support;
 
 use std::collections::BTreeSet;
 

@@ -2,9 +2,9 @@
 //!
 //! The examples of a rule give what `fixtures/breaking/<rule>.txt` holds. `fixtures/breaking/<case>/` holds
 //! further cases: `old/`, `new/`, and all that is said in `expected.txt`. After a change that is meant:
-//! `UAVSPEC_UPDATE_FIXTURES=1 cargo test --test breaking`.
+//! `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen breaking::`.
 
-mod support;
+use crate::support;
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -1,7 +1,7 @@
 //! Small definitions at the edge of the language, against what the reference tools say of them:
 //! rosidl for ROS 2, PX4's own generator for PX4.
 
-mod support;
+use crate::support;
 
 use std::collections::BTreeMap;
 use std::fs;

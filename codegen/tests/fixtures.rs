@@ -3,9 +3,9 @@
 //! `err/<code>` gives at least that code as an error, `warn/<code>` at least that code as a warning and
 //! no error, `ok/<name>` nothing at all. `<code>-<case>` is one more case of the same code. Pages are
 //! tables, `.po` files catalogues of translations; other files are of PX4, unless a file `dialect` in the folder says `ros2`, where each folder
-//! below is a package. After a change that is meant: `UAVSPEC_UPDATE_FIXTURES=1 cargo test --test fixtures`.
+//! below is a package. After a change that is meant: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen fixtures::`.
 
-mod support;
+use crate::support;
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

@@ -2,9 +2,9 @@
 //! a second run finds nothing to do.
 //!
 //! One folder in `fixtures/format` a case: `in.*`, and `out.*` as it should be laid out; a file `dialect`
-//! says `ros2` where it isn't px4. After a change that is meant: `UAVSPEC_UPDATE_FIXTURES=1 cargo test --test format`.
+//! says `ros2` where it isn't px4. After a change that is meant: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen format::`.
 
-mod support;
+use crate::support;
 
 use std::fmt::Write as _;
 use std::fs;

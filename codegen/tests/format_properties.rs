@@ -1,7 +1,7 @@
 //! The layout of whatever may be written: it says the same, keeps every comment, and a second run changes
 //! nothing.
 
-mod support;
+use crate::support;
 
 use proptest::collection::vec;
 use proptest::prelude::*;

@@ -2,7 +2,7 @@
 //! and room. How long that takes is not measured here: what grows with the square of these sizes
 //! doesn't end within the patience of whoever runs the tests.
 
-mod support;
+use crate::support;
 
 use std::fmt::Write as _;
 

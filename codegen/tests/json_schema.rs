@@ -1,6 +1,6 @@
 //! The emitted JSON Schemas, by meaning: what they let through and what they refuse.
 
-mod support;
+use crate::support;
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -1,12 +1,11 @@
 //! The Rust that is emitted for types and messages of pages: that of `fixtures/ok/type-tables*` is compiled here, and
-//! read and written. After a change that is meant: `UAVSPEC_UPDATE_FIXTURES=1 cargo test --test json_types`.
+//! read and written. After a change that is meant: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen json_types::`.
 
-mod support;
+use crate::support;
 
 /// What is emitted, as a crate would have it.
 #[allow(dead_code, missing_docs, unreachable_pub, unused_imports)]
 #[rustfmt::skip]
-#[path = "json_types/mod.rs"]
 mod emitted;
 
 use std::collections::BTreeMap;
@@ -41,7 +40,7 @@ fn what_is_compiled_here_is_what_is_emitted() {
     });
     let (schema, diagnostics) = read(&sources, &packages);
     assert_eq!(diagnostics, []);
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/json_types");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/json_types/emitted");
     let mut failures = Vec::new();
     let files = rust::emit(&schema, &sources, &rust::Options::default());
     for file in &files {

@@ -4,9 +4,9 @@
 //! rule. Where it is mended, the good one comes of it. `fixtures/lint/<rule>-<case>/` holds definitions of
 //! one more case, and in `expected.txt` what the rule says of them; where it can mend any, `mended.txt` holds
 //! what comes of that. After a change that is meant:
-//! `UAVSPEC_UPDATE_FIXTURES=1 cargo test --test lint`.
+//! `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen lint::`.
 
-mod support;
+use crate::support;
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

@@ -1,6 +1,6 @@
 //! The model against what the reference tools say of the same files.
 
-mod support;
+use crate::support;
 
 use std::fmt::Write as _;
 use std::fs;

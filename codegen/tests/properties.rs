@@ -1,7 +1,7 @@
 //! What holds for any input: nothing panics, places lie within their sources, and what is printed is
 //! read as it was.
 
-mod support;
+use crate::support;
 
 use std::fmt::Write as _;
 

@@ -1,7 +1,7 @@
 //! Pages of types and messages, made by chance: what is read is what was meant, and schemas, vectors and the layout of
 //! `fmt` say the same of it.
 
-mod support;
+use crate::support;
 
 use std::fmt::Write as _;
 

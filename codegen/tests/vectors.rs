@@ -1,9 +1,8 @@
 //! The vectors, by meaning: the published schemas, the codecs and the rules say of each case what it
 //! says itself, and nothing that could be tried is left out.
 
-mod support;
+use crate::support;
 
-#[path = "vectors/coverage.rs"]
 mod coverage;
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -21,9 +21,8 @@ use std::time::{Duration, Instant};
 
 use serde::de::IgnoredAny;
 use serde_json::{Value, json};
+use uavspec_conformance::check::{judge, parallel};
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::judge::judge;
-use uavspec_conformance::parallel;
 
 /// How many lines of JSON there are.
 const LINES: usize = 10_000;

@@ -14,8 +14,8 @@ use uavspec_codegen::source::Span;
 use uavspec_codegen::{PackageInput, SourceMap, read};
 use uavspec_definitions::{Dir, FLOCKWAVE, PX4};
 
+use crate::flockwave::body_schema::{Deviation, Schemas, Shapes};
 use crate::json::Tree;
-use crate::shape::{Deviation, Schemas, Shapes};
 
 /// Definitions, with what is looked up in them for each record.
 #[derive(Debug)]

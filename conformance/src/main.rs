@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    uavspec_conformance::cli::main()
+    uavspec_conformance::app::main()
 }

@@ -4,10 +4,11 @@ pub mod live;
 
 use std::collections::BTreeSet;
 
+use crate::check::{Judgement, judge};
 use crate::definitions::Definitions;
-use crate::judge::{Judgement, judge};
-use crate::rule::{Mutant, RULES, Rule};
-use crate::sample::{Conversation, Flight};
+use crate::model::Rule;
+use crate::rules::sample::{Conversation, Flight};
+use crate::rules::{Mutant, mutants};
 
 /// What came of a mutant.
 #[derive(Debug)]
@@ -15,7 +16,7 @@ pub struct Row {
     /// The rule that it has to break.
     pub rule: &'static Rule,
     /// The mutant.
-    pub mutant: &'static Mutant,
+    pub mutant: Mutant,
     /// The ids of the rules that it broke; none where the definitions have nothing to change so.
     pub broken: Option<BTreeSet<&'static str>>,
 }
@@ -49,12 +50,12 @@ pub fn conforming(definitions: &Definitions) -> Vec<(&'static str, Judgement)> {
 /// Judges all mutants of all rules, made from a flight of some definitions.
 pub fn matrix(definitions: &Definitions) -> Vec<Row> {
     let flight = Flight::new(definitions);
-    let row = |rule: &'static Rule, mutant: &'static Mutant| {
-        let judged = (mutant.make)(&flight).and_then(|bytes| judge_bytes(&bytes, definitions));
+    let row = |mutant: Mutant| {
+        let judged = mutant.make(&flight).and_then(|bytes| judge_bytes(&bytes, definitions));
         let broken = judged.map(|judged| judged.findings.groups().map(|group| group.rule.id).collect());
-        Row { rule, mutant, broken }
+        Row { rule: mutant.rule, mutant, broken }
     };
-    RULES.iter().flat_map(|rule| rule.mutants.iter().map(move |mutant| row(rule, mutant))).collect()
+    mutants().map(row).collect()
 }
 
 /// Ids of rules, in words.

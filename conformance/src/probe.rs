@@ -9,7 +9,7 @@
 //! First comes a *survey*: requests that change nothing, over one connection, then listening for what comes by itself,
 //! and, where the caller allows it, *commands* for the UAVs that he names. Then come *trials* of what a server has to
 //! bear, each on a connection of its own. All that goes over the wire is written to a *tape* as a line of a recording,
-//! and judged as that: [`check`](crate::judge) finds the same in the recording later on.
+//! and judged as that: [`check`](crate::check) finds the same in the recording later on.
 //!
 //! Nothing here waits without a limit; a server that is silent, floods, or dies is told of in the findings and notes.
 
@@ -29,11 +29,11 @@ use serde_json::{Value, json};
 use self::session::Session;
 use self::tape::{Tape, Trial};
 use self::trials::{Attempt, Step};
-use crate::base64;
+use crate::check::Judgement;
 use crate::definitions::Definitions;
-use crate::judge::Judgement;
-use crate::live::endpoint::Endpoint;
-use crate::rule::rule;
+use crate::flockwave::transport::endpoint::Endpoint;
+use crate::json::base64;
+use crate::rules::rule;
 
 /// How long a probe may take that only asks, but for listening.
 const LIMIT: Duration = Duration::from_secs(45);

@@ -9,6 +9,7 @@
 //! The JSON form is the value itself, so that nothing can be said elsewhere that programs don't get. Whatever
 //! comes from the input stands in it as it is; each format escapes it in its own way.
 
+pub mod catalogue;
 mod conclusion;
 mod html;
 mod json;
@@ -18,24 +19,19 @@ mod markdown;
 mod sarif;
 #[cfg(test)]
 mod schema;
-mod shown;
 mod source;
 mod testee;
 mod text;
-
-use std::fmt;
 
 use serde::Serialize;
 
 pub use self::conclusion::{Conclusion, Outcome};
 pub use self::kind::Kind;
-pub(crate) use self::shown::{command_line, shown};
 pub use self::source::{Judged, Settings};
 pub use self::text::subject as subject_text;
 use crate::definitions::Definitions;
-use crate::known::Excuse;
-use crate::record::{Extent, Place};
-use crate::rule::{Level, RULES, Rule, Status};
+use crate::model::{Excuse, Extent, Level, Place, Reason, Rule, Status};
+use crate::rules::RULES;
 
 /// The version of the form; it rises when a member changes its meaning or goes.
 const VERSION: u32 = 1;
@@ -65,18 +61,6 @@ pub struct Report {
     pub subjects: Vec<Subject>,
     /// What couldn't be read.
     pub unreadable: Vec<Unreadable>,
-}
-
-/// Why a run as a whole fails.
-#[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct Reason {
-    /// What is the matter.
-    pub message: String,
-    /// The list that it is about; empty where it is about none.
-    pub path: String,
-    /// The line in it.
-    pub line: Option<u64>,
 }
 
 /// What was done.
@@ -615,22 +599,6 @@ impl Report {
             self.conclusion = Conclusion { remarks, ..Conclusion::new(Outcome::Stale, text) };
         }
         self
-    }
-}
-
-impl From<String> for Reason {
-    fn from(message: String) -> Self {
-        Self { message, path: String::new(), line: None }
-    }
-}
-
-impl fmt::Display for Reason {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { message, path, line } = self;
-        match line {
-            Some(line) => write!(formatter, "{path}:{line}: {message}"),
-            None => formatter.write_str(message),
-        }
     }
 }
 

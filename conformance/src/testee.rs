@@ -9,8 +9,8 @@
 
 pub mod case;
 pub mod compare;
-pub(crate) mod connection;
 pub mod file;
+pub mod known;
 mod link;
 pub mod lint;
 pub mod outcome;

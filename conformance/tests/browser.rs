@@ -2,7 +2,7 @@
 //!
 //! `UAVSPEC_PICTURES` names a folder where the pictures stay.
 
-mod support;
+use crate::support;
 
 use std::fs;
 use std::path::Path;

@@ -1,21 +1,18 @@
 //! Logs judged: each rule finds what breaks it, and nothing in a log that conforms.
 
-#[path = "check/counted.rs"]
 mod counted;
-mod support;
-#[path = "check/time.rs"]
+use crate::support;
 mod time;
 
 use std::fs;
 
 use serde_json::Value;
 use tempfile::TempDir;
-use uavspec_conformance::comparison::Comparison;
+use uavspec_conformance::check::{Judgement, LogSource, Source, judge_ulog};
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::finding::Verdict;
-use uavspec_conformance::judge::{Judgement, LogSource, Source, judge_ulog};
-use uavspec_conformance::record::Extent;
-use uavspec_conformance::rule::{RULES, rule};
+use uavspec_conformance::model::{Extent, Verdict};
+use uavspec_conformance::px4::comparison::Comparison;
+use uavspec_conformance::rules::{RULES, rule};
 
 use support::{Writer, shared};
 
@@ -160,7 +157,7 @@ fn as_log(judgement: &Judgement) -> &LogSource {
 
 /// The rules that are broken, each with its subject and what is said of the first breach.
 fn broken(judgement: &Judgement) -> Vec<(&'static str, String)> {
-    let said = |group: &uavspec_conformance::finding::Group| {
+    let said = |group: &uavspec_conformance::model::Group| {
         (group.rule.id, format!("{}: {}", group.subject, group.examples[0].1))
     };
     judgement.findings.groups().map(said).collect()

@@ -1,6 +1,6 @@
 //! `uavspec` as a user meets it.
 
-mod support;
+use crate::support;
 
 use std::fs;
 use std::io::Write as _;
@@ -368,7 +368,7 @@ fn rules_and_help_are_printed() {
     assert_eq!(status, Some(2));
     assert!(said.contains("no such rule") && said.contains("help:"), "{said}");
     let list: Value = serde_json::from_str(&uavspec(here, &["rules", "--format", "json"]).1).expect("JSON");
-    assert_eq!(list.as_array().map(Vec::len), Some(uavspec_conformance::rule::RULES.len()));
+    assert_eq!(list.as_array().map(Vec::len), Some(uavspec_conformance::rules::RULES.len()));
     let (status, printed, _) = uavspec(here, &["rules", "--matrix"]);
     assert_eq!(status, Some(0));
     assert!(
@@ -383,7 +383,7 @@ fn rules_and_help_are_printed() {
     );
     let (status, printed, _) = uavspec(here, &["rules"]);
     assert_eq!(status, Some(0));
-    for rule in uavspec_conformance::rule::RULES {
+    for rule in uavspec_conformance::rules::RULES {
         assert!(printed.contains(rule.id) && printed.contains(rule.statement), "{}", rule.id);
     }
     let (status, printed, _) = uavspec(here, &["check", "--help"]);

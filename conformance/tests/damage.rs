@@ -1,11 +1,11 @@
 //! Sources that are damaged in every way are judged as far as they can be read, and say where they can't.
 
-mod support;
+use crate::support;
 
+use uavspec_conformance::check::{Judgement, judge};
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::judge::{Judgement, judge};
-use uavspec_conformance::record::Place;
-use uavspec_conformance::sample::{Flight, ROUNDS};
+use uavspec_conformance::model::Place;
+use uavspec_conformance::rules::sample::{Flight, ROUNDS};
 
 use support::Random;
 

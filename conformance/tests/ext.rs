@@ -1,20 +1,18 @@
 //! The talk between a flight controller and external components: what the rules find in it, and what they leave
 //! alone since a recording doesn't show all.
 
-#[allow(dead_code)] // other tests need the rest
-#[path = "mcap/file.rs"]
-mod file;
+use crate::mcap::file;
 
 use std::fs;
 use std::sync::LazyLock;
 
 use serde_json::{Value, json};
 use tempfile::TempDir;
+use uavspec_conformance::check::{Judgement, judge};
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::finding::Verdict;
-use uavspec_conformance::judge::{Judgement, judge};
-use uavspec_conformance::rule::rule;
-use uavspec_conformance::sample::{Entry, Flight, Sent};
+use uavspec_conformance::model::Verdict;
+use uavspec_conformance::rules::rule;
+use uavspec_conformance::rules::sample::{Entry, Flight, Sent};
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 static FLIGHT: LazyLock<Flight<'static>> = LazyLock::new(|| Flight::new(&DEFINITIONS));

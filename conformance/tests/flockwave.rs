@@ -1,16 +1,16 @@
 //! Recorded conversations of Flockwave: what is certain is found, and nothing else.
 
-mod support;
+use crate::support;
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use serde_json::{Value, json};
+use uavspec_conformance::check::{FlockwaveSource, Judgement, Source, TypeCount, judge};
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::judge::{FlockwaveSource, Judgement, Source, TypeCount, judge};
 use uavspec_conformance::report::{Judged, Settings, Subject, subject_text};
-use uavspec_conformance::rule::rule;
-use uavspec_conformance::sample::Conversation;
+use uavspec_conformance::rules::rule;
+use uavspec_conformance::rules::sample::Conversation;
 
 use support::shared;
 

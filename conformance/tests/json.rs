@@ -1,22 +1,18 @@
 //! JSON judged: each rule finds what breaks it, and reading goes on whatever comes.
 
-#[path = "json/forms.rs"]
 mod forms;
-#[path = "json/hostile.rs"]
 mod hostile;
-#[path = "json/logs.rs"]
 mod logs;
-mod support;
+use crate::support;
 
 use std::fs;
 
 use serde_json::{Value, json};
 use tempfile::TempDir;
+use uavspec_conformance::check::{JsonSource, Judgement, Source, judge};
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::finding::Verdict;
-use uavspec_conformance::judge::{JsonSource, Judgement, Source, judge};
-use uavspec_conformance::record::Place;
-use uavspec_conformance::rule::{RULES, rule};
+use uavspec_conformance::model::{Place, Verdict};
+use uavspec_conformance::rules::{RULES, rule};
 
 const GLIDER: &str = "\
 uint32 MESSAGE_VERSION = 2
@@ -91,7 +87,7 @@ fn source(judgement: &Judgement) -> &JsonSource {
 }
 
 fn broken(judgement: &Judgement) -> Vec<(&'static str, String)> {
-    let said = |group: &uavspec_conformance::finding::Group| {
+    let said = |group: &uavspec_conformance::model::Group| {
         (group.rule.id, format!("{}: {}", group.subject, group.examples[0].1))
     };
     judgement.findings.groups().map(said).collect()

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::matrix::live::{Row, cases, live};
-use uavspec_conformance::rule::{RULES, rule};
-use uavspec_conformance::server::{bug, bugs};
+use uavspec_conformance::rules::{RULES, rule};
+use uavspec_conformance::serve::{bug, bugs};
 
 #[test]
 fn each_bug_is_found_and_nothing_else() {

@@ -1,13 +1,8 @@
 //! MCAP judged: whatever packs it, each rule finds what breaks it, and reading goes on after damage.
 
-#[path = "mcap/damage.rs"]
 mod damage;
-#[path = "mcap/file.rs"]
-mod file;
-#[path = "mcap/schemas.rs"]
+pub(crate) mod file;
 mod schemas;
-mod support;
-#[path = "mcap/varying.rs"]
 mod varying;
 
 use std::borrow::Cow;
@@ -18,11 +13,11 @@ use std::sync::{Arc, LazyLock};
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use serde_json::{Value, json};
 use uavspec_codegen::schema::fingerprint::ros_name;
-use uavspec_conformance::comparison::Comparison;
+use uavspec_conformance::check::{Basis, Judgement, McapSource, Source, Standing, judge};
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::finding::{Group, Verdict};
-use uavspec_conformance::judge::{Basis, Judgement, McapSource, Source, Standing, judge};
-use uavspec_conformance::rule::RULES;
+use uavspec_conformance::model::{Group, Verdict};
+use uavspec_conformance::px4::comparison::Comparison;
+use uavspec_conformance::rules::RULES;
 
 use file::{FORMS, Form, channel, chunked, file, message, schema};
 

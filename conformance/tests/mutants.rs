@@ -1,16 +1,16 @@
 //! Each rule finds its mutants, and no rule finds anything in what conforms.
 
-mod support;
+use crate::support;
 
 use std::collections::BTreeSet;
 use std::fs;
 
 use tempfile::TempDir;
+use uavspec_conformance::check::judge;
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::judge::judge;
 use uavspec_conformance::matrix::{conforming, matrix};
-use uavspec_conformance::rule::{RULES, rule};
-use uavspec_conformance::sample::Flight;
+use uavspec_conformance::rules::sample::Flight;
+use uavspec_conformance::rules::{RULES, mutants, rule};
 
 use support::shared;
 
@@ -70,8 +70,8 @@ fn findings_tell_where_it_is_defined_and_what_was_expected() {
     ];
     for (id, expected) in fields {
         let rule = rule(id).expect("a rule");
-        for mutant in rule.mutants {
-            let bytes = (mutant.make)(&flight).expect("a mutant");
+        for mutant in mutants().filter(|mutant| mutant.rule.id == id) {
+            let bytes = mutant.make(&flight).expect("a mutant");
             let judgement = judge(&bytes[..], None, &definitions).expect("bytes");
             let group = judgement.findings.of(rule).next().expect("a finding");
             let detail = &group.examples[0].1;

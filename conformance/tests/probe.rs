@@ -11,11 +11,11 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
+use uavspec_conformance::check::judge;
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::judge::judge;
-use uavspec_conformance::live::endpoint::Endpoint;
+use uavspec_conformance::flockwave::transport::endpoint::Endpoint;
 use uavspec_conformance::probe::{Options, Probed, probe};
-use uavspec_conformance::server::{self, Server, Transport, bug};
+use uavspec_conformance::serve::{self, Server, Transport, bug};
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 
@@ -51,7 +51,7 @@ fn probed(url: &str, options: &Options) -> Probed {
     assert!(probed.unrecorded.is_none());
     let recording = tape.0.lock().unwrap_or_else(PoisonError::into_inner).clone();
     let replayed = judge(&*recording, None, &DEFINITIONS).expect("bytes can be read");
-    let of = |judgement: &uavspec_conformance::judge::Judgement| -> Vec<String> {
+    let of = |judgement: &uavspec_conformance::check::Judgement| -> Vec<String> {
         judgement.findings.groups().map(|group| format!("{group:?}")).collect()
     };
     assert_eq!(of(&replayed), of(&probed.judgement));
@@ -295,7 +295,7 @@ fn uavspec(arguments: &[&str]) -> (Option<i32>, String, String) {
 fn the_command_says_what_came_of_it_and_records_it() {
     let place = SocketAddr::from(([127, 0, 0, 1], 0));
     let bug = bug("FW-SYS-VER-02");
-    let options = server::Options { bug, ..server::Options::default() };
+    let options = serve::Options { bug, ..serve::Options::default() };
     let server = Server::start(options, &[(Transport::Tcp, place)]).expect("it starts");
     let url = server.listening()[0].to_string();
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,6 +1,6 @@
 //! Reports of every kind, read back as other programs read them, whatever the input holds.
 
-mod support;
+use crate::support;
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -10,10 +10,10 @@ use std::sync::OnceLock;
 use html5gum::{Token, Tokenizer};
 use quick_junit::{NonSuccessKind, Report as Junit, TestCase, TestCaseStatus};
 use serde_json::{Value, json};
+use uavspec_conformance::check::judge;
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::judge::judge;
 use uavspec_conformance::report::{Action, Judged, Kind, Outcome, Report, Settings, Subject, Verdict};
-use uavspec_conformance::rule::RULES;
+use uavspec_conformance::rules::RULES;
 
 use support::hostile::{HOSTILE, checked, tested};
 

@@ -1,15 +1,15 @@
 //! Reports on UAVs that are seen at once to be sound come to the same as those that are shown to all rules.
 
-mod support;
+use crate::support;
 
 use std::sync::LazyLock;
 
 use proptest::prelude::*;
 use serde_json::{Value, json};
+use uavspec_conformance::check::FlockwaveJudge;
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::judge::FlockwaveJudge;
-use uavspec_conformance::rule::RULES;
-use uavspec_conformance::sample::{Conversation, Flight};
+use uavspec_conformance::rules::mutants;
+use uavspec_conformance::rules::sample::{Conversation, Flight};
 
 use support::shared;
 
@@ -43,11 +43,9 @@ fn what_breaks_rules_is_found_in_both_ways() {
     let definitions = Definitions::built_in();
     assert!(compare(&Conversation::new().to_bytes(), &definitions) > 0);
     let flight = Flight::new(&definitions);
-    for rule in RULES.iter().filter(|rule| rule.is_on_flockwave()) {
-        for mutant in rule.mutants {
-            let bytes = (mutant.make)(&flight).expect("the definitions have it");
-            compare(&bytes, &definitions);
-        }
+    for mutant in mutants().filter(|mutant| mutant.rule.is_on_flockwave()) {
+        let bytes = mutant.make(&flight).expect("the definitions have it");
+        compare(&bytes, &definitions);
     }
 }
 

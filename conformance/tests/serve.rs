@@ -12,9 +12,9 @@ use std::time::{Duration, Instant};
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use serde_json::{Value, json};
-use uavspec_conformance::live::MESSAGE_LIMIT;
-use uavspec_conformance::live::client::{Client, Heard, connect};
-use uavspec_conformance::server::{Options, Server, Transport, bug};
+use uavspec_conformance::flockwave::transport::MESSAGE_LIMIT;
+use uavspec_conformance::flockwave::transport::client::{Client, Heard, connect};
+use uavspec_conformance::serve::{Options, Server, Transport, bug};
 
 /// How long something may take that has to happen.
 const PATIENCE: Duration = Duration::from_secs(60);

@@ -6,10 +6,10 @@ use std::sync::LazyLock;
 use serde_json::{Value, json};
 use uavspec_codegen::emit::vectors;
 use uavspec_codegen::schema::json_type::Direction;
+use uavspec_conformance::check::judge;
 use uavspec_conformance::definitions::Definitions;
+use uavspec_conformance::flockwave::body_schema::Deviation;
 use uavspec_conformance::json::Tree;
-use uavspec_conformance::judge::judge;
-use uavspec_conformance::shape::Deviation;
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 
@@ -232,7 +232,7 @@ fn findings_lead_to_the_definition() {
     ];
     let groups = |definitions: &Definitions| -> Vec<(String, u64, Option<String>)> {
         let judgement = judge(lines.join("\n").as_bytes(), None, definitions).expect("lines");
-        let group = |group: &uavspec_conformance::finding::Group| {
+        let group = |group: &uavspec_conformance::model::Group| {
             let line =
                 group.definition.map(|span| definitions.line(span).text.trim_start_matches("| ").to_owned());
             (group.subject.clone(), group.count, line.map(|line| line.chars().take(11).collect()))

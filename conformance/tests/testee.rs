@@ -3,9 +3,7 @@
 //! They are modes of the example `testee`. Nothing here depends on something being fast: what must time out hangs
 //! for ever, and what must not has plenty of time.
 
-#[path = "testee/attach.rs"]
 mod attach;
-#[path = "testee/lint.rs"]
 mod lint;
 
 use std::collections::BTreeSet;

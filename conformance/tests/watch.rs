@@ -10,7 +10,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
-use uavspec_conformance::server::{Options, Server, Transport, error};
+use uavspec_conformance::serve::{Options, Server, Transport, error};
 use uavspec_conformance::watch::UAV_LIMIT;
 use uavspec_conformance::watch::fleet::{Fleet, Link};
 use uavspec_conformance::watch::message::News;

@@ -2,7 +2,7 @@
 
 #![cfg(all(feature = "proptest", feature = "schemars", feature = "serde"))]
 
-mod support;
+use crate::support;
 
 use std::cell::Cell;
 use std::fmt::Debug;

@@ -3,7 +3,7 @@
 
 #![cfg(all(feature = "proptest", feature = "serde"))]
 
-mod support;
+use crate::support;
 
 use std::collections::BTreeSet;
 use std::fmt::Debug;

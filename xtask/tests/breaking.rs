@@ -1,6 +1,6 @@
 //! `breaking` as a user meets it: against folders, and against revisions of a Git repository.
 
-mod support;
+use crate::support;
 
 use std::fs;
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! The command line as a user meets it: exit status, messages, and what happens to files.
 
-mod support;
+use crate::support;
 
 use std::fs;
 use std::path::Path;

@@ -5,13 +5,8 @@
 //! Whatever needs Node or Python is ignored unless it is asked for. It installs type checkers, at the versions that
 //! stand in `packages/`, below `target/`.
 
-#[path = "packages/archives.rs"]
 mod archives;
-#[path = "packages/declarations.rs"]
 mod declarations;
-#[path = "packages/labels.rs"]
 mod labels;
-#[path = "packages/readme.rs"]
 mod readme;
-#[path = "packages/tools.rs"]
 mod tools;

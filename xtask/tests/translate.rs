@@ -1,6 +1,6 @@
 //! Catalogues of translations on the command line.
 
-mod support;
+use crate::support;
 
 use std::fs;
 use std::path::Path;

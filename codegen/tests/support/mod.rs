@@ -1,5 +1,4 @@
 //! What several tests need: the corpus, and packages read from folders or from text.
-#![allow(dead_code)] // each test uses its part
 
 pub(crate) mod layout;
 

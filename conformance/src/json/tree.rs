@@ -135,7 +135,7 @@ fn enclosed<T>(text: &mut String, [open, close]: [char; 2], values: &[T], write:
 }
 
 /// The start of a text that may be long.
-pub(super) fn shortened(text: &str) -> Cow<'_, str> {
+pub(crate) fn shortened(text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(MAX_SHOWN) {
         None => Cow::Borrowed(text),
         Some((end, _)) => Cow::Owned(format!("{}…", &text[..end])),

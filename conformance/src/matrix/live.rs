@@ -8,12 +8,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use super::list;
+use crate::check::{Judgement, judge, parallel};
 use crate::definitions::Definitions;
-use crate::judge::{Judgement, judge};
-use crate::live::endpoint::Endpoint;
-use crate::parallel;
+use crate::flockwave::transport::endpoint::Endpoint;
 use crate::probe::{self, probe};
-use crate::server::{self, Bug, Server, Transport, bugs};
+use crate::serve::{self, Bug, Server, Transport, bugs};
 
 /// How many servers are probed at the same time: most of it is waiting.
 const JOBS: usize = 32;
@@ -138,14 +137,14 @@ pub fn live(cases: &[Case], definitions: &Definitions, mut take: impl FnMut(io::
 }
 
 fn row(case: &Case, definitions: &Definitions) -> io::Result<Row> {
-    let options = server::Options {
+    let options = serve::Options {
         bug: case.bug,
         speed: SPEED,
         rate: RATE,
         losses: vec![("glider-5".to_owned(), LOSS)],
         stay: case.is_parting.then_some(STAY),
         login: case.has_login.then(|| (LOGIN.0.to_owned(), LOGIN.1.to_owned())),
-        ..server::Options::default()
+        ..serve::Options::default()
     };
     let free = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
     let server = Server::start(options, &[(case.transport, free)])?;
@@ -176,8 +175,8 @@ fn broken(judgement: &Judgement) -> BTreeSet<&'static str> {
 }
 
 fn exercised(judgement: &Judgement) -> BTreeSet<&'static str> {
-    let is_exercised = |rule: &&&'static crate::rule::Rule| judgement.findings.exercised(rule) > 0;
-    crate::rule::RULES.iter().filter(is_exercised).map(|rule| rule.id).collect()
+    let is_exercised = |rule: &&&'static crate::model::Rule| judgement.findings.exercised(rule) > 0;
+    crate::rules::RULES.iter().filter(is_exercised).map(|rule| rule.id).collect()
 }
 
 /// A recording in memory.

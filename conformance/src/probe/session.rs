@@ -8,9 +8,9 @@ use serde_json::value::RawValue;
 use serde_json::{Value, json};
 
 use super::tape::{Tape, Trial};
-use crate::live::client::{Client, Heard, connect};
-use crate::live::endpoint::Endpoint;
-use crate::record::Direction;
+use crate::flockwave::record::Direction;
+use crate::flockwave::transport::client::{Client, Heard, connect};
+use crate::flockwave::transport::endpoint::Endpoint;
 
 /// How many ids of requests without an answer are kept.
 const MAX_WAITING: usize = 1_000;

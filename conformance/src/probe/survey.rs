@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::Probe;
 use super::tape::Trial;
-use crate::rule::rule;
+use crate::rules::rule;
 
 /// How many steps there are, more or less.
 pub(super) const STEPS: usize = 70;

@@ -6,11 +6,11 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde_json::Value;
 
+use crate::check::{FlockwaveJudge, Judgement};
 use crate::definitions::Definitions;
+use crate::flockwave::record::Direction;
 use crate::json::Tree;
-use crate::judge::{FlockwaveJudge, Judgement};
-use crate::record::Direction;
-use crate::rule::Rule;
+use crate::model::Rule;
 
 /// What stands in the place of a message that was too long to be kept.
 const TOO_LONG: &[u8] = b"(more than 16 MiB)";

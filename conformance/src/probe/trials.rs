@@ -6,8 +6,9 @@ use serde_json::json;
 
 use super::malformed;
 use super::tape::Trial;
-use crate::live::endpoint::{Carrier, Endpoint};
-use crate::rule::{Rule, rule};
+use crate::flockwave::transport::endpoint::{Carrier, Endpoint};
+use crate::model::Rule;
+use crate::rules::rule;
 
 /// How long it takes until the next piece of a message follows, where pieces follow soon.
 const SOON: Duration = Duration::from_millis(60);

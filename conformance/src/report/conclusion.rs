@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{About, Action, Subject, Unreadable, Verdict};
-use crate::record::Extent;
+use crate::model::Extent;
 
 /// What something comes to.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -183,11 +183,11 @@ fn to_look_at(rules: usize) -> String {
 mod tests {
     use super::*;
     use crate::report::{Json, RuleVerdict};
-    use crate::rule::RULES;
+    use crate::rules::RULES;
 
     /// A source of which rules came to these verdicts, and how much of it was judged.
     fn source(judged: u64, verdicts: &[Verdict]) -> Subject {
-        let rule = |(verdict, rule): (&Verdict, &&'static crate::rule::Rule)| RuleVerdict {
+        let rule = |(verdict, rule): (&Verdict, &&'static crate::model::Rule)| RuleVerdict {
             id: rule.id,
             level: rule.level,
             verdict: *verdict,

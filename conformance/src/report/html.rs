@@ -9,9 +9,9 @@ mod testee;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::shown::shown;
 use super::{About, Action, Conclusion, Counts, Outcome, Report, RuleReport, Subject, Verdict};
-use crate::record::Grouped;
+use crate::text::Grouped;
+use crate::text::shown;
 
 /// The style of the page; all of it, as the page loads nothing.
 const STYLE: &str = include_str!("html/style.css");

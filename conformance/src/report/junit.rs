@@ -8,11 +8,11 @@ use std::fmt::Write as _;
 use uavspec_codegen::report::junit::{self, Outcome, Reason, Suite};
 use uavspec_codegen::report::{Place, Region};
 
-use super::shown::shown;
 use super::{
     About, Action, Case, CaseVerdict, Finding, Report, RuleReport, RuleVerdict, Subject, Testee, Verdict,
 };
-use crate::record::Extent;
+use crate::model::Extent;
+use crate::text::shown;
 
 /// How many findings of a rule the text of its case tells.
 const MAX_FINDINGS: usize = 20;
@@ -37,7 +37,7 @@ pub(super) fn write(report: &Report) -> String {
 }
 
 /// What fails the run, and belongs to no source.
-fn whole(name: &str, reasons: &[super::Reason]) -> Option<Suite> {
+fn whole(name: &str, reasons: &[crate::model::Reason]) -> Option<Suite> {
     let told: Vec<String> = reasons.iter().map(|reason| shown(&reason.to_string())).collect();
     let (kind, message) = ("run".to_owned(), told.first()?.clone());
     let outcome = Outcome::Failed(Reason { kind, message, text: told.join("\n") });
@@ -116,8 +116,8 @@ fn of_rule(subject: &Subject, rule: &RuleReport, found: &RuleVerdict) -> junit::
     if found.findings > 0 {
         let first = findings.first().and_then(|finding| finding.examples.first());
         let region = match first.map(|example| example.place) {
-            Some(crate::record::Place::Line(line)) => Region::Line(line),
-            Some(crate::record::Place::Byte(offset)) => Region::Byte(offset),
+            Some(crate::model::Place::Line(line)) => Region::Line(line),
+            Some(crate::model::Place::Byte(offset)) => Region::Byte(offset),
             None => Region::Whole,
         };
         case.place = Some(Place { path: subject.path.clone(), region });

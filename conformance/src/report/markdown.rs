@@ -4,8 +4,8 @@ use uavspec_codegen::emit::docs::markdown::{
     Page, Table, code, inline, link, number_column, plural, text_column, thousands, with_code,
 };
 
-use super::shown::shown;
 use super::{About, Case, Finding, Outcome, Report, RuleReport, Subject, Testee, Verdict};
+use crate::text::shown;
 
 /// How many findings of a subject are told: GitHub takes 65,536 characters for a comment.
 const MAX_FINDINGS: usize = 12;

@@ -3,13 +3,12 @@
 use uavspec_codegen::diagnostic::Level;
 use uavspec_codegen::report::{self as shared, Entry, Place, Region, RuleInfo};
 
-use super::shown::shown;
 use super::{
     About, Action, Case, CaseVerdict, Damage, Definition, Finding, Report, RuleReport, Subject, Testee,
     Verdict,
 };
-use crate::record::{self, Extent};
-use crate::rule;
+use crate::model::{self, Extent};
+use crate::text::shown;
 
 /// The id under which damage is told, and what it is.
 const DAMAGE: (&str, &str) = ("damage", "A file can be read from its start to its end.");
@@ -82,9 +81,9 @@ fn cases(subject: &Subject) -> impl Iterator<Item = &Case> {
 
 fn rule(rule: &RuleReport) -> RuleInfo {
     let level = match rule.level {
-        rule::Level::Must => Level::Error,
-        rule::Level::Should => Level::Warning,
-        rule::Level::Info => Level::Note,
+        model::Level::Must => Level::Error,
+        model::Level::Should => Level::Warning,
+        model::Level::Info => Level::Note,
     };
     RuleInfo { id: rule.id.into(), purpose: rule.statement.into(), level, url: rule.url.clone() }
 }
@@ -174,10 +173,10 @@ fn whole(path: &str) -> Place {
     Place { path: path.to_owned(), region: Region::Whole }
 }
 
-fn region(place: record::Place) -> Region {
+fn region(place: model::Place) -> Region {
     match place {
-        record::Place::Byte(offset) => Region::Byte(offset),
-        record::Place::Line(line) => Region::Line(line),
+        model::Place::Byte(offset) => Region::Byte(offset),
+        model::Place::Line(line) => Region::Line(line),
     }
 }
 

@@ -9,10 +9,10 @@ use schemars::transform::RecursiveTransform;
 use serde_json::{Map, Value, json};
 
 use super::{Action, Judged, Reason, Report, Settings, Subject, Unreadable};
+use crate::check::judge;
 use crate::definitions::Definitions;
-use crate::judge::judge;
-use crate::rule::RULES;
-use crate::sample::Flight;
+use crate::rules::mutants;
+use crate::rules::sample::Flight;
 
 /// Where it is published.
 const ID: &str = "https://uavspec.dev/schemas/uavspec/report.schema.json";
@@ -88,7 +88,7 @@ fn everything_in_the_form_is_described() {
 fn a_report_with_every_rule_broken_keeps_to_it() {
     let definitions = Definitions::built_in();
     let flight = Flight::new(&definitions);
-    let mutants = RULES.iter().flat_map(|rule| rule.mutants).filter_map(|mutant| (mutant.make)(&flight));
+    let mutants = mutants().filter_map(|mutant| mutant.make(&flight));
     let subject = |bytes: Vec<u8>| {
         let judgement = judge(&bytes[..], None, &definitions).expect("bytes can be read");
         Subject::of_source(

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use crate::comparison::Comparison;
-use crate::definitions::Definitions;
-use crate::finding::{self, Findings, Group};
-use crate::judge::{
+use crate::check::{
     self, Basis, FlockwaveSource, JsonSource, Judgement, LogSource, McapSource, Source, Standing, TypeCount,
 };
-use crate::rule::{RULES, Rule};
+use crate::definitions::Definitions;
+use crate::model::{self, Findings, Group, Rule};
+use crate::px4::comparison::Comparison;
+use crate::rules::RULES;
 
 use super::{
     About, ChannelResult, Conclusion, Damage, Definition, Example, Finding, Flockwave, FlockwaveType, Format,
@@ -52,27 +52,27 @@ impl Settings {
         // What begins with a dash would be taken for an option; the dash alone is standard input.
         let is_like_option = path.starts_with('-') && path != "-";
         let path = if is_like_option { format!("./{path}") } else { path.to_owned() };
-        super::shown::command_line(words.chain([path.as_str()]))
+        crate::text::command_line(words.chain([path.as_str()]))
     }
 
     /// What came of a rule.
     fn verdict(&self, findings: &Findings, rule: &'static Rule) -> Verdict {
         match findings.verdict(rule) {
-            finding::Verdict::Shown if self.are_formats_strict && rule.id == FORMATS => Verdict::Fail,
+            model::Verdict::Shown if self.are_formats_strict && rule.id == FORMATS => Verdict::Fail,
             other => other.into(),
         }
     }
 }
 
-impl From<finding::Verdict> for Verdict {
-    fn from(verdict: finding::Verdict) -> Self {
+impl From<model::Verdict> for Verdict {
+    fn from(verdict: model::Verdict) -> Self {
         match verdict {
-            finding::Verdict::Pass => Self::Pass,
-            finding::Verdict::Warn => Self::Warn,
-            finding::Verdict::Fail => Self::Fail,
-            finding::Verdict::Shown => Self::Shown,
-            finding::Verdict::Known => Self::Known,
-            finding::Verdict::NotExercised => Self::NotExercised,
+            model::Verdict::Pass => Self::Pass,
+            model::Verdict::Warn => Self::Warn,
+            model::Verdict::Fail => Self::Fail,
+            model::Verdict::Shown => Self::Shown,
+            model::Verdict::Known => Self::Known,
+            model::Verdict::NotExercised => Self::NotExercised,
         }
     }
 }
@@ -187,7 +187,7 @@ fn of_server(mut types: Vec<FlockwaveType>) -> Vec<FlockwaveType> {
     types
 }
 
-fn channel(channel: &judge::McapChannel) -> McapChannel {
+fn channel(channel: &check::McapChannel) -> McapChannel {
     let (result, message) = match &channel.standing {
         Standing::Judged(Basis::Compared(comparison)) => {
             let hash = if channel.has_other_hash { "; its hash is another, too" } else { "" };
@@ -223,7 +223,7 @@ fn format_of(topic: &str, comparison: &Comparison) -> Format {
 
 fn finding(group: &Group, verdict: Verdict, command: &str, definitions: &Definitions) -> Finding {
     let Group { rule, subject, count, examples, definition, known, .. } = group;
-    let example = |(place, detail): &(_, crate::detail::Detail)| Example {
+    let example = |(place, detail): &(_, crate::model::Detail)| Example {
         place: *place,
         path: detail.path.clone(),
         part: detail.part.clone(),

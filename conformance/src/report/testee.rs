@@ -9,8 +9,8 @@ use super::{
     Testee, Verdict,
 };
 use crate::definitions::Definitions;
-use crate::record::Extent;
-use crate::rule::rule;
+use crate::model::Extent;
+use crate::rules::rule;
 use crate::testee::{case, outcome};
 
 impl Subject {

@@ -9,10 +9,10 @@ use std::fmt::{self, Write as _};
 use anstyle::{AnsiColor, Style};
 use uavspec_codegen::emit::docs::markdown::plural;
 
-use super::shown::shown;
 use super::{About, Finding, FormatResult, Json, Known, Report, Subject, Ulog, Verdict};
-use crate::record::{Extent, Grouped};
-use crate::rule::Level;
+use crate::model::{Extent, Level};
+use crate::text::Grouped;
+use crate::text::shown;
 
 /// How many formats that differ are shown, and how many places of damage.
 const MAX_SHOWN: usize = 8;

@@ -11,11 +11,11 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, s
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::connection::Connection;
 use super::process::Process;
 use super::protocol::Hello;
 use super::run::{Options, excerpt};
 use super::target::Target;
+use crate::net::Connection;
 
 /// How many lines may wait to be judged; then the testee waits. Few, since each may be as long as the limit allows.
 const BACKLOG: usize = 8;

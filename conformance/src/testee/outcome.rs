@@ -7,7 +7,7 @@ use std::time::Duration;
 use super::case::Case;
 use super::compare::Difference;
 use super::protocol::Hello;
-use crate::known::Excuse;
+use crate::model::Excuse;
 
 /// How many different remarks on manners are kept, the first by their texts; of more only the number. Which come first
 /// in time depends on how processes take turns.

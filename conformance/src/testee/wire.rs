@@ -7,7 +7,7 @@
 use serde_json::{Map, Number, Value, json};
 use uavspec_codegen::dynamic::{MessageType, PlacedElement};
 
-pub use crate::base64::{decode as from_base64, encode as to_base64};
+pub use crate::json::base64::{decode as from_base64, encode as to_base64};
 
 /// Up to here 64-bit floats hold every integer.
 const EXACT: u64 = 1 << 53;

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use super::asker::Asker;
 use super::message::{Message, News};
-use crate::live::client::{Client, Heard, connect};
-use crate::live::endpoint::Endpoint;
+use crate::flockwave::transport::client::{Client, Heard, connect};
+use crate::flockwave::transport::endpoint::Endpoint;
 
 /// How long a connection may take to open.
 const CONNECT_LIMIT: Duration = Duration::from_secs(10);

@@ -1,6 +1,6 @@
 //! Texts of a server: cut before they are kept, made harmless before they are shown.
 
-use crate::report::shown;
+use crate::text::shown;
 
 /// The longest text that is kept of a message, in characters.
 const TEXT_LIMIT: usize = 80;

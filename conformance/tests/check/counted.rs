@@ -3,8 +3,8 @@
 use std::fs;
 
 use tempfile::TempDir;
+use uavspec_conformance::check::{Judgement, judge_ulog};
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::judge::{Judgement, judge_ulog};
 
 use super::support::Writer;
 use super::{FORMAT, Glider, MARK_FORMAT, PERIOD, broken, judge};

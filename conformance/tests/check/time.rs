@@ -2,9 +2,9 @@
 
 use std::fs;
 
+use uavspec_conformance::check::{Judgement, judge_ulog};
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::judge::{Judgement, judge_ulog};
-use uavspec_conformance::rule::rule;
+use uavspec_conformance::rules::rule;
 
 use super::support::Writer;
 use super::{Glider, PERIOD, broken, judge, start};

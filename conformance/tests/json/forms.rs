@@ -1,7 +1,7 @@
 //! The forms in which messages come, and what their numbers are.
 
 use serde_json::{Value, json};
-use uavspec_conformance::judge::Source;
+use uavspec_conformance::check::Source;
 
 use super::support::Writer;
 use super::{PERIOD, broken, damage, glider, judge_bare, judge_bytes, published, source, type_name};

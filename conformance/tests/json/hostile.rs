@@ -3,8 +3,8 @@
 use std::io::{self, Read};
 
 use proptest::prelude::*;
-use uavspec_conformance::judge::judge_json;
-use uavspec_conformance::source::json::{Event, MAX_LENGTH, Problem, Reader};
+use uavspec_conformance::capture::json::{Event, MAX_LENGTH, Problem, Reader};
+use uavspec_conformance::check::judge_json;
 
 use super::{PERIOD, broken, damage, definitions, glider, judge_bare, judge_bytes, source, typed};
 

@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 use std::fs;
 
 use uavspec_codegen::dynamic::Types;
-use uavspec_conformance::comparison::{Comparison, compare};
+use uavspec_conformance::capture::ulog::{Log, Reader};
+use uavspec_conformance::check::{Judgement, judge, judge_json};
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::judge::{Judgement, judge, judge_json};
-use uavspec_conformance::source::ulog::{Log, Reader};
+use uavspec_conformance::px4::comparison::{Comparison, compare};
 
 use super::support::shared;
 use super::{damage, source};

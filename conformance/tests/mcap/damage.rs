@@ -2,16 +2,16 @@
 
 use std::io::{self, Read};
 
-use uavspec_conformance::judge::{Basis, Standing};
-use uavspec_conformance::record::Place;
-use uavspec_conformance::source::mcap::{Event, Problem, Reader};
+use uavspec_conformance::capture::mcap::{Event, Problem, Reader};
+use uavspec_conformance::check::{Basis, Standing};
+use uavspec_conformance::model::Place;
 
-use crate::file::{
+use super::file::{
     FORMS, Form, MAGIC, channel, chunk, chunked, end, file, header, message, raw_chunk, record, schema,
     start, text,
 };
+use super::{Glider, PERIOD, assert_conforms, broken, damages, declarations, good, judged, records_with};
 use crate::support::{Pieces, Random};
-use crate::{Glider, PERIOD, assert_conforms, broken, damages, declarations, good, judged, records_with};
 
 fn glider(number: u64) -> Vec<u8> {
     message(3, &Glider::at(number * PERIOD).cdr())
@@ -373,14 +373,14 @@ fn memory_does_not_grow_with_what_is_passed_over() {
 #[test]
 fn channels_beyond_what_can_be_planned_are_not_judged() {
     let marks = "Mark[3000] more\nMark[3] marks\nbool[3] flags\n";
-    let text = crate::ros2msg(marks).replace("int16 height", "int16 height\nbool is_there");
-    let (name, _) = crate::ros("Glider");
+    let text = super::ros2msg(marks).replace("int16 height", "int16 height\nbool is_there");
+    let (name, _) = super::ros("Glider");
     let mut records = schema(1, &name, "ros2msg", text.as_bytes());
     for id in 0..2_000 {
         records.extend(channel(id, 1, &format!("/tow/{id}/rope"), "cdr", &[]));
     }
     let judgement = judged(&file(&records));
-    let standings = crate::source(&judgement).channels.iter().map(|channel| &channel.standing);
+    let standings = super::source(&judgement).channels.iter().map(|channel| &channel.standing);
     let refused = standings.filter(|standing| **standing == Standing::Judged(Basis::TooMany)).count();
     assert!((1_500..2_000).contains(&refused), "{refused}");
 }

@@ -3,13 +3,13 @@
 use std::fs;
 
 use serde_json::{Value, json};
-use uavspec_conformance::comparison::Differences;
+use uavspec_conformance::check::{Basis, Judgement, Source, Standing, judge_mcap};
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::judge::{Basis, Judgement, Source, Standing, judge_mcap};
+use uavspec_conformance::px4::comparison::Differences;
 
-use crate::file::{channel, file, message, schema};
+use super::file::{channel, file, message, schema};
+use super::{GLIDER, Glider, PERIOD, broken, damages, equal, good, judged, ros, ros2msg, source};
 use crate::support::shared;
-use crate::{GLIDER, Glider, PERIOD, broken, damages, equal, good, judged, ros, ros2msg, source};
 
 /// What the only channel of a file is judged by.
 fn basis(judgement: &Judgement) -> &Basis {

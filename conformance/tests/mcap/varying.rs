@@ -5,12 +5,12 @@ use std::sync::LazyLock;
 
 use serde_json::{Value, json};
 use uavspec_codegen::schema::fingerprint::ros_name;
+use uavspec_conformance::check::{Judgement, judge_mcap};
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::judge::{Judgement, judge_mcap};
 use uavspec_runtime::cdr::ByteOrder;
 
-use crate::file::{channel, file, message, schema};
-use crate::{broken, damages, equal, source};
+use super::file::{channel, file, message, schema};
+use super::{broken, damages, equal, source};
 
 const ROPE: &str = "\
 uint64 timestamp
@@ -59,7 +59,7 @@ fn what_conforms_breaks_nothing() {
     let judgement = judged(&cdr(&rope()));
     assert_eq!((broken(&judgement), damages(&judgement), judgement.judged), (vec![], vec![], 1));
     let standing = &source(&judgement).channels[0].standing;
-    assert_eq!(*standing, uavspec_conformance::judge::Standing::Judged(equal()));
+    assert_eq!(*standing, uavspec_conformance::check::Standing::Judged(equal()));
 }
 
 #[test]

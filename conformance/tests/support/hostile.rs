@@ -1,11 +1,12 @@
 //! A run whose input does what it can to break reports.
 
 use serde_json::{Value, json};
+use uavspec_conformance::check::judge;
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::judge::judge;
-use uavspec_conformance::report::{Action, Judged, Known, Reason, Report, Settings, Subject, Unreadable};
-use uavspec_conformance::rule::RULES;
-use uavspec_conformance::sample::Flight;
+use uavspec_conformance::model::Reason;
+use uavspec_conformance::report::{Action, Judged, Known, Report, Settings, Subject, Unreadable};
+use uavspec_conformance::rules::mutants;
+use uavspec_conformance::rules::sample::Flight;
 use uavspec_conformance::testee::case::cases;
 use uavspec_conformance::testee::compare::Difference;
 use uavspec_conformance::testee::outcome::{Manners, Outcome, Verdict};
@@ -17,11 +18,8 @@ pub(crate) const HOSTILE: &str = "</style><script>alert(1)</script>|`*[x](javasc
 pub(crate) fn sources(definitions: &Definitions) -> Vec<(String, Vec<u8>)> {
     let flight = Flight::new(definitions);
     let mut sources = Vec::new();
-    for rule in RULES {
-        for (at, mutant) in rule.mutants.iter().enumerate() {
-            let bytes = (mutant.make)(&flight);
-            sources.extend(bytes.map(|bytes| (format!("{}-{at}", rule.id), bytes)));
-        }
+    for (at, mutant) in mutants().enumerate() {
+        sources.extend(mutant.make(&flight).map(|bytes| (format!("{}-{at}", mutant.rule.id), bytes)));
     }
     sources.push((format!("{HOSTILE}.jsonl"), lines()));
     sources

@@ -1,5 +1,4 @@
 //! What several tests need: the corpus, and logs of our own.
-#![allow(dead_code)] // each test uses its part
 
 pub(crate) mod hostile;
 
@@ -7,7 +6,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use uavspec_conformance::source::ulog::{Event, Item, Log, LogProblem, Problem, Reader};
+use uavspec_conformance::capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader};
 
 /// A folder beside the corpus, such as `corpus/ulog` or `oracle/ulog`; none where there is no corpus.
 ///

@@ -6,7 +6,7 @@ use std::process::Command;
 use std::time::Duration;
 
 use serde_json::Value;
-use uavspec_conformance::parallel;
+use uavspec_conformance::check::parallel;
 use uavspec_conformance::testee::lint::{CHECKS, Check, Found, check, lint};
 use uavspec_conformance::testee::run::Options;
 

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::fs;
 use std::time::{Duration, Instant};
 
-use uavspec_conformance::source::ulog::{Problem, Resync};
+use uavspec_conformance::capture::ulog::{Problem, Resync};
 
 use crate::support::{Random, Seen, Writer, problems, read, shared as corpus, typical};
 

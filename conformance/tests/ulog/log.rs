@@ -1,6 +1,6 @@
 //! Each problem with formats, subscriptions and data.
 
-use crate::problems::{check, definitions};
+use super::problems::{check, definitions};
 use crate::support::{Writer, problems};
 
 #[test]

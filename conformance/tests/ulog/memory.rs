@@ -2,7 +2,7 @@
 
 use std::io::{self, Read};
 
-use uavspec_conformance::source::ulog::{Event, Log, Problem, Reader};
+use uavspec_conformance::capture::ulog::{Event, Log, Problem, Reader};
 
 use crate::support::{Writer, typical};
 

@@ -5,7 +5,7 @@ use std::fs::{self, File};
 
 use serde_json::{Map, Value as Json, json};
 use uavspec_codegen::dynamic::{DynamicView, MessageType, ULOG_PACKAGE, Value};
-use uavspec_conformance::source::ulog::{Event, Log, Problem, Reader};
+use uavspec_conformance::capture::ulog::{Event, Log, Problem, Reader};
 
 use crate::support::shared;
 

@@ -1,6 +1,6 @@
 //! Each problem, on a log that has it and nothing else.
 
-use uavspec_conformance::source::ulog::{Event, Reader};
+use uavspec_conformance::capture::ulog::{Event, Reader};
 
 use crate::support::{Writer, problems, read};
 

@@ -1,5 +1,4 @@
 //! What several tests need: a message that has a field of every kind, the published schemas, and a runner.
-#![allow(dead_code)] // each test uses its part
 
 pub(crate) mod every;
 

@@ -9,7 +9,7 @@ use flate2::read::GzDecoder;
 use serde_json::Value;
 use zip::ZipArchive;
 
-use crate::tools::package;
+use super::tools::package;
 
 /// The texts of an archive by path.
 type Files = BTreeMap<String, String>;

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use crate::labels;
-use crate::tools::{node_tool, python_with_tools, repository, run, write, xtask};
+use super::labels;
+use super::tools::{node_tool, python_with_tools, repository, run, write, xtask};
 
 /// Definitions that have to be read with care: names, texts and values that mean something in either language.
 const ODD: [(&str, &str); 3] = [

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::tools::{python_with_tools, run, write, xtask};
+use super::tools::{python_with_tools, run, write, xtask};
 
 const GLIDER: &str = "# A glider under way\n\nuint8 MODE_SOAR=1 # Soaring\nuint8 MODE_GLIDE=1 # The same\nuint8 MODE_DIVE=2\n\
                       uint64 MARK_FIRST=1 # First \"mark\" */ passed\nuint64 MARK_FAR=9223372036854775808 # Far mark\n\n\

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::tools::{environment, install, node_tool, package, python_with_tools, run, write};
+use super::tools::{environment, install, node_tool, package, python_with_tools, run, write};
 
 /// An example and what it prints.
 struct Example {

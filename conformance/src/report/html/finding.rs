@@ -3,8 +3,8 @@
 use maud::{Markup, html};
 
 use super::{fact, shown};
-use crate::record::Grouped;
 use crate::report::{Definition, Example, Finding, Known};
+use crate::text::Grouped;
 
 pub(super) fn article(finding: &Finding) -> Markup {
     let (first, others) = match finding.examples.split_first() {

@@ -4,11 +4,11 @@ use maud::{Markup, html};
 
 use super::finding;
 use super::{badge, class, shown, testee, with_code};
-use crate::record::Grouped;
 use crate::report::{
     About, ChannelResult, Finding, Flockwave, FlockwaveType, Format, FormatResult, McapChannel, Report,
     RuleVerdict, Subject, Verdict,
 };
+use crate::text::Grouped;
 
 /// How many findings of a rule, places of damage and formats stand open; more can be opened.
 const MAX_OPEN: usize = 4;

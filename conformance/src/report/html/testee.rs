@@ -3,8 +3,8 @@
 use maud::{Markup, html};
 
 use super::{fact, finding, shown};
-use crate::record::Grouped;
 use crate::report::{Case, Counts, Testee};
+use crate::text::Grouped;
 
 /// How many failures stand open; more can be opened.
 const MAX_OPEN: usize = 8;

@@ -5,9 +5,8 @@ use std::fmt::{Result, Write as _};
 use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::{MAX_SHOWN, duration};
-use crate::record::Grouped;
-use crate::report::shown::shown;
 use crate::report::{Flockwave, FlockwaveType, Subject};
+use crate::text::{Grouped, shown};
 
 /// Writes what the recording is, and which messages aren't judged.
 pub(super) fn write(subject: &Subject, found: &Flockwave, text: &mut String) -> Result {

@@ -5,9 +5,8 @@ use std::fmt::{Result, Write as _};
 use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::{MAX_SHOWN, duration};
-use crate::record::Grouped;
-use crate::report::shown::shown;
 use crate::report::{ChannelResult, Mcap, McapChannel, Subject};
+use crate::text::{Grouped, shown};
 
 /// Writes what the file is, and what its channels were judged by.
 pub(super) fn write(subject: &Subject, found: &Mcap, text: &mut String) -> Result {

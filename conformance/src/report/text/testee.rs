@@ -3,8 +3,8 @@
 use std::fmt::{self, Write as _};
 
 use super::{FAIL, PASS, WARN};
-use crate::report::shown::shown;
 use crate::report::{Case, CaseVerdict, Counts, Outcome, Subject, Testee};
+use crate::text::shown;
 
 /// How many failures are shown to people, and how many lines of standard error.
 const MAX_SHOWN: usize = 20;

@@ -6,7 +6,7 @@ use uavspec_runtime::Severity;
 use super::super::codes::{severity_letter, severity_name};
 use super::super::fleet::Link;
 use super::{Ends, MIDDLE_WIDTH, Scene, spaced};
-use crate::record::Grouped;
+use crate::text::Grouped;
 
 pub(super) fn lines<'s>(scene: &'s Scene<'_>, width: u16) -> Vec<Ends<'s>> {
     let theme = scene.theme();
@@ -65,7 +65,7 @@ fn troubles(scene: &Scene<'_>) -> Vec<String> {
     let fleet = scene.fleet;
     let mut troubles = Vec::new();
     if let Link::Lost { reason, .. } = &fleet.link {
-        troubles.push(crate::report::shown(reason));
+        troubles.push(crate::text::shown(reason));
     }
     troubles.extend(fleet.remark.clone());
     if fleet.unreadable > 0 {

@@ -1,0 +1,18 @@
+//! The tests of the generator, in one program: each file is a module.
+
+mod bindings;
+mod breaking;
+mod dynamic;
+mod edge;
+mod fixtures;
+mod format;
+mod format_properties;
+mod hostile;
+mod json_schema;
+mod json_types;
+mod lint;
+mod oracle;
+mod properties;
+mod support;
+mod type_pages;
+mod vectors;

@@ -1,0 +1,53 @@
+//! `uavspec rules`.
+
+use clap::Args;
+
+use super::{Format, Status};
+use crate::definitions::Definitions;
+use crate::matrix::matrix;
+use crate::report::catalogue;
+use crate::rules::rule;
+
+/// Arguments of `rules`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  uavspec rules
+  uavspec rules PX-RANGE-01
+  uavspec rules --matrix
+  uavspec rules --format json")]
+pub(super) struct RulesArgs {
+    /// The rule of which all is told.
+    #[arg(value_name = "ID", conflicts_with = "matrix")]
+    id: Option<String>,
+    /// Break each rule in each way that it has to find, and show which rules find what.
+    #[arg(long)]
+    matrix: bool,
+    /// How to list.
+    #[arg(long, value_name = "KIND", default_value = "text")]
+    format: Format,
+}
+
+pub(super) fn rules(args: &RulesArgs) -> Status {
+    let text = match (&args.id, args.format) {
+        (Some(id), format) => {
+            let Some(rule) = rule(id) else {
+                anstream::eprintln!("error: {id}: no such rule\n  help: `uavspec rules` lists all");
+                return Status::Usage;
+            };
+            if format == Format::Json { catalogue::to_json(&[rule]) } else { catalogue::rule_text(rule) }
+        }
+        (None, format) if args.matrix => {
+            let rows = matrix(&Definitions::built_in());
+            if format == Format::Json { catalogue::matrix_json(&rows) } else { catalogue::matrix_text(&rows) }
+        }
+        (None, Format::Text) => catalogue::to_text(),
+        (None, Format::Json) => catalogue::to_json(&crate::rules::RULES),
+    };
+    match super::report::print(&text) {
+        Ok(()) => Status::Conforms,
+        Err(error) => {
+            anstream::eprintln!("error: standard output: {error}");
+            Status::Unreadable
+        }
+    }
+}

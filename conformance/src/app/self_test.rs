@@ -1,0 +1,163 @@
+//! `uavspec self-test`.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use anstyle::{AnsiColor, Style};
+use clap::Args;
+
+use super::Status;
+use super::progress::Progress;
+use crate::definitions::Definitions;
+use crate::matrix::live::{cases as cases_of_servers, live};
+use crate::matrix::{Row, conforming, list, matrix};
+use crate::rules::RULES;
+use crate::testee::case::cases;
+use crate::testee::run::{Options, run};
+use crate::testee::target::Target;
+use crate::text::Grouped;
+
+const FAIL: Style = AnsiColor::Red.on_default().bold();
+const PASS: Style = AnsiColor::Green.on_default().bold();
+const PLAIN: Style = Style::new();
+
+/// Arguments of `self-test`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  uavspec self-test
+  uavspec self-test --definitions ../px4_msgs/msg
+  uavspec self-test --recordings-only
+  uavspec self-test -- ./reference-codec
+
+The reference server is probed with each of its bugs, at free ports of 127.0.0.1; that takes half a minute, most of which
+is waiting.
+
+Exit status: 0 the program judges as it should, 1 it does not, 2 definitions that can't be read, 3 the testee broke.")]
+pub(super) struct SelfTestArgs {
+    /// What to make recordings of: a uavspec.toml, a folder with one, or a folder of .msg files; the definitions
+    /// of this program, where nothing is said.
+    #[arg(long, value_name = "PATH")]
+    definitions: Option<PathBuf>,
+    /// Probe no servers.
+    #[arg(long)]
+    recordings_only: bool,
+    /// A testee that is known to be right, with its arguments: it has to pass all cases.
+    #[arg(last = true, value_name = "COMMAND")]
+    testee: Vec<OsString>,
+}
+
+pub(super) fn self_test(args: &SelfTestArgs) -> Status {
+    let definitions = match super::definitions(args.definitions.as_deref()) {
+        Ok(definitions) => definitions,
+        Err(status) => return status,
+    };
+    let mut is_right = recordings(&definitions) & rules(&matrix(&definitions));
+    if !args.recordings_only {
+        is_right &= servers(&definitions);
+    }
+    if !args.testee.is_empty() {
+        match cases_of(&definitions, &args.testee) {
+            Ok(is_passing) => is_right &= is_passing,
+            Err(error) => {
+                anstream::eprintln!("error: {error}");
+                return Status::Unreadable;
+            }
+        }
+    }
+    let (style, text) =
+        if is_right { (PASS, "judges as it should") } else { (FAIL, "does not judge as it should") };
+    anstream::println!("\n{style}{text}{style:#}");
+    if is_right { Status::Conforms } else { Status::Breaks }
+}
+
+/// Nothing may be found in what conforms.
+fn recordings(definitions: &Definitions) -> bool {
+    let mut is_right = true;
+    anstream::println!("Recordings that conform, made of the definitions:");
+    for (name, judgement) in conforming(definitions) {
+        let exercised = RULES.iter().filter(|rule| judgement.findings.exercised(rule) > 0).count();
+        let broken: Vec<&str> = judgement.findings.groups().map(|group| group.rule.id).collect();
+        let is_clean = broken.is_empty() && judgement.damage.is_empty();
+        is_right &= is_clean;
+        let records = Grouped(judgement.records);
+        let found =
+            if is_clean { "nothing found".to_owned() } else { format!("found {}", broken.join(", ")) };
+        line(is_clean, name, &format!("{records} messages, {exercised} rules exercised, {found}"));
+    }
+    is_right
+}
+
+/// Each rule has to find its mutants, and no other rule anything in them.
+fn rules(rows: &[Row]) -> bool {
+    anstream::println!("\nRules, and recordings that are changed to break them:");
+    for rule in RULES {
+        let own = || rows.iter().filter(|row| row.rule.id == rule.id);
+        let made = own().filter(|row| row.broken.is_some()).count();
+        let wrong: Vec<String> = own().filter(|row| !row.is_right()).map(told).collect();
+        let text = match (made, wrong.is_empty()) {
+            (0, _) => "the definitions have nothing that could break it".to_owned(),
+            (_, true) => format!("{made} found"),
+            (_, false) => wrong.join("; "),
+        };
+        line(wrong.is_empty(), rule.id, &text);
+    }
+    rows.iter().all(Row::is_right)
+}
+
+/// In the reference server each bug has to be found, and nothing else.
+fn servers(definitions: &Definitions) -> bool {
+    let cases = cases_of_servers();
+    let progress = Progress::steps("servers");
+    let mut rows = Vec::new();
+    live(&cases, definitions, |row| {
+        rows.push(row);
+        progress.set(rows.len(), cases.len());
+    });
+    drop(progress);
+    anstream::println!(
+        "\nThe reference server, probed as it is and with each of its bugs, live and recorded:"
+    );
+    let mut are_right = true;
+    for (case, row) in cases.iter().zip(rows) {
+        let name = case.bug.map_or_else(|| case.name(), |bug| bug.rule.to_owned());
+        let (is_right, text) = match row {
+            Ok(row) if row.is_right() && case.bug.is_some() => (true, "found".to_owned()),
+            Ok(row) if row.is_right() => {
+                (true, format!("{} rules exercised, nothing found", row.exercised.len()))
+            }
+            Ok(row) => (false, row.told()),
+            Err(error) => (false, error.to_string()),
+        };
+        are_right &= is_right;
+        line(is_right, &name, &text);
+    }
+    are_right
+}
+
+/// The testee has to pass all cases.
+fn cases_of(definitions: &Definitions, testee: &[OsString]) -> Result<bool, String> {
+    let cases = cases(definitions, definitions.types());
+    let all: Vec<usize> = (0..cases.len()).collect();
+    let progress = Progress::steps("cases");
+    let options = Options::new(Target::Command(testee.to_vec()));
+    let told = |done, total| progress.set(done, total);
+    let outcome = run(&cases, &all, definitions.types(), &options, &told)?;
+    drop(progress);
+    anstream::println!("\nA codec, asked what the definitions ask of codecs:");
+    let counts = outcome.counts();
+    let is_right = counts.passed == cases.len() && outcome.manners.are_good();
+    let name = outcome.hello.map_or_else(|| "testee".to_owned(), |hello| hello.name);
+    let passed = Grouped(counts.passed as u64);
+    line(is_right, &name, &format!("{passed} of {} cases passed", Grouped(cases.len() as u64)));
+    Ok(is_right)
+}
+
+fn told(row: &Row) -> String {
+    let found = list(row.broken.iter().flatten());
+    format!("{}: expected {}, found {found}", row.mutant.name, list(&row.expected()))
+}
+
+fn line(is_right: bool, name: &str, text: &str) {
+    let (style, word) = if is_right { (PLAIN, "  ok  ") } else { (FAIL, "  FAIL") };
+    anstream::println!("{style}{word}{style:#}  {name:<12} {text}");
+}

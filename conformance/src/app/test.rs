@@ -1,0 +1,250 @@
+//! `uavspec test`.
+
+use std::ffi::OsString;
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use clap::Args;
+use globset::{Glob, GlobMatcher};
+use uavspec_codegen::dynamic::Types;
+
+use super::known::KnownArgs;
+use super::progress::Progress;
+use super::report::ReportArgs;
+use super::{Status, deliver};
+use crate::check::known::Scope;
+use crate::net::Address;
+use crate::report::{Action, Report, Subject};
+use crate::testee::case::{Case, cases};
+use crate::testee::file::{dump, replay};
+use crate::testee::known::{excuse_cases, of_cases};
+use crate::testee::outcome::Outcome;
+use crate::testee::run::{Options, run};
+use crate::testee::target::Target;
+use crate::text::command_line;
+
+/// Arguments of `test`.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  uavspec test -- ./my-codec --stdio
+  uavspec test --filter 'decode-*/px4/Event/*' -- python3 testee.py
+  uavspec test --known known.toml -- ./my-codec --stdio
+  uavspec test --attach localhost:7700
+  uavspec test --report html=report.html,junit=report.xml -- ./my-codec
+  uavspec test --dump-cases questions.jsonl
+  uavspec test --replay answers.jsonl
+
+A testee reads a line of JSON for each question and writes one for each answer, in any order:
+  → {\"op\":\"hello\",\"protocol\":1}
+  ← {\"op\":\"hello\",\"name\":\"my-codec\",\"ops\":[\"decode\",\"validate\"],\"types\":[\"px4/Event\"]}
+  → {\"id\":17,\"op\":\"decode\",\"type\":\"px4/Event\",\"format\":\"uorb\",\"bytes\":\"<base64>\"}
+  ← {\"id\":17,\"ok\":{…}}   or \"rejected\":\"reason\"   or \"unsupported\":true   or \"error\":\"…\"
+Integers beyond ±2^53 are {\"$u64\":\"…\"} or {\"$i64\":\"…\"}, and NaN is {\"$f\":\"NaN\"}, both ways.
+`uavspec testee lint -- COMMAND` tells whether a testee keeps to all of that.
+
+A list of known failures is TOML:
+  [[known]]                       # or [[flaky]]: it may also pass
+  case = \"decode-cdr/px4/Event/*\"
+  message = \"/id: expected\"       # how the message begins; may be absent, as what follows the reason
+  reason = \"big-endian CDR is not read yet\"
+  link = \"https://example.org/issues/7\"
+  expires = 2027-06-30
+
+Exit status: 0 conforms, 1 does not, 2 wrong usage, definitions or list, 3 the testee broke or a report
+can't be written, 4 a list of known failures no longer holds true, 5 nothing was checked.")]
+pub(super) struct TestArgs {
+    /// The testee: a program and its arguments. A script that starts another program should `exec` it.
+    #[arg(last = true, value_name = "COMMAND", required_unless_present_any = ["attach", "dump_cases", "replay"])]
+    command: Vec<OsString>,
+    /// Connect to a testee that listens, over TCP, instead of starting one. Every process is a connection then: one
+    /// that is lost is a crash, and to connect again is to start again.
+    #[arg(long, value_name = "HOST:PORT", conflicts_with_all = ["command", "dump_cases", "replay"])]
+    attach: Option<Address>,
+    /// What to ask about: a uavspec.toml, a folder with one, or a folder of .msg files; the definitions of this
+    /// program, where nothing is said.
+    #[arg(long, value_name = "PATH")]
+    definitions: Option<PathBuf>,
+    /// Only the cases whose names, such as decode-uorb/px4/Event/typical, this glob matches.
+    #[arg(long, value_name = "PATTERN")]
+    filter: Option<String>,
+    /// How long a testee may be silent while there are questions, in seconds.
+    #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = seconds)]
+    timeout: Duration,
+    /// How long it may take to introduce itself, and to take a connection, in seconds.
+    #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = seconds)]
+    start_timeout: Duration,
+    /// How many questions are on their way to a process at once.
+    #[arg(long, value_name = "N", default_value = "32", value_parser = clap::value_parser!(u16).range(1..))]
+    window: u16,
+    /// How often the testee is started again in a row without a case being found that brings it down alone. Cases that
+    /// are found don't count: the run goes on, at the price of a start for each, and of --timeout for each hang. 5,000
+    /// crashes of a testee that starts in 0.1 s take eight minutes, and as many hangs seven hours; --jobs divides that.
+    #[arg(long, value_name = "N", default_value = "20")]
+    max_restarts: u32,
+    /// How many processes run at once.
+    #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..=256))]
+    jobs: u16,
+    #[command(flatten)]
+    report: ReportArgs,
+    /// Write the questions to a file, each with its right answers, and ask nobody; - is standard output.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["command", "replay"])]
+    dump_cases: Option<PathBuf>,
+    /// Judge the answers in a file; - is standard input.
+    #[arg(long, value_name = "FILE", conflicts_with = "command")]
+    replay: Option<PathBuf>,
+    #[command(flatten)]
+    known: KnownArgs,
+}
+
+/// Reads a time limit.
+pub(super) fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds: f64 = text.parse().map_err(|_| "no number".to_owned())?;
+    let duration = Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())?;
+    // What is added to the time of day must not go beyond its end.
+    let is_sensible = !duration.is_zero() && duration <= Duration::from_secs(86_400);
+    is_sensible.then_some(duration).ok_or_else(|| "more than 0, and at most a day".to_owned())
+}
+
+/// Whom to ask: clap sees to it that one of the two is there.
+pub(super) fn target(command: &[OsString], attach: Option<&Address>) -> Target {
+    attach.map_or_else(|| Target::Command(command.to_vec()), |address| Target::Address(address.clone()))
+}
+
+pub(super) fn test(args: &TestArgs) -> Status {
+    if let Some(problem) = args.report.problem() {
+        anstream::eprintln!("error: {problem}");
+        return Status::Usage;
+    }
+    let definitions = match super::definitions(args.definitions.as_deref()) {
+        Ok(definitions) => definitions,
+        Err(status) => return status,
+    };
+    let types = definitions.types();
+    let cases = cases(&definitions, types);
+    let selected = match select(&cases, args.filter.as_deref()) {
+        Ok(selected) => selected,
+        Err(error) => {
+            anstream::eprintln!("error: {error}");
+            return Status::Usage;
+        }
+    };
+    if let Some(path) = &args.dump_cases {
+        return said(path, write_cases(path, &cases, &selected, types))
+            .map_or_else(|status| status, |()| Status::Conforms);
+    }
+    let mut known = match args.known.read() {
+        Ok(known) => known,
+        Err(status) => return status,
+    };
+    let mut outcome = match &args.replay {
+        Some(path) => match said(path, read_answers(path, &cases, &selected, types)) {
+            Ok(outcome) => outcome,
+            Err(status) => return status,
+        },
+        None => match ask(args, &cases, &selected, types) {
+            Ok(outcome) => outcome,
+            Err(error) => {
+                anstream::eprintln!("error: {error}");
+                return Status::Unreadable;
+            }
+        },
+    };
+    let names: Vec<(&Case, String)> = cases.iter().map(|case| (case, case.name())).collect();
+    let settled = known.settle(Scope::Cases, &of_cases(&names, &outcome));
+    excuse_cases(&known.lists, &mut outcome);
+    let subject = Subject::of_testee(&outcome, &definitions, &|case| again(args, case));
+    args.report.print_subject(&subject);
+    let subjects = vec![subject];
+    let report = Report::new(Action::Test, super::command(), &definitions, subjects, Vec::new(), Vec::new());
+    deliver(&args.report, &report.with_stale(known.stale)).max(settled)
+}
+
+/// The command that asks one case alone.
+fn again(args: &TestArgs, case: &str) -> String {
+    let filter = globset::escape(case);
+    let mut words = vec!["uavspec".to_owned(), "test".to_owned(), "--filter".to_owned(), filter];
+    let mut add = |name: &str, value: String| words.extend([name.to_owned(), value]);
+    if let Some(path) = &args.definitions {
+        add("--definitions", path.display().to_string());
+    }
+    if let Some(path) = &args.replay {
+        add("--replay", path.display().to_string());
+        return command_line(words.iter().map(String::as_str));
+    }
+    let usual = Options::new(target(&args.command, args.attach.as_ref()));
+    let limits = [
+        ("--timeout", args.timeout, usual.timeout),
+        ("--start-timeout", args.start_timeout, usual.start_timeout),
+    ];
+    for (name, limit, _) in limits.iter().filter(|(_, limit, usual)| limit != usual) {
+        add(name, limit.as_secs_f64().to_string());
+    }
+    if usize::from(args.window) != usual.window {
+        add("--window", args.window.to_string());
+    }
+    if let Some(address) = &args.attach {
+        add("--attach", address.to_string());
+    } else {
+        words.push("--".to_owned());
+        words.extend(args.command.iter().map(|word| word.to_string_lossy().into_owned()));
+    }
+    command_line(words.iter().map(String::as_str))
+}
+
+/// The indices of the cases that a pattern matches; an error where there is none, as that must be a mistake.
+fn select(cases: &[Case], pattern: Option<&str>) -> Result<Vec<usize>, String> {
+    let Some(pattern) = pattern else { return Ok((0..cases.len()).collect()) };
+    let glob: GlobMatcher = Glob::new(pattern).map_err(|error| error.to_string())?.compile_matcher();
+    let found = cases.iter().enumerate().filter(|(_, case)| glob.is_match(case.name())).map(|(id, _)| id);
+    let found: Vec<usize> = found.collect();
+    if found.is_empty() { Err(format!("no case matches {pattern}")) } else { Ok(found) }
+}
+
+fn ask<'c>(
+    args: &TestArgs,
+    cases: &'c [Case],
+    selected: &[usize],
+    types: &Types,
+) -> Result<Outcome<'c>, String> {
+    let options = Options {
+        window: args.window.into(),
+        timeout: args.timeout,
+        start_timeout: args.start_timeout,
+        jobs: args.jobs.into(),
+        max_restarts: args.max_restarts,
+        ..Options::new(target(&args.command, args.attach.as_ref()))
+    };
+    let progress = Progress::steps("cases");
+    run(cases, selected, types, &options, &|done, total| progress.set(done, total))
+}
+
+fn write_cases(path: &Path, cases: &[Case], selected: &[usize], types: &Types) -> io::Result<()> {
+    if path == Path::new("-") {
+        return match dump(cases, selected, types, &mut BufWriter::new(io::stdout().lock())) {
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+            other => other,
+        };
+    }
+    dump(cases, selected, types, &mut BufWriter::new(File::create(path)?))
+}
+
+fn read_answers<'c>(
+    path: &Path,
+    cases: &'c [Case],
+    selected: &[usize],
+    types: &Types,
+) -> io::Result<Outcome<'c>> {
+    if path == Path::new("-") {
+        return replay(cases, selected, types, &mut io::stdin().lock());
+    }
+    replay(cases, selected, types, &mut BufReader::new(File::open(path)?))
+}
+
+fn said<T>(path: &Path, result: io::Result<T>) -> Result<T, Status> {
+    result.map_err(|error| {
+        anstream::eprintln!("error: {}: {error}", path.display());
+        Status::Unreadable
+    })
+}

@@ -1,0 +1,383 @@
+//! Judges recorded conversations of Flockwave, and files of bare messages.
+//!
+//! A line of a recording is `{"t": seconds since the epoch, "conn": name, "dir": "in" or "out", "msg": {…}}`, seen from
+//! the client; with `"raw"`, a string, in the place of `"msg"` where what went over the connection is no JSON; or with
+//! `"dir": "event"` and `"event": "connect"`, `"closed"` or `"refused"`.
+//!
+//! Recordings of `probe` say more: `"trial"`, the id of a rule that is tried, with `"how"`; at the
+//! beginning of a connection `"url"`; and at its end `"why"`, which is `"client"` where that ended it. Other members say
+//! nothing here.
+
+mod reports;
+
+use std::collections::{BTreeMap, HashMap};
+
+use self::reports::{Report, Reports};
+use super::{Course, Judgement, Source};
+use uavspec_codegen::schema::json_type;
+
+use crate::definitions::Definitions;
+use crate::flockwave::record::{Connection, Direction, Exchange, Trial};
+use crate::flockwave::session::parts;
+use crate::json::{CUT_OFF, SyntaxError, Tree};
+use crate::model::{Extent, Place};
+use crate::rules::rule;
+use crate::text::Grouped;
+
+/// How many connections are told apart: hostile input can have any number.
+const MAX_CONNECTIONS: usize = 10_000;
+
+/// How many types are counted by name, for the same reason.
+const MAX_TYPES: usize = 1_000;
+
+/// The longest name of a connection or type that is kept, in bytes.
+const MAX_NAME: usize = 128;
+
+/// The longest text on how a rule is tried that is kept, in bytes.
+const MAX_HOW: usize = 512;
+
+/// The latest time that is believed, in seconds: in the year 5138.
+const MAX_TIME: f64 = 1e11;
+
+/// What a recording of Flockwave says of itself.
+#[derive(Debug, Default)]
+pub struct FlockwaveSource {
+    /// How many connections it tells apart.
+    pub connections: usize,
+    /// How many requests clients sent, and how many the server.
+    pub requests: u64,
+    /// How many responses there are.
+    pub responses: u64,
+    /// How many notifications the server sent.
+    pub notifications: u64,
+    /// How many messages have each type, by name, that the definitions have.
+    pub types: BTreeMap<String, TypeCount>,
+    /// How many messages have each other type: nothing says what they have to be.
+    pub unknown: BTreeMap<String, TypeCount>,
+    /// How many messages have a type that there was no more room to count by name.
+    pub uncounted: u64,
+}
+
+/// How many messages of a type there are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TypeCount {
+    /// From clients.
+    pub out: u64,
+    /// From the server.
+    pub incoming: u64,
+}
+
+/// Whether a value is a line of a recording, or a bare message of Flockwave.
+pub(super) fn is_flockwave(tree: &Tree<'_>) -> bool {
+    is_line(tree) || is_message(tree)
+}
+
+fn is_line(tree: &Tree<'_>) -> bool {
+    let has = |key| tree.get(key).is_some();
+    // What has `op` is of rosbridge.
+    tree.get("dir").and_then(Tree::as_str).is_some()
+        && !has("op")
+        && (has("msg") || has("raw") || has("event"))
+}
+
+fn is_message(tree: &Tree<'_>) -> bool {
+    tree.get("$fw.version").is_some()
+}
+
+/// Judges what goes over connections, as lines of a recording, whether they come from a file or from a live server.
+pub struct FlockwaveJudge<'d> {
+    pub(super) course: Course<'d>,
+    source: FlockwaveSource,
+    reports: Reports<'d>,
+    /// The number of each connection, by its name.
+    connections: HashMap<String, usize>,
+    /// The names, by number.
+    names: Vec<String>,
+    /// The number of the one that something went over last.
+    latest: usize,
+}
+
+/// Something that goes over a connection, or happens to it.
+#[derive(Clone, Copy)]
+struct Happening<'h> {
+    /// The name of the connection; without one, it isn't known which.
+    name: Option<&'h str>,
+    direction: Direction,
+    time: Option<f64>,
+    content: Content<'h>,
+    text: &'h str,
+    trial: Option<Trial<'h>>,
+    note: Option<&'h str>,
+}
+
+/// What goes over a connection.
+#[derive(Clone, Copy)]
+enum Content<'c> {
+    Message(&'c Tree<'c>),
+    /// What is left to follow of a report of which there is nothing new to be told.
+    Report(&'c Tree<'c>),
+    /// What is no JSON.
+    Raw,
+    Event,
+}
+
+impl<'d> FlockwaveJudge<'d> {
+    /// One that knows nothing yet.
+    pub fn of(definitions: &'d Definitions) -> Self {
+        Self::new(Course::new(definitions))
+    }
+
+    pub(super) fn new(course: Course<'d>) -> Self {
+        let (source, reports) = (FlockwaveSource::default(), Reports::of(course.definitions));
+        Self { course, source, reports, connections: HashMap::new(), names: Vec::new(), latest: 0 }
+    }
+
+    /// The same, which shows each line to each rule. It takes several times as long and comes to the same, which tests see
+    /// by it.
+    #[must_use]
+    pub fn thorough(self) -> Self {
+        Self { reports: Reports::none(self.course.definitions), ..self }
+    }
+
+    /// How many lines were seen at once to be reports on UAVs of which there is nothing new to be told.
+    pub fn seen_at_once(&self) -> u64 {
+        self.reports.seen()
+    }
+
+    /// Judges a line of a recording, or a bare message.
+    pub fn line(&mut self, bytes: &[u8], line: u64, is_last: bool) {
+        let place = Place::Line(line);
+        let done = match self.reports.read(bytes, &self.course.findings) {
+            Some(report) => self.report(&report, place),
+            None => self.read(bytes, place, is_last),
+        };
+        if let Err(problem) = done {
+            let extent = if is_last { Extent::EndsEarly } else { Extent::WithGaps };
+            self.course.damage(place, problem, extent);
+        }
+    }
+
+    /// A line that is a report of which there is nothing new to be told.
+    fn report(&mut self, report: &Report<'_>, place: Place) -> Result<(), String> {
+        let happening = Happening {
+            name: Some(report.name),
+            direction: Direction::In,
+            time: Some(report.time).filter(|time| is_believed(*time)),
+            content: Content::Report(&report.message),
+            text: report.text,
+            trial: None,
+            note: None,
+        };
+        self.exchange(&happening, place)?;
+        self.reports.count(report);
+        Ok(())
+    }
+
+    fn read(&mut self, bytes: &[u8], place: Place, is_last: bool) -> Result<(), String> {
+        let text = std::str::from_utf8(bytes)
+            .map_err(|error| format!("no UTF-8 from its byte {} on", error.valid_up_to()))?;
+        let tree = Tree::read(text).map_err(|error| match error {
+            SyntaxError { what: CUT_OFF, at } if is_last => {
+                format!("the last value is cut off after {at} bytes")
+            }
+            error => error.to_string(),
+        })?;
+        if is_line(&tree) {
+            return self.recorded(&tree, text, place);
+        }
+        if is_message(&tree) {
+            let direction =
+                if is_request(&tree, self.course.definitions) { Direction::Out } else { Direction::In };
+            let content = Content::Message(&tree);
+            let bare =
+                Happening { name: None, direction, time: None, content, text, trial: None, note: None };
+            return self.exchange(&bare, place);
+        }
+        Err("neither a line of a recording, with `dir` and one of `msg`, `raw` and `event`, nor a message of \
+             Flockwave, with `$fw.version`"
+            .to_owned())
+    }
+
+    /// A line of a recording.
+    fn recorded(&mut self, tree: &Tree<'_>, text: &str, place: Place) -> Result<(), String> {
+        let name = match tree.get("conn") {
+            None | Some(Tree::Null) => None,
+            Some(Tree::Text(name)) => Some(name.to_string()),
+            Some(other) => Some(other.to_string()),
+        };
+        let time = match tree.get("t") {
+            #[allow(clippy::cast_precision_loss)] // seconds fit well
+            Some(Tree::Int(value)) => Some(*value as f64),
+            Some(Tree::Float(value, _)) => Some(*value),
+            _ => None,
+        };
+        let time = time.filter(|time| is_believed(*time));
+        let direction = match tree.get("dir").and_then(Tree::as_str) {
+            Some("in") => Direction::In,
+            Some("out") => Direction::Out,
+            Some("event") => Direction::Event,
+            _ => return Err("`dir` is none of `in`, `out` and `event`".to_owned()),
+        };
+        let string = |key| tree.get(key).and_then(Tree::as_str);
+        let trial = string("trial").and_then(rule);
+        let how = string("how").filter(|how| how.len() <= MAX_HOW).unwrap_or_default();
+        let happening = Happening {
+            name: name.as_deref(),
+            direction,
+            time,
+            content: Content::Raw,
+            text,
+            trial: trial.map(|rule| Trial { rule, how }),
+            note: string("url").or_else(|| string("why")),
+        };
+        match (direction, tree.get("msg"), string("raw")) {
+            (Direction::Event, ..) => {
+                let event = string("event").ok_or("an event without a name: `event` is no string")?;
+                self.exchange(&Happening { content: Content::Event, text: event, ..happening }, place)
+            }
+            (_, Some(message), _) => {
+                self.exchange(&Happening { content: Content::Message(message), ..happening }, place)
+            }
+            // What one program takes for no JSON may be some to another.
+            (_, None, Some(raw)) => match Tree::read(raw) {
+                Ok(message) => {
+                    let content = Content::Message(&message);
+                    self.exchange(&Happening { content, text: raw, ..happening }, place)
+                }
+                Err(_) => self.exchange(&Happening { text: raw, ..happening }, place),
+            },
+            (_, None, None) => Err("neither `msg` nor `raw`, a string".to_owned()),
+        }
+    }
+
+    /// Something goes over a connection, or happens to it.
+    fn exchange(&mut self, happening: &Happening<'_>, place: Place) -> Result<(), String> {
+        let Happening { name, direction, time, content, text, trial, note } = *happening;
+        let index = self.connection(name.unwrap_or_default())?;
+        let name_kept = std::mem::take(&mut self.names[index]);
+        let connection = Connection { index, name: &name_kept, is_told: name.is_some_and(is_ordered) };
+        let value = match content {
+            Content::Message(value) | Content::Report(value) => Some(value),
+            Content::Raw | Content::Event => None,
+        };
+        let exchange = Exchange { connection, direction, time, text, value, trial, note, place };
+        self.happen(&exchange);
+        self.count(&exchange);
+        if matches!(content, Content::Report(_)) {
+            self.course.reported(&exchange);
+        } else {
+            self.course.exchanged(&exchange);
+        }
+        self.names[index] = name_kept;
+        Ok(())
+    }
+
+    /// The number of a connection.
+    fn connection(&mut self, name: &str) -> Result<usize, String> {
+        // Most messages go over the connection that the one before went over.
+        if self.names.get(self.latest).is_some_and(|latest| latest == name) {
+            return Ok(self.latest);
+        }
+        if let Some(index) = self.connections.get(name) {
+            self.latest = *index;
+            return Ok(*index);
+        }
+        if name.len() > MAX_NAME {
+            return Err(format!("a connection whose name has more than {MAX_NAME} bytes"));
+        }
+        let index = self.names.len();
+        if index >= MAX_CONNECTIONS {
+            return Err(format!("more than {} connections", Grouped(MAX_CONNECTIONS as u64)));
+        }
+        self.connections.insert(name.to_owned(), index);
+        self.names.push(name.to_owned());
+        self.source.connections += 1;
+        Ok(index)
+    }
+
+    /// Follows the beginning and the end of connections.
+    fn happen(&mut self, exchange: &Exchange<'_>) {
+        if exchange.direction != Direction::Event {
+            return;
+        }
+        match exchange.text {
+            "connect" => {
+                self.course.disconnected(exchange.connection, None);
+                self.course.conversations.opened(exchange.connection.index);
+            }
+            "closed" => self.course.disconnected(exchange.connection, exchange.note),
+            _ => {}
+        }
+    }
+
+    fn count(&mut self, exchange: &Exchange<'_>) {
+        self.course.pass_time(exchange.time);
+        if exchange.direction == Direction::Event {
+            return;
+        }
+        let is_of_server = exchange.direction == Direction::In;
+        self.course.records += u64::from(is_of_server);
+        let Some(message) = exchange.value else { return };
+        let name = message.get("body").and_then(|body| body.get("type")).and_then(Tree::as_str);
+        let is_answer = message.get("refs").is_some_and(|refs| *refs != Tree::Null);
+        let source = &mut self.source;
+        *match (is_answer, is_of_server) {
+            (true, _) => &mut source.responses,
+            (false, true) if name != Some("SYS-PING") => &mut source.notifications,
+            (false, _) => &mut source.requests,
+        } += 1;
+        let Some(name) = name else {
+            // It is judged all the same where it says that something went wrong, or what is wrong with itself.
+            return self.course.judged += u64::from(is_of_server);
+        };
+        let is_known = self.course.definitions.is_message_known(name);
+        self.course.judged += u64::from(is_of_server && is_known);
+        let types = if is_known { &mut source.types } else { &mut source.unknown };
+        if !types.contains_key(name) {
+            if name.len() > MAX_NAME || types.len() >= MAX_TYPES {
+                return source.uncounted += 1;
+            }
+            types.insert(name.to_owned(), TypeCount::default());
+        }
+        let Some(count) = types.get_mut(name) else { return };
+        *(if is_of_server { &mut count.incoming } else { &mut count.out }) += 1;
+    }
+
+    /// What came of it, after so many bytes.
+    pub fn finish(mut self, bytes: u64) -> Judgement {
+        for (index, name) in self.names.iter().enumerate() {
+            let is_told = !name.is_empty() && is_ordered(name);
+            self.course.disconnected(Connection { index, name, is_told }, None);
+        }
+        self.reports.tell(&mut self.course.findings);
+        self.course.finish(bytes, Source::Flockwave(self.source))
+    }
+}
+
+/// Whether a time can be one. What lies far beyond isn't in seconds, and may be in anything.
+fn is_believed(time: f64) -> bool {
+    (0.0..MAX_TIME).contains(&time)
+}
+
+/// Whether messages come as they were sent over a connection of this name. Those of UDP are called `udp` or begin so; and
+/// what is called `http` is many connections, one for each request.
+fn is_ordered(name: &str) -> bool {
+    let begins = |with: &str| name.get(..with.len()).is_some_and(|start| start.eq_ignore_ascii_case(with));
+    !begins("udp") && !begins("http")
+}
+
+/// Whether a bare message is a request. What some type has in both, in a request and in a notification, is told from
+/// the fields.
+fn is_request(message: &Tree<'_>, definitions: &Definitions) -> bool {
+    let Some(body) = message.get("body") else { return false };
+    let Some(name) = body.get("type").and_then(Tree::as_str) else { return false };
+    if message.get("refs").is_some_and(|refs| *refs != Tree::Null) {
+        return false;
+    }
+    if !definitions.shapes().goes(name, json_type::Direction::Notification) {
+        return true;
+    }
+    let tells = ["status", "values"].iter().any(|key| body.get(key).is_some());
+    let asks = parts(name).is_some_and(|parts| body.get(parts.asked).is_some());
+    !tells && (asks || name == "TIMESYNC-STATUS")
+}

@@ -1,0 +1,282 @@
+//! Sees of a line at once that it is a report on UAVs of which there is nothing new to be told: nearly all that a server
+//! sends are such.
+//!
+//! A line is read once, without a tree, and each value is compared with its shape. What is to be found in a report beside
+//! that depends on few things: on the version, on which fields each state has and which of them are null, and on its error
+//! codes as they are written ([`Kind`]). The first state of a kind is shown to all rules that judge a message by itself
+//! ([`Check::Exchange`](crate::rules::flockwave::Check)), alone in a report. They find the same in any other of its kind, and are exercised
+//! as often. As long as that wants examples, and where a UAV is new to it that findings name, the line is read as any other;
+//! then it is only counted. Rules that keep a state, or look around (`Check::Context`), still see each report, reduced to
+//! what they look at ([`Report::message`]).
+//!
+//! What isn't plain to see, or is no report on UAVs, is read as any other line.
+
+mod known;
+
+use std::borrow::Cow;
+use std::collections::HashSet;
+
+use self::known::{Kind, Known};
+use crate::definitions::Definitions;
+use crate::flockwave::body_schema::Members;
+use crate::json::{Cursor, Token, Tree};
+use crate::model::Findings;
+use uavspec_codegen::schema::json_type::Direction;
+
+/// The type of the message.
+const TYPE: &str = "UAV-INF";
+
+/// The longest line that is read so, in bytes: it holds fewer values than a tree may have.
+const MAX_LINE: usize = 1 << 20;
+
+/// The longest id of a message, in bytes. Longer ones may still have few enough characters, and are rare.
+const MAX_ID: usize = 36;
+
+/// How many findings are counted of a report. Of a body with thousands of deviations not all are told.
+const MAX_BROKEN: u64 = 1_000;
+
+/// How many fields states may have: a bit for each.
+const MAX_FIELDS: usize = 64;
+
+/// A line that is a report on UAVs, of which there is nothing new to be told.
+#[derive(Debug)]
+pub(super) struct Report<'l> {
+    /// The name of the connection.
+    pub(super) name: &'l str,
+    /// The time, in seconds.
+    pub(super) time: f64,
+    /// The whole line.
+    pub(super) text: &'l str,
+    /// The message, with nothing in its states but their timestamps.
+    pub(super) message: Tree<'l>,
+    /// Which of the known versions it has.
+    version: usize,
+}
+
+/// Reads reports.
+pub(super) struct Reports<'d> {
+    /// The fields of states; none where the definitions have none that could be read so.
+    fields: Option<Fields<'d>>,
+    known: Known<'d>,
+    /// The kinds of the states of the report that was read last.
+    kinds: Vec<usize>,
+}
+
+/// The fields of states.
+struct Fields<'d> {
+    members: Members<'d>,
+    id: usize,
+    timestamp: usize,
+    errors: usize,
+    /// Which one followed each of them last, and at first which one was the first.
+    next: Vec<usize>,
+}
+
+/// The members of a line.
+#[derive(Default)]
+struct Line<'l> {
+    time: Option<f64>,
+    name: Option<&'l str>,
+    is_of_server: bool,
+    message: Option<Message<'l>>,
+}
+
+/// The members of a message.
+#[derive(Default)]
+struct Message<'l> {
+    version: Option<&'l str>,
+    id: Option<&'l str>,
+    body: Option<Body<'l>>,
+}
+
+/// The members of a body.
+#[derive(Default)]
+struct Body<'l> {
+    is_report: bool,
+    states: Option<States<'l>>,
+}
+
+/// The states by UAV, with nothing in them but their timestamps.
+type States<'l> = Vec<(Cow<'l, str>, Tree<'l>)>;
+
+impl<'d> Reports<'d> {
+    /// Reads those of these definitions.
+    pub(super) fn of(definitions: &'d Definitions) -> Self {
+        let members = definitions.shapes().members(TYPE, Direction::Notification, "status");
+        let fields = members.filter(|members| members.len() <= MAX_FIELDS).and_then(Fields::of);
+        Self { fields, known: Known::of(definitions), kinds: Vec::new() }
+    }
+
+    /// Takes each line for one that isn't plain to see.
+    pub(super) fn none(definitions: &'d Definitions) -> Self {
+        Self { fields: None, known: Known::of(definitions), kinds: Vec::new() }
+    }
+
+    /// What a line says, if it is a report of which there is nothing to be told beside these findings.
+    pub(super) fn read<'l>(&mut self, bytes: &'l [u8], findings: &Findings) -> Option<Report<'l>> {
+        if self.fields.is_none() || bytes.len() > MAX_LINE {
+            return None;
+        }
+        let text = str::from_utf8(bytes).ok()?;
+        let mut cursor = Cursor::new(text);
+        let line = self.line(&mut cursor, findings).filter(|_| cursor.is_at_end())?;
+        let message = line.message?;
+        let body = message.body.filter(|body| body.is_report)?;
+        let id = message.id.filter(|id| (1..=MAX_ID).contains(&id.len()))?;
+        let states = body.states?;
+        if !line.is_of_server || !are_different(&states) {
+            return None;
+        }
+        let version = message.version?;
+        let of = self.known.version(version, findings)?;
+        let body =
+            vec![(Cow::Borrowed("type"), Tree::Text(TYPE.into())), ("status".into(), Tree::Object(states))];
+        let message = vec![
+            (Cow::Borrowed("$fw.version"), Tree::Text(version.into())),
+            ("id".into(), Tree::Text(id.into())),
+            ("body".into(), Tree::Object(body)),
+        ];
+        let message = Tree::Object(message);
+        Some(Report { name: line.name?, time: line.time?, text, message, version: of })
+    }
+
+    /// Counts the report that was read last.
+    pub(super) fn count(&mut self, report: &Report<'_>) {
+        self.known.count(report.version, &self.kinds);
+    }
+
+    /// How many reports were counted.
+    pub(super) fn seen(&self) -> u64 {
+        self.known.seen()
+    }
+
+    /// Tells what came of all that was counted.
+    pub(super) fn tell(&self, findings: &mut Findings) {
+        self.known.tell(findings);
+    }
+
+    fn line<'l>(&mut self, cursor: &mut Cursor<'l>, findings: &Findings) -> Option<Line<'l>> {
+        let mut line = Line::default();
+        cursor.members(|cursor, key| {
+            match key {
+                "t" if line.time.is_none() => line.time = Some(cursor.decimal()?),
+                "conn" if line.name.is_none() => line.name = Some(cursor.text()?),
+                "dir" if !line.is_of_server && cursor.text()? == "in" => line.is_of_server = true,
+                "msg" if line.message.is_none() => line.message = Some(self.message(cursor, findings)?),
+                _ => return None,
+            }
+            Some(())
+        })?;
+        Some(line)
+    }
+
+    fn message<'l>(&mut self, cursor: &mut Cursor<'l>, findings: &Findings) -> Option<Message<'l>> {
+        let mut message = Message::default();
+        cursor.members(|cursor, key| {
+            match key {
+                "$fw.version" if message.version.is_none() => message.version = Some(cursor.text()?),
+                "id" if message.id.is_none() => message.id = Some(cursor.text()?),
+                "body" if message.body.is_none() => message.body = Some(self.body(cursor, findings)?),
+                _ => return None,
+            }
+            Some(())
+        })?;
+        Some(message)
+    }
+
+    fn body<'l>(&mut self, cursor: &mut Cursor<'l>, findings: &Findings) -> Option<Body<'l>> {
+        let mut body = Body::default();
+        cursor.members(|cursor, key| {
+            match key {
+                "type" if !body.is_report && cursor.text()? == TYPE => body.is_report = true,
+                "status" if body.states.is_none() => body.states = Some(self.states(cursor, findings)?),
+                _ => return None,
+            }
+            Some(())
+        })?;
+        Some(body)
+    }
+
+    fn states<'l>(&mut self, cursor: &mut Cursor<'l>, findings: &Findings) -> Option<States<'l>> {
+        // The one before had about as many.
+        let mut states = Vec::with_capacity(self.kinds.len());
+        self.kinds.clear();
+        let fields = self.fields.as_mut()?;
+        let mut broken = 0;
+        cursor.members(|cursor, uav| {
+            let start = cursor.at();
+            let (timestamp, kind) = fields.state(cursor, uav)?;
+            let (kind, count) = self.known.kind(kind, (uav, cursor.since(start)), findings)?;
+            self.kinds.push(kind);
+            broken += count;
+            let members = vec![("timestamp".into(), Tree::Int(timestamp.into()))];
+            states.push((uav.into(), Tree::Object(members)));
+            Some(())
+        })?;
+        (broken <= MAX_BROKEN).then_some(states)
+    }
+}
+
+impl<'d> Fields<'d> {
+    fn of(members: Members<'d>) -> Option<Self> {
+        Some(Self {
+            id: members.field("id")?,
+            timestamp: members.field("timestamp")?,
+            errors: members.field("errors")?,
+            next: (0..=members.len()).map(|next| next % members.len()).collect(),
+            members,
+        })
+    }
+
+    /// Takes the state of a UAV: its timestamp, and of which kind it is.
+    fn state<'l>(&mut self, cursor: &mut Cursor<'l>, uav: &str) -> Option<(i64, Kind<'l>)> {
+        let mut kind = Kind::default();
+        let mut timestamp = None;
+        let mut before = self.members.len();
+        let mut goes_on = cursor.takes(b'{');
+        while goes_on {
+            let field = self.field(cursor, before)?;
+            let bit = 1 << field;
+            if kind.fields & bit != 0 {
+                return None;
+            }
+            kind.fields |= bit;
+            before = field;
+            let is_needed = field == self.id || field == self.timestamp;
+            if !is_needed && cursor.takes_null() {
+                kind.nulls |= bit;
+            } else if field == self.errors {
+                kind.errors = cursor.list()?;
+            } else if is_needed {
+                let token = cursor.token().filter(|token| self.members.holds(field, *token))?;
+                match token {
+                    Token::Text(id) if field == self.id && id == uav => {}
+                    Token::Int(value) if field == self.timestamp => timestamp = Some(value),
+                    _ => return None,
+                }
+            } else {
+                self.members.takes(field, cursor)?;
+            }
+            goes_on = cursor.goes_on(b'}')?;
+        }
+        // That it has no id is seen by its kind.
+        Some((timestamp?, kind))
+    }
+
+    /// Takes the key of the next field. It is likely to be the one that came there before.
+    fn field(&mut self, cursor: &mut Cursor<'_>, before: usize) -> Option<usize> {
+        let guess = self.next[before];
+        if cursor.takes_key(self.members.key(guess)) {
+            return Some(guess);
+        }
+        let field = self.members.field(cursor.key()?)?;
+        self.next[before] = field;
+        Some(field)
+    }
+}
+
+/// Whether no UAV has two states. Most servers sort them.
+fn are_different(states: &States<'_>) -> bool {
+    let mut seen = HashSet::new();
+    states.is_sorted_by(|(one, _), (other, _)| one < other) || states.iter().all(|(uav, _)| seen.insert(uav))
+}

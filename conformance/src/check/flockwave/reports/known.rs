@@ -1,0 +1,215 @@
+//! What rules say of reports by what these have in common.
+
+use std::collections::BTreeSet;
+
+use crate::definitions::Definitions;
+use crate::flockwave::record::{Connection, Direction, Exchange};
+use crate::flockwave::session::Conversations;
+use crate::json::Tree;
+use crate::model::{Findings, Place, Rule};
+use crate::rules::Judged;
+use crate::rules::flockwave::{Check, RULES};
+
+/// How many versions are known, and how many kinds of states: hostile input can have any number.
+const MAX_KNOWN: usize = 256;
+
+/// The longest text of a version or of error codes that is kept, in bytes.
+const MAX_TEXT: usize = 256;
+
+/// What the findings in a state depend on, once its values have the right shape or are null, and its id is that of the UAV.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Kind<'k> {
+    /// A bit for each field that it has.
+    pub(super) fields: u64,
+    /// A bit for each of them that is null.
+    pub(super) nulls: u64,
+    /// Its error codes, as they are written; may be empty.
+    pub(super) errors: &'k str,
+}
+
+/// What is known of reports.
+pub(super) struct Known<'d> {
+    definitions: &'d Definitions,
+    /// What comes of a report without any state, by its version.
+    versions: Vec<Entry<Box<str>>>,
+    /// What a state adds to that, by its kind: its fields, which of them are null, and its error codes.
+    kinds: Vec<Entry<(u64, u64, Box<str>)>>,
+    /// Where the latest was found.
+    latest: usize,
+}
+
+/// What is known of a version or a kind.
+struct Entry<K> {
+    key: K,
+    /// What comes of it; none where that isn't known.
+    outcome: Option<Outcome>,
+    /// Whether its findings have examples enough, and are only to be counted.
+    is_settled: bool,
+    /// The UAVs of which its findings were told since then: messages name them, and each message is looked at once.
+    told: BTreeSet<Box<str>>,
+    /// How often it was counted.
+    times: u64,
+}
+
+/// What rules say that judge a report by itself.
+struct Outcome {
+    /// How often each is exercised.
+    exercised: Vec<(&'static Rule, u64)>,
+    /// What breaks them, in which subject and how often.
+    broken: Vec<(&'static Rule, String, u64)>,
+}
+
+impl<K> Entry<K> {
+    fn of(key: K, outcome: Option<Outcome>) -> Self {
+        Self { key, outcome, is_settled: false, told: BTreeSet::new(), times: 0 }
+    }
+
+    /// Whether its findings are only to be counted, where they are of this UAV; how many there are.
+    fn settled(&mut self, uav: &str, findings: &Findings) -> Option<u64> {
+        let broken = &self.outcome.as_ref()?.broken;
+        if broken.is_empty() {
+            return Some(0);
+        }
+        self.is_settled =
+            self.is_settled || broken.iter().all(|(rule, subject, _)| findings.has_examples(rule, subject));
+        if !self.is_settled {
+            return None;
+        }
+        if !self.told.contains(uav) {
+            if self.told.len() < MAX_KNOWN && uav.len() <= MAX_TEXT {
+                self.told.insert(uav.into());
+            }
+            return None;
+        }
+        Some(broken.iter().map(|(.., count)| count).sum())
+    }
+}
+
+impl<'d> Known<'d> {
+    /// Nothing is known yet.
+    pub(super) fn of(definitions: &'d Definitions) -> Self {
+        Self { definitions, versions: Vec::new(), kinds: Vec::new(), latest: 0 }
+    }
+
+    /// The number of a version, if nothing is to be told of a report that has it, and no states.
+    pub(super) fn version(&mut self, version: &str, findings: &Findings) -> Option<usize> {
+        let found = self.versions.iter().position(|known| *known.key == *version);
+        let at = found.unwrap_or(self.versions.len());
+        if found.is_none() {
+            if at == MAX_KNOWN || version.len() > MAX_TEXT {
+                return None;
+            }
+            let outcome = self.judge(version, "");
+            self.versions.push(Entry::of(version.into(), outcome));
+        }
+        self.versions[at].settled("", findings).map(|_| at)
+    }
+
+    /// The number of a kind, if nothing is to be told of a state of it, such as this one, of this UAV; and how many findings
+    /// are to be counted.
+    pub(super) fn kind(
+        &mut self,
+        kind: Kind<'_>,
+        (uav, state): (&str, &str),
+        findings: &Findings,
+    ) -> Option<(usize, u64)> {
+        let is_it = |known: &Entry<(u64, u64, Box<str>)>| {
+            let (fields, nulls, errors) = &known.key;
+            (*fields, *nulls, &**errors) == (kind.fields, kind.nulls, kind.errors)
+        };
+        if self.kinds.get(self.latest).is_none_or(|known| !is_it(known)) {
+            self.latest = match self.kinds.iter().position(is_it) {
+                Some(at) => at,
+                None => self.learn(kind, uav, state)?,
+            };
+        }
+        let count = self.kinds[self.latest].settled(uav, findings)?;
+        Some((self.latest, count))
+    }
+
+    fn learn(&mut self, kind: Kind<'_>, uav: &str, state: &str) -> Option<usize> {
+        if self.kinds.len() == MAX_KNOWN || kind.errors.len() > MAX_TEXT {
+            return None;
+        }
+        // What a state adds is the same in any version.
+        let with = self.judge("1.0", &format!("\"{uav}\":{state}"));
+        let outcome = with.zip(self.judge("1.0", "")).and_then(|(with, without)| with.beyond(without));
+        self.kinds.push(Entry::of((kind.fields, kind.nulls, kind.errors.into()), outcome));
+        Some(self.kinds.len() - 1)
+    }
+
+    /// What the rules say of a report that judge it by itself.
+    fn judge(&self, version: &str, states: &str) -> Option<Outcome> {
+        let text = format!(
+            "{{\"$fw.version\":\"{version}\",\"id\":\"1\",\"body\":{{\"type\":\"{}\",\"status\":{{{states}}}}}}}",
+            super::TYPE
+        );
+        let message = Tree::read(&text).ok()?;
+        let exchange = Exchange {
+            connection: Connection { index: 0, name: "", is_told: false },
+            direction: Direction::In,
+            time: None,
+            text: &text,
+            value: Some(&message),
+            trial: None,
+            note: None,
+            place: Place::Line(1),
+        };
+        let definitions = self.definitions;
+        let turn = Conversations::default().follow(&exchange, definitions);
+        let mut findings = Findings::default();
+        let mut all = Vec::new();
+        for of in RULES {
+            let Check::Exchange(judge) = of.check else { continue };
+            let rule = &of.rule;
+            let mut exercised = 0;
+            judge(
+                &turn,
+                &mut Judged { rule, definitions, findings: &mut findings, exercised: &mut exercised },
+            );
+            all.push((rule, exercised));
+        }
+        let broken = findings.groups().map(|group| (group.rule, group.subject.clone(), group.count));
+        Some(Outcome { exercised: all, broken: broken.collect() })
+    }
+
+    /// Counts a report of a version, with states of these kinds.
+    pub(super) fn count(&mut self, version: usize, kinds: &[usize]) {
+        self.versions[version].times += 1;
+        for kind in kinds {
+            self.kinds[*kind].times += 1;
+        }
+    }
+
+    /// How many reports were counted.
+    pub(super) fn seen(&self) -> u64 {
+        self.versions.iter().map(|known| known.times).sum()
+    }
+
+    /// Tells what came of all that was counted.
+    pub(super) fn tell(&self, findings: &mut Findings) {
+        let versions = self.versions.iter().map(|known| (&known.outcome, known.times));
+        let kinds = self.kinds.iter().map(|known| (&known.outcome, known.times));
+        for (outcome, times) in versions.chain(kinds) {
+            let Some(outcome) = outcome else { continue };
+            for (rule, count) in &outcome.exercised {
+                findings.exercise(rule, count * times);
+            }
+            for (rule, subject, count) in &outcome.broken {
+                findings.count(rule, subject, count * times);
+            }
+        }
+    }
+}
+
+impl Outcome {
+    /// What comes of a report with a state beyond what comes of one without. None where that isn't more of it all: then
+    /// each state isn't judged by itself.
+    fn beyond(self, without: Self) -> Option<Self> {
+        let is_sound = without.broken.is_empty();
+        let counts = self.exercised.into_iter().zip(without.exercised);
+        let exercised = counts.map(|((rule, with), (_, without))| Some((rule, with.checked_sub(without)?)));
+        let exercised = exercised.collect::<Option<_>>().filter(|_| is_sound)?;
+        Some(Self { exercised, broken: self.broken })
+    }
+}

@@ -1,0 +1,319 @@
+//! Judges logs of PX4.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::Read;
+
+use uavspec_codegen::dynamic::{FormatProblem, MessageType};
+use uavspec_codegen::schema::MessageId;
+
+use super::{Course, Judgement, Source, timestamp_offset};
+use crate::capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
+use crate::definitions::Definitions;
+use crate::model::{Channel, Detail, Extent, Findings, Message, Place, Rule};
+use crate::px4::comparison::{Comparison, compare};
+use crate::px4::plan::Plan;
+use crate::rules::px4;
+
+/// What a log says of itself.
+#[derive(Debug)]
+pub struct LogSource {
+    /// What it says of the firmware, such as its version.
+    pub firmware: Option<String>,
+    /// How many dropouts it tells of.
+    pub dropouts: u64,
+    /// The formats of its topics, compared with the definitions, by name.
+    pub formats: Vec<(String, Comparison)>,
+}
+
+/// Judges a log of PX4, as far as it can be read.
+pub fn judge_ulog(input: impl Read, definitions: &Definitions) -> Judgement {
+    let mut judge = LogJudge::new(definitions);
+    let mut reader = Reader::new(input);
+    let mut log = Log::default();
+    loop {
+        let item = match reader.next() {
+            Ok(Some(item)) => item,
+            Ok(None) => break,
+            // What was judged until then stays judged.
+            Err(error) => {
+                judge.course.unreadable(Place::Byte(reader.position()), &error);
+                break;
+            }
+        };
+        judge.item(&item);
+        let topic = match item.event {
+            Event::Subscription { id, .. } => Some(id),
+            _ => None,
+        };
+        let record = log.take(&item, &mut |offset, problem| judge.tell(offset, &problem));
+        if let Some(record) = record {
+            judge.record(&record, item.offset);
+        }
+        match topic.map(|id| (id, log.subscription(id))) {
+            Some((id, Some(subscription))) => {
+                judge.open(id, &subscription.topic, subscription.multi_id, item.offset);
+            }
+            // There was no room for it.
+            Some((id, None)) => judge.drop_topic(id),
+            None => {}
+        }
+    }
+    if judge.open.is_empty() && judge.course.extent == Extent::Whole {
+        let text = "no topic is subscribed: the log ends with its definitions, or within them".to_owned();
+        judge.course.damage(Place::Byte(reader.position()), text, Extent::EndsEarly);
+    }
+    log.finish(&mut |offset, problem| judge.tell(offset, &problem));
+    judge.finish(&log, reader.position())
+}
+
+/// A topic of the log and its state.
+struct Open {
+    index: usize,
+    topic: String,
+    multi_id: u8,
+    offset: u64,
+    definition: Option<MessageId>,
+    /// Made with the first message.
+    plan: Option<Plan>,
+    /// Where the payload has its `timestamp`.
+    timestamp: Option<usize>,
+    messages: u64,
+}
+
+struct LogJudge<'d> {
+    course: Course<'d>,
+    /// By the id of the data.
+    open: Vec<Option<Box<Open>>>,
+    /// Topics that were seen to have a `timestamp` or not; the log has a format for each.
+    timed: BTreeSet<String>,
+    firmware: Option<String>,
+    dropouts: u64,
+}
+
+impl<'d> LogJudge<'d> {
+    fn new(definitions: &'d Definitions) -> Self {
+        let (open, timed) = (Vec::new(), BTreeSet::new());
+        Self { course: Course::new(definitions), open, timed, firmware: None, dropouts: 0 }
+    }
+
+    fn item(&mut self, item: &Item<'_>) {
+        let place = Place::Byte(item.offset);
+        match &item.event {
+            Event::Start { timestamp, .. } => self.course.started(*timestamp),
+            Event::Unsubscription { id } => {
+                if let Some(Some(open)) = self.open.get(usize::from(*id)) {
+                    self.course.closed(&open.channel());
+                }
+            }
+            Event::Information { key: "ver_sw_release" | "ver_sw_branch" | "sys_name", value, ty } => {
+                self.information(ty, value);
+            }
+            Event::Dropout { milliseconds } => {
+                self.dropouts += 1;
+                self.course.dropout(*milliseconds, place);
+            }
+            Event::Data { .. } => self.course.records += 1,
+            // Logs of the first version have none.
+            Event::Problem(Problem::NoFlagBits { version: 0 }) => {}
+            Event::Problem(problem) => self.course.damage(place, problem.to_string(), problem.extent()),
+            _ => {}
+        }
+    }
+
+    fn open(&mut self, id: u16, topic: &str, multi_id: u8, offset: u64) {
+        // Who subscribes again and again asks for no more room.
+        let slot = usize::from(id);
+        if slot >= self.open.len() {
+            self.open.resize_with(slot + 1, || None);
+        }
+        let before = self.open[slot].take();
+        if let Some(before) = &before {
+            self.course.closed(&before.channel());
+        }
+        let index = before.as_ref().map_or_else(|| self.course.number_channel(), |before| before.index);
+        let open = Open {
+            index,
+            topic: topic.to_owned(),
+            multi_id,
+            offset,
+            definition: self.course.definitions.message_of_topic(topic),
+            plan: None,
+            timestamp: None,
+            messages: 0,
+        };
+        self.course.opened(&open.channel());
+        self.open[slot] = Some(Box::new(open));
+        if let Some(before) = before {
+            before.close(&mut self.course.findings);
+        }
+    }
+
+    /// A topic isn't subscribed any more, and its name isn't kept.
+    fn drop_topic(&mut self, id: u16) {
+        if let Some(Some(open)) = self.open.get_mut(usize::from(id)) {
+            self.course.closed(&open.channel());
+            open.topic = String::new();
+        }
+    }
+
+    fn record(&mut self, record: &Record<'_>, offset: u64) {
+        let Some(Some(open)) = self.open.get_mut(usize::from(record.subscription.id)) else { return };
+        let place = Place::Byte(offset);
+        let plan = match &mut open.plan {
+            Some(plan) => plan,
+            empty => {
+                open.timestamp = timestamp_offset(record.of);
+                if self.timed.insert(open.topic.clone()) {
+                    check_timestamp(record.of, place, &mut self.course);
+                }
+                empty.insert(Plan::new(
+                    record.of,
+                    open.definition,
+                    &self.course.definitions.schema,
+                    &open.topic,
+                    &px4::VALUES,
+                ))
+            }
+        };
+        plan.check(record.payload, place, &mut self.course.findings);
+        open.messages += 1;
+        let bytes = open.timestamp.and_then(|at| record.payload.get(at..at + 8));
+        let timestamp = bytes.and_then(|bytes| Some(u64::from_le_bytes(bytes.try_into().ok()?)));
+        let values = self.course.wants_values(open.index).then(|| record.of.view_uorb(record.payload).ok());
+        let message = Message { timestamp, values: values.flatten(), place };
+        self.course.message(&open.channel(), &message);
+    }
+
+    /// What is wrong with formats, subscriptions and sizes: a rule, where one is about that. Where something of the
+    /// log is missing, a subscription or a format that isn't there may have been in it.
+    fn tell(&mut self, offset: u64, problem: &LogProblem) {
+        let place = Place::Byte(offset);
+        let detail = Detail::new(problem.to_string());
+        let is_whole = self.course.extent == Extent::Whole;
+        match problem {
+            LogProblem::DataSize { id, padded, no_padding, found } => {
+                let expected = if padded == no_padding {
+                    format!("{padded} bytes")
+                } else {
+                    format!("{padded} bytes, or {no_padding} without padding")
+                };
+                let detail = detail.expected(expected).actual(format!("{found} bytes"));
+                self.drop_data(*id, &px4::DATA_01.rule, detail, place);
+            }
+            LogProblem::UnknownId { id } | LogProblem::Unsubscribed { id } if is_whole => {
+                let detail = detail.expected("data of an id that is subscribed").actual(format!("id {id}"));
+                self.drop_data(*id, &px4::DATA_02.rule, detail, place);
+            }
+            LogProblem::Format { name, problem: FormatProblem::UnknownType { ty, .. } } if is_whole => {
+                let ty = ty.escape_debug();
+                let detail = detail.expected(format!("a format `{ty}`")).actual("none");
+                let definition = self.course.definition_of(name);
+                self.course.findings.report(&px4::FMT_02.rule, name, place, definition, || detail);
+            }
+            _ => self.course.damage(place, problem.to_string(), Extent::Whole),
+        }
+    }
+
+    /// Data can't be read, as it breaks a rule. Which topic has it is known, or else it may be any.
+    fn drop_data(&mut self, id: u16, rule: &'static Rule, detail: Detail, place: Place) {
+        let open = self.open.get(usize::from(id)).and_then(Option::as_ref);
+        let Some(open) = open.filter(|open| !open.topic.is_empty()) else {
+            self.course.findings.report(rule, &format!("id {id}"), place, None, || detail);
+            return self.course.lost_any(place);
+        };
+        let definition = open.definition.map(|id| self.course.definitions.schema.message(id).span);
+        self.course.findings.report(rule, &open.topic, place, definition, || detail);
+        self.course.lost(open.index, place);
+    }
+
+    fn finish(mut self, log: &Log, bytes: u64) -> Judgement {
+        for open in std::mem::take(&mut self.open).into_iter().flatten() {
+            open.close(&mut self.course.findings);
+        }
+        for rule in [&px4::DATA_01.rule, &px4::DATA_02.rule] {
+            self.course.findings.exercise(rule, self.course.records);
+        }
+        let formats = formats(log, &self.timed, &mut self.course);
+        let source = LogSource { firmware: self.firmware, dropouts: self.dropouts, formats };
+        self.course.finish(bytes, Source::Log(source))
+    }
+
+    fn information(&mut self, ty: &str, value: &[u8]) {
+        let text = match <[u8; 4]>::try_from(value) {
+            // The version as a number: major, minor and patch level, and the type of the release.
+            Ok(bytes) if ty == "uint32_t" => {
+                let [_, patch, minor, major] = bytes;
+                format!("v{major}.{minor}.{patch}")
+            }
+            _ if ty.starts_with("char[") => String::from_utf8_lossy(value).into_owned(),
+            _ => return,
+        };
+        self.firmware = Some(match self.firmware.take() {
+            Some(known) => format!("{known} {text}"),
+            None => text,
+        });
+    }
+}
+
+impl Open {
+    fn channel(&self) -> Channel<'_> {
+        Channel {
+            index: self.index,
+            topic: &self.topic,
+            multi_id: Some(self.multi_id),
+            definition: self.definition,
+            version: None,
+            place: Place::Byte(self.offset),
+        }
+    }
+
+    fn close(self, findings: &mut Findings) {
+        if let Some(plan) = self.plan {
+            plan.exercise(self.messages, findings);
+        }
+    }
+}
+
+/// Whether messages of a format have the time that each has to have.
+fn check_timestamp(of: MessageType<'_>, place: Place, course: &mut Course<'_>) {
+    course.findings.exercise(&px4::FMT_03.rule, 1);
+    if timestamp_offset(of).is_none() {
+        let definition = course.definition_of(of.name());
+        course.findings.report(&px4::FMT_03.rule, of.name(), place, definition, || {
+            Detail::new("its format has no `uint64_t timestamp`")
+                .expected("uint64_t timestamp")
+                .actual("no such field")
+        });
+    }
+}
+
+/// The formats of all subscribed topics, compared with the definitions. Of those that had data it was seen already
+/// whether they have a time.
+fn formats(log: &Log, timed: &BTreeSet<String>, course: &mut Course<'_>) -> Vec<(String, Comparison)> {
+    let definitions = course.definitions;
+    let mut opened: BTreeMap<&str, u64> = BTreeMap::new();
+    for subscription in log.subscriptions() {
+        opened.entry(&subscription.topic).or_insert(subscription.offset);
+    }
+    let mut compared: BTreeMap<String, Comparison> = BTreeMap::new();
+    for of in log.types().iter() {
+        course.findings.exercise(&px4::FMT_02.rule, 1);
+        let Some(place) = opened.get(of.name()).map(|offset| Place::Byte(*offset)) else { continue };
+        if !timed.contains(of.name()) && of.defect().is_none() {
+            check_timestamp(of, place, course);
+        }
+        let comparison = match definitions.message_of_topic(of.name()) {
+            None => Comparison::Undefined,
+            Some(id) => compare(of, definitions.types().get(id)),
+        };
+        if comparison != Comparison::Undefined {
+            course.findings.exercise(&px4::FMT_01.rule, 1);
+        }
+        if let Comparison::Differs(differences) = &comparison {
+            let definition = course.definition_of(of.name());
+            course.findings.report(&px4::FMT_01.rule, of.name(), place, definition, || differences.detail());
+        }
+        compared.insert(of.name().to_owned(), comparison);
+    }
+    compared.into_iter().collect()
+}

@@ -1,0 +1,243 @@
+//! Judges the messages of a channel as CDR.
+
+use std::borrow::Cow;
+use std::io::Read as _;
+use std::rc::Rc;
+
+use uavspec_codegen::dynamic::{DynamicMessage, DynamicView, Error, MessageType, Reason, Violation};
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::{Form, MessageId};
+use uavspec_runtime::Fault;
+use uavspec_runtime::cdr::{ByteOrder, HEADER};
+
+use super::Stated;
+use crate::capture::input::zstd::{Frames, MAGIC as ZSTD};
+use crate::capture::mcap::Reader;
+use crate::check::timestamp_offset;
+use crate::definitions::Definitions;
+use crate::model::{Channel, Detail, Findings, Place, Rule, hexadecimal};
+use crate::px4::plan::Plan;
+use crate::rules::px4;
+
+/// The most bytes of a message that was packed by itself: as many as one may have that wasn't.
+const MAX_UNPACKED: u64 = Reader::<&[u8]>::MAX_RECORD;
+
+/// A message that could be read.
+pub(super) struct Seen {
+    /// Its field `timestamp`, where it has one.
+    pub(super) timestamp: Option<u64>,
+    /// What it says, as it lies in memory, where a rule wants that.
+    pub(super) memory: Option<Vec<u8>>,
+}
+
+/// What a payload begins with.
+enum Header {
+    /// The header of plain CDR.
+    Plain,
+    /// That of another kind, which isn't read here.
+    Other,
+    /// One of no kind that exists.
+    Unknown([u8; 2]),
+    /// Less than a header.
+    Short,
+}
+
+/// How the messages of a channel are judged, and how many were.
+pub(super) struct CdrJudge {
+    of: MessageId,
+    /// What the file says that its messages are, where that isn't the definition.
+    stated: Option<Rc<Stated>>,
+    plan: Plan,
+    /// Whether the plan sees all values: it does where the size is fixed.
+    is_planned: bool,
+    /// Where in memory a message has its `timestamp`.
+    timestamp: Option<usize>,
+    /// Payloads whose header was looked at, and those whose body was.
+    headers: u64,
+    bodies: u64,
+    /// Messages that could be read.
+    messages: u64,
+    /// Payloads of other kinds of CDR.
+    others: u64,
+}
+
+impl CdrJudge {
+    pub(super) fn new(
+        of: MessageId,
+        stated: Option<Rc<Stated>>,
+        definitions: &Definitions,
+        topic: &str,
+    ) -> Self {
+        let ty = stated.as_ref().map_or_else(|| definitions.types().get(of), |stated| stated.root());
+        let plan = Plan::new(ty, Some(of), &definitions.schema, topic, &px4::VALUES);
+        let (is_planned, timestamp) = (ty.size().is_some() || stated.is_some(), timestamp_offset(ty));
+        Self { of, plan, is_planned, timestamp, stated, headers: 0, bodies: 0, messages: 0, others: 0 }
+    }
+
+    /// How much room its plan takes.
+    pub(super) fn steps(&self) -> usize {
+        self.plan.steps()
+    }
+
+    /// Whether messages of PX4 lack the time that each of them has.
+    pub(super) fn lacks_timestamp(&self, definitions: &Definitions) -> Option<bool> {
+        let schema = &definitions.schema;
+        let is_px4 = schema.package_of(schema.message(self.of)).form == Form::Msg(Dialect::Px4);
+        is_px4.then_some(self.timestamp.is_none())
+    }
+
+    /// Judges a payload; nothing is returned where it can't be read.
+    pub(super) fn judge(
+        &mut self,
+        payload: &[u8],
+        wants_values: bool,
+        channel: &Channel<'_>,
+        place: Place,
+        definitions: &Definitions,
+        findings: &mut Findings,
+    ) -> Option<Seen> {
+        let definition = Some(definitions.schema.message(self.of).span);
+        let mut report = |rule: &'static Rule, detail: Detail| {
+            let excerpt = || detail.excerpt(hexadecimal(payload));
+            findings.report(rule, channel.topic, place, definition, excerpt);
+        };
+        match self.header(payload) {
+            Header::Plain => {}
+            Header::Other => return None,
+            Header::Unknown(found) => {
+                let expected = "00 01 (little endian) or 00 00 (big endian)";
+                report(&px4::CDR_01.rule, Detail::differs(expected, hexadecimal(&found)));
+                return None;
+            }
+            Header::Short => {
+                let expected = format!("{HEADER} bytes of header");
+                report(&px4::CDR_02.rule, Detail::differs(expected, payload.len()));
+                return None;
+            }
+        }
+        self.bodies += 1;
+        let stated = self.stated.clone();
+        let ty = stated.as_ref().map_or_else(|| definitions.types().get(self.of), |stated| stated.root());
+        let message = match ty.decode_cdr(payload) {
+            Ok(message) => message,
+            Err(error) => {
+                report(&px4::CDR_02.rule, Detail::new(error.to_string()));
+                return None;
+            }
+        };
+        self.messages += 1;
+        if self.is_planned {
+            self.plan.check(message.memory(), place, findings);
+        } else {
+            check_bools(ty, payload, channel, place, findings);
+            message.view().validate_with(&mut |violation| tell(&violation, channel, place, findings));
+        }
+        let memory = wants_values.then(|| message.memory().to_vec());
+        Some(Seen { timestamp: self.timestamp_of(&message), memory })
+    }
+
+    /// What a message says, where a rule wants that and the message is of fixed size.
+    pub(super) fn view<'v>(
+        &'v self,
+        seen: &'v Seen,
+        definitions: &'v Definitions,
+    ) -> Option<DynamicView<'v>> {
+        let memory = seen.memory.as_deref()?;
+        let stated = self.stated.as_ref().map(|stated| stated.root());
+        stated.unwrap_or_else(|| definitions.types().get(self.of)).view_uorb(memory).ok()
+    }
+
+    /// Looks at the header of a payload.
+    fn header(&mut self, payload: &[u8]) -> Header {
+        let [first, second, _, _, ..] = *payload else {
+            self.bodies += 1;
+            return Header::Short;
+        };
+        self.headers += 1;
+        match (ByteOrder::of(payload), [first, second]) {
+            (Ok(_), _) => Header::Plain,
+            // Parameter lists, and version 2.
+            (Err(_), [0, 2 | 3 | 6..=0xb]) => {
+                self.others += 1;
+                Header::Other
+            }
+            (Err(_), found) => Header::Unknown(found),
+        }
+    }
+
+    fn timestamp_of(&self, message: &DynamicMessage<'_>) -> Option<u64> {
+        let bytes = message.memory().get(self.timestamp?..)?;
+        Some(u64::from_le_bytes(*bytes.first_chunk()?))
+    }
+
+    /// Counts what was exercised; how many payloads were of other kinds of CDR.
+    pub(super) fn close(self, findings: &mut Findings) -> u64 {
+        findings.exercise(&px4::CDR_01.rule, self.headers);
+        findings.exercise(&px4::CDR_02.rule, self.bodies);
+        self.plan.exercise(self.messages, findings);
+        self.others
+    }
+}
+
+/// A payload that rosbag2 packed by itself, unpacked; no encapsulation header begins as zstd does. An error says why it
+/// can't be unpacked.
+pub(super) fn unpacked(payload: &[u8]) -> Result<Cow<'_, [u8]>, String> {
+    if !payload.starts_with(&ZSTD) {
+        return Ok(Cow::Borrowed(payload));
+    }
+    let mut bytes = Vec::new();
+    match Frames::new(payload).take(MAX_UNPACKED + 1).read_to_end(&mut bytes) {
+        Ok(_) if bytes.len() as u64 > MAX_UNPACKED => {
+            Err(format!("a packed message of more than {MAX_UNPACKED} bytes"))
+        }
+        Ok(_) => Ok(Cow::Owned(bytes)),
+        Err(error) => Err(format!("a packed message that can't be unpacked: {error}")),
+    }
+}
+
+/// Reports the first `bool` of a message of varying size that is neither 0 nor 1.
+fn check_bools(
+    ty: MessageType<'_>,
+    payload: &[u8],
+    channel: &Channel<'_>,
+    place: Place,
+    findings: &mut Findings,
+) {
+    if let Err(Error { reason: Reason::Fault(Fault::Bool(byte)), path, .. }) = ty.decode_cdr_strict(payload) {
+        let text = format!("{byte} where a bool is 0 or 1");
+        let detail = Detail::new(text).expected("0 or 1").actual(byte.to_string());
+        report_at(&px4::BOOL_01.rule, &path, detail, channel, place, findings);
+    }
+}
+
+/// Reports what breaks a rule in a message of varying size.
+fn tell(violation: &Violation<'_>, channel: &Channel<'_>, place: Place, findings: &mut Findings) {
+    let rule = px4::VALUES.on(violation.rule);
+    let text = violation.to_string();
+    // The field and the rule stand beside it in any report.
+    let text = text.strip_prefix(&violation.path).map_or(text.as_str(), |text| text.trim_start_matches(": "));
+    let text = text.rsplit_once(" (PX-").map_or(text, |(text, _)| text);
+    report_at(rule, &violation.path, Detail::new(text), channel, place, findings);
+}
+
+/// Reports something at a path such as `events[2].id`; equal findings have it in common without its indices.
+fn report_at(
+    rule: &'static Rule,
+    path: &str,
+    detail: Detail,
+    channel: &Channel<'_>,
+    place: Place,
+    findings: &mut Findings,
+) {
+    let mut subject = format!("{}.", channel.topic);
+    let mut is_index = false;
+    for character in path.chars() {
+        is_index = (is_index || character == '[') && character != ']';
+        if !is_index && character != ']' {
+            subject.push(character);
+        }
+    }
+    findings.report(rule, &subject, place, None, || {
+        if path.contains('[') { detail.at(path) } else { detail.located(path) }
+    });
+}

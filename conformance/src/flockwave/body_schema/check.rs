@@ -1,0 +1,370 @@
+//! Whether a body has its shape.
+
+use std::borrow::Cow;
+use std::collections::HashSet;
+
+use super::bodies::{Body, Shapes};
+use super::defined::{Defined, Field, List, Object, Text, Tuple};
+use super::told::told_by;
+use super::{Deviation, Fault, Mismatch, integer};
+use crate::json::Tree;
+use crate::json::base64;
+use crate::json::pointer;
+
+/// How many deviations of a body are told: hostile input can have any number.
+const MAX_DEVIATIONS: usize = 10_000;
+
+/// How many values of a body are looked at. A body has a million at most; but where each of several shapes may hold
+/// them again, each level of it is looked at twice as often as the one above.
+const MAX_LOOKS: usize = 1 << 21;
+
+/// What it takes to tell a deviation, for each step of the way to it, in looks.
+const LOOKS_TO_TELL: usize = 8;
+
+/// How many fields of an object are listed.
+const MAX_LISTED: usize = 12;
+
+/// How many values of a set are listed.
+const MAX_VALUES: usize = 16;
+
+/// How many elements a unique list may have that aren't compared as they are.
+const MAX_COMPARED: usize = 10_000;
+
+/// A step into a value.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum At<'c> {
+    /// Into a field that the definition has.
+    Field(&'c Field),
+    /// Into an element of a tuple.
+    Element(usize, &'c Field),
+    /// Into a value of a map, or a field that the definition doesn't have.
+    Key(&'c str),
+    /// Into an element of a list.
+    Index(usize),
+}
+
+/// What of a body deviates from its shape.
+pub(super) fn check<'c>(shapes: &'c Shapes, body: &'c Body, value: &'c Tree<'c>) -> Vec<Deviation> {
+    let mut check = Check {
+        shapes,
+        body: Some(body),
+        path: Vec::new(),
+        seen: Vec::new(),
+        looks: 0,
+        deviations: Vec::new(),
+    };
+    if let Tree::Object(members) = value {
+        check.object(&shapes.objects[body.object], members);
+    } else {
+        check.is_other("an object".to_owned(), value);
+    }
+    check.deviations
+}
+
+/// The first deviation of a value from a shape.
+pub(super) fn first<'c>(shapes: &'c Shapes, shape: &'c Defined, value: &'c Tree<'c>) -> Option<Mismatch> {
+    let mut check =
+        Check { shapes, body: None, path: Vec::new(), seen: Vec::new(), looks: 0, deviations: Vec::new() };
+    check.value(shape, value);
+    check.deviations.into_iter().next().map(|deviation| deviation.mismatch)
+}
+
+struct Check<'c> {
+    shapes: &'c Shapes,
+    /// What is told of it, where it is a body.
+    body: Option<&'c Body>,
+    /// The way from the body to the value that is looked at.
+    path: Vec<At<'c>>,
+    /// Which fields of the objects on this way have been met, the innermost last.
+    seen: Vec<bool>,
+    looks: usize,
+    deviations: Vec<Deviation>,
+}
+
+impl<'c> Check<'c> {
+    fn is_full(&self) -> bool {
+        self.deviations.len() >= MAX_DEVIATIONS || self.looks >= MAX_LOOKS
+    }
+
+    /// Something here isn't as it should be.
+    fn deviates(&mut self, fault: Fault, expected: String, actual: String) {
+        self.looks += self.path.len() * LOOKS_TO_TELL;
+        let keys: Vec<Cow<'_, str>> = self.path.iter().map(At::key).collect();
+        let keys: Vec<&str> = ["body"].into_iter().chain(keys.iter().map(AsRef::as_ref)).collect();
+        let fields: Vec<&str> = self.path.iter().filter_map(|at| Some(at.field()?.name.as_str())).collect();
+        let field = self.path.iter().rev().find_map(At::field);
+        let span = field.map(|field| field.span).or_else(|| Some(self.body?.span));
+        self.deviations.push(Deviation {
+            told_by: self.body.and_then(|body| told_by(&body.told, &self.path, fault)),
+            field: fields.join("."),
+            definition: span.filter(|_| !self.shapes.is_foreign),
+            mismatch: Mismatch { path: pointer(&keys), expected, actual },
+        });
+    }
+
+    /// A value isn't of the kind that it should be.
+    fn is_other(&mut self, expected: String, value: &Tree<'_>) {
+        // That a token is no JSON is a matter of its own.
+        if !matches!(value, Tree::Token(_)) {
+            let fault = if *value == Tree::Null { Fault::Null } else { Fault::Kind };
+            self.deviates(fault, expected, value.to_string());
+        }
+    }
+
+    /// The value at a step.
+    fn step(&mut self, at: At<'c>, shape: &'c Defined, value: &'c Tree<'c>) {
+        self.path.push(at);
+        self.value(shape, value);
+        self.path.pop();
+    }
+
+    fn value(&mut self, shape: &'c Defined, value: &'c Tree<'c>) {
+        self.looks += 1;
+        match (shape, value) {
+            (Defined::Any, _) | (Defined::Null, Tree::Null) | (Defined::Bool, Tree::Bool(_)) => {}
+            (Defined::Integer(low, high), _) => match integer(value) {
+                Some(number) if (*low..=*high).contains(&number) => {}
+                Some(_) => self.deviates(Fault::Value, self.words(shape), value.to_string()),
+                None => self.is_other(self.words(shape), value),
+            },
+            (Defined::Integers(values), _) => match integer(value) {
+                Some(number) if values.iter().any(|known| i128::from(*known) == number) => {}
+                Some(_) => self.deviates(Fault::Value, self.words(shape), value.to_string()),
+                None => self.is_other(self.words(shape), value),
+            },
+            (Defined::Number(low, high), Tree::Int(_) | Tree::Float(..) | Tree::Huge(_)) => {
+                let number = float(value);
+                if low.is_some_and(|low| number < low) || high.is_some_and(|high| number > high) {
+                    self.deviates(Fault::Value, self.words(shape), value.to_string());
+                }
+            }
+            (Defined::Text(shape), Tree::Text(text)) => {
+                if !fits(shape, text) {
+                    self.deviates(Fault::Value, shape.to_string(), value.to_string());
+                }
+            }
+            (Defined::Constants(constants), Tree::Text(text)) => {
+                if !constants.iter().any(|constant| constant == text) {
+                    self.deviates(Fault::Value, self.words(shape), value.to_string());
+                }
+            }
+            (Defined::List(list), Tree::List(values)) => self.list(list, values),
+            (Defined::Map(inner), Tree::Object(members)) => {
+                let before = self.deviations.len();
+                for (key, value) in members {
+                    if self.is_full() || self.deviations.len() > before && !inner.is_structured() {
+                        break;
+                    }
+                    self.step(At::Key(key), inner, value);
+                }
+            }
+            (Defined::Either(all), _) => self.either(all, value),
+            (Defined::Object(index), Tree::Object(members)) => {
+                let shapes = self.shapes;
+                self.object(&shapes.objects[*index], members);
+            }
+            (Defined::Tuple(index), Tree::List(values)) => {
+                let shapes = self.shapes;
+                self.tuple(&shapes.tuples[*index], values);
+            }
+            _ => self.is_other(self.words(shape), value),
+        }
+    }
+
+    fn object(&mut self, object: &'c Object, members: &'c [(Cow<'c, str>, Tree<'c>)]) {
+        let start = self.seen.len();
+        self.seen.resize(start + object.fields.len(), false);
+        let mut guess = 0;
+        for (key, value) in members {
+            if self.is_full() {
+                break;
+            }
+            match object.field(key, guess) {
+                // Of a key that is repeated, the first counts.
+                Some(index) if self.seen[start + index] => {}
+                Some(index) => {
+                    self.seen[start + index] = true;
+                    guess = index + 1;
+                    let field = &object.fields[index];
+                    self.step(At::Field(field), &field.shape, value);
+                }
+                None if object.is_closed => {
+                    self.path.push(At::Key(key));
+                    self.deviates(Fault::Further, others(object), value.to_string());
+                    self.path.pop();
+                }
+                None => {}
+            }
+        }
+        for (index, field) in object.fields.iter().enumerate() {
+            if field.is_required && !self.seen[start + index] && !self.is_full() {
+                self.path.push(At::Field(field));
+                self.deviates(Fault::Absent, self.words(&field.shape), "nothing".to_owned());
+                self.path.pop();
+            }
+        }
+        self.seen.truncate(start);
+    }
+
+    fn list(&mut self, list: &'c List, values: &'c [Tree<'c>]) {
+        let before = self.deviations.len();
+        for (at, value) in values.iter().enumerate() {
+            if self.is_full() || self.deviations.len() > before && !list.element.is_structured() {
+                break;
+            }
+            self.step(At::Index(at), &list.element, value);
+        }
+        if !list.length.holds(values.len()) {
+            self.deviates(Fault::Value, list.to_string(), format!("{} elements", values.len()));
+        } else if list.is_unique
+            && let Some(repeated) = repeated(values)
+        {
+            self.deviates(Fault::Value, list.to_string(), format!("{repeated} twice"));
+        }
+    }
+
+    fn tuple(&mut self, tuple: &'c Tuple, values: &'c [Tree<'c>]) {
+        if !tuple.length().holds(values.len()) {
+            return self.deviates(Fault::Value, tuple.to_string(), format!("{} elements", values.len()));
+        }
+        let before = self.deviations.len();
+        for (at, (element, value)) in tuple.elements.iter().zip(values).enumerate() {
+            self.step(At::Element(at, element), &element.shape, value);
+            if let Some(deviation) = self.deviations.get_mut(before) {
+                let expected = &mut deviation.mismatch.expected;
+                *expected = format!("{expected} ({})", element.name);
+                break;
+            }
+        }
+    }
+
+    /// A value that has none of several shapes is told by the one that is of its kind.
+    fn either(&mut self, all: &'c [Defined], value: &'c Tree<'c>) {
+        let start = self.deviations.len();
+        let mut of_kind: Vec<Vec<Deviation>> = Vec::new();
+        for shape in all {
+            self.value(shape, value);
+            let found = self.deviations.split_off(start);
+            if found.is_empty() {
+                return;
+            }
+            if is_of_kind(shape, value) {
+                of_kind.push(found);
+            }
+        }
+        let words = || all.iter().map(|shape| self.words(shape)).collect::<Vec<_>>().join(", or ");
+        match (of_kind.pop(), of_kind.is_empty()) {
+            (Some(found), true) => self.deviations.extend(found),
+            (Some(_), false) => self.deviates(Fault::Value, words(), value.to_string()),
+            (None, _) => self.is_other(words(), value),
+        }
+    }
+
+    /// A shape in words.
+    fn words(&self, shape: &Defined) -> String {
+        match shape {
+            Defined::Any => "anything".to_owned(),
+            Defined::Null => "null".to_owned(),
+            Defined::Bool => "true or false".to_owned(),
+            Defined::Integer(low, high) => super::Shape::Integer(*low, *high).to_string(),
+            Defined::Number(None, None) => "a number".to_owned(),
+            Defined::Number(Some(low), None) => format!("a number, {low} or more"),
+            Defined::Number(None, Some(high)) => format!("a number, {high} at most"),
+            Defined::Number(Some(low), Some(high)) => format!("a number, {low} to {high}"),
+            Defined::Text(text) => text.to_string(),
+            Defined::Constants(all) => one_of(all.iter().map(|one| format!("`{one}`"))),
+            Defined::Integers(all) => one_of(all.iter().map(ToString::to_string)),
+            Defined::List(list) => list.to_string(),
+            Defined::Map(inner) => match &**inner {
+                Defined::Any => "an object".to_owned(),
+                inner => format!("an object, each value {}", self.words(inner)),
+            },
+            Defined::Either(all) => all.iter().map(|one| self.words(one)).collect::<Vec<_>>().join(", or "),
+            Defined::Object(index) => format!("an object of the type {}", self.shapes.objects[*index].name),
+            Defined::Tuple(index) => self.shapes.tuples[*index].to_string(),
+        }
+    }
+}
+
+impl<'c> At<'c> {
+    /// The field or element of the definition.
+    pub(super) fn field(&self) -> Option<&'c Field> {
+        match self {
+            Self::Field(field) | Self::Element(_, field) => Some(field),
+            Self::Key(_) | Self::Index(_) => None,
+        }
+    }
+
+    fn key(&self) -> Cow<'c, str> {
+        match self {
+            Self::Field(field) => Cow::Borrowed(&field.name),
+            Self::Key(key) => Cow::Borrowed(key),
+            Self::Element(index, _) | Self::Index(index) => Cow::Owned(index.to_string()),
+        }
+    }
+}
+
+/// The values of a set, the first at least.
+fn one_of(values: impl ExactSizeIterator<Item = String>) -> String {
+    let count = values.len();
+    let told = values.take(MAX_VALUES).collect::<Vec<_>>().join(", ");
+    match count {
+        1 => told,
+        ..=MAX_VALUES => format!("one of {told}"),
+        _ => format!("one of {told} and {} more", count - MAX_VALUES),
+    }
+}
+
+/// That there are no other fields.
+fn others(object: &Object) -> String {
+    let names = object.fields.iter().map(|field| format!("`{}`", field.name));
+    let names = names.take(MAX_LISTED).collect::<Vec<_>>().join(", ");
+    let more = if object.fields.len() > MAX_LISTED { " and others that are defined" } else { "" };
+    format!("no field but {names}{more}")
+}
+
+/// Whether a string has a shape.
+pub(super) fn fits(shape: &Text, text: &str) -> bool {
+    let is_any = shape.length == super::defined::Length::ANY;
+    (is_any || shape.length.holds(text.chars().count()))
+        && shape.patterns.iter().all(|pattern| pattern.is_match(text))
+        && (!shape.is_base64 || base64::decode(text).is_some())
+}
+
+/// A number as it rounds; one that no float holds is infinite.
+fn float(value: &Tree<'_>) -> f64 {
+    match value {
+        #[allow(clippy::cast_precision_loss)] // as bounds are
+        Tree::Int(value) => *value as f64,
+        Tree::Float(value, _) => *value,
+        Tree::Huge(text) if text.starts_with('-') => f64::NEG_INFINITY,
+        _ => f64::INFINITY,
+    }
+}
+
+/// Whether a value has the kind of JSON that a shape has.
+fn is_of_kind(shape: &Defined, value: &Tree<'_>) -> bool {
+    match shape {
+        Defined::Any => true,
+        Defined::Null => *value == Tree::Null,
+        Defined::Bool => matches!(value, Tree::Bool(_)),
+        Defined::Integer(..) | Defined::Integers(_) | Defined::Number(..) => {
+            matches!(value, Tree::Int(_) | Tree::Float(..) | Tree::Huge(_))
+        }
+        Defined::Text(_) | Defined::Constants(_) => matches!(value, Tree::Text(_)),
+        Defined::List(_) | Defined::Tuple(_) => matches!(value, Tree::List(_)),
+        Defined::Map(_) | Defined::Object(_) => matches!(value, Tree::Object(_)),
+        Defined::Either(all) => all.iter().any(|one| is_of_kind(one, value)),
+    }
+}
+
+/// What stands twice in a list. Strings and integers are compared as they are, and other values as they are written;
+/// so two objects with another order of their keys count as different.
+fn repeated<'v>(values: &'v [Tree<'_>]) -> Option<&'v Tree<'v>> {
+    let (mut texts, mut integers, mut others) = (HashSet::new(), HashSet::new(), HashSet::new());
+    values.iter().find(|value| match (value, integer(value)) {
+        (Tree::Text(text), _) => !texts.insert(text.as_ref()),
+        (_, Some(number)) => !integers.insert(number),
+        (other, None) => others.len() < MAX_COMPARED && !others.insert(format!("{other:?}")),
+    })
+}

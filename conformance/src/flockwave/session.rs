@@ -1,0 +1,502 @@
+//! What went over connections of Flockwave before: requests that wait for an answer, ids that were used, operations
+//! under way. It is kept in this one place, and rules are told of each exchange what it means ([`Turn`]).
+//!
+//! A recording rarely shows all. So only what is certain is called so:
+//!
+//! - Where the recording doesn't show how a connection began, earlier requests may be unknown.
+//! - After damage all that waits is forgotten: what it waits for may have been lost.
+//! - Where time goes back, times say nothing any more.
+//! - All memories have a bound; what was forgotten for lack of room is unknown, not absent.
+
+pub(crate) mod ids;
+mod operation;
+pub(crate) mod remembered;
+mod turn;
+mod vocabulary;
+
+use std::collections::BTreeSet;
+
+use self::ids::Ids;
+pub use self::operation::{Named, Operation, Stage};
+use self::remembered::Remembered;
+pub(crate) use self::turn::seconds;
+pub use self::turn::{ClockMove, Reference, Role, Turn};
+pub(crate) use self::vocabulary::OPERATIONS;
+pub use self::vocabulary::{Parts, parts};
+use crate::definitions::Definitions;
+use crate::flockwave::record::{Direction, Exchange};
+use crate::json::Tree;
+use crate::model::{Place, Rule};
+
+/// How much each memory takes, in bytes.
+const LIMIT: usize = 16 << 20;
+
+/// The longest id that is kept, in bytes. Ids of messages have 36 characters at most and those of objects 64, each of
+/// up to four bytes.
+const MAX_ID: usize = 256;
+
+/// How many ids of a request are kept; more say nothing.
+const MAX_ASKED: usize = 10_000;
+
+/// How many receipts of a message are looked at.
+const MAX_RECEIPTS: usize = 10_000;
+
+/// By how much time may go back and yet be sound, in seconds: several threads may write a recording.
+const JITTER: f64 = 0.5;
+
+/// How long a request may have been on its way, in seconds.
+const ON_ITS_WAY: f64 = 1.0;
+
+/// A request that was sent.
+#[derive(Clone, Debug)]
+pub struct Asked {
+    /// Its type, where it says one.
+    pub type_name: Option<String>,
+    /// What it asks for, where that is a list of strings, all of them kept.
+    pub objects: Option<BTreeSet<String>>,
+    /// One of them that it names twice.
+    pub repeated: Option<String>,
+    /// The types of objects that it has as a filter, where it has one; none of them where that is no list of strings.
+    pub filter: Option<BTreeSet<String>>,
+    /// Whether it sets what it could ask for: a source of RTK, or the time.
+    pub is_setting: bool,
+    /// When it was sent.
+    pub time: Option<f64>,
+    /// Where it stands.
+    pub place: Place,
+    /// How much later the latest message of the server came, in seconds, where this is told of a request without an
+    /// answer.
+    pub waited: Option<f64>,
+    /// Whether it is a request of Flockwave by its envelope: with a version, and a type.
+    pub is_sound: bool,
+    /// What is tried with it: a rule, and how.
+    pub trial: Option<(&'static Rule, String)>,
+    /// Whether its id was in use when it was sent, so that nobody can tell which of them an answer is about.
+    is_ambiguous: bool,
+    /// How many requests with this id wait.
+    count: u64,
+}
+
+/// Which side of a connection sent something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Side {
+    Client,
+    Server,
+}
+
+/// What is known of a connection.
+#[derive(Clone, Debug, Default)]
+struct State {
+    /// Tells it from those that had the same name before.
+    serial: u64,
+    /// Whether all that went over it is known.
+    is_whole: bool,
+    /// The latest time.
+    latest: f64,
+    /// When the latest message of the server came.
+    heard: Option<f64>,
+    /// Whether time went back.
+    is_time_lost: bool,
+    /// When the server said that the connection ends.
+    ending: Option<f64>,
+    /// By how much the server's clock is ahead of the recording's: bounds, in seconds.
+    clock: Option<(f64, f64)>,
+    /// When that was learnt.
+    clock_time: f64,
+    /// Where the server was asked to adjust its clock by nothing, as long as no later request has told what came of it.
+    adjusted_by_nothing: Option<Place>,
+}
+
+/// All connections of a source.
+#[derive(Debug)]
+pub struct Conversations {
+    /// By index.
+    states: Vec<State>,
+    serials: u64,
+    /// Requests without an answer.
+    open: Remembered<(u64, Side, String), Asked>,
+    /// Ids of requests that were answered.
+    answered: Remembered<(u64, Side, String), ()>,
+    /// Ids of messages of servers, and whether each was a notification.
+    sent: Ids<bool>,
+    /// By receipt.
+    operations: Ids<Operation>,
+}
+
+impl Default for Conversations {
+    fn default() -> Self {
+        Self {
+            states: Vec::new(),
+            serials: 0,
+            open: Remembered::new(LIMIT),
+            answered: Remembered::new(LIMIT),
+            sent: Ids::new(LIMIT),
+            operations: Ids::new(LIMIT),
+        }
+    }
+}
+
+impl Conversations {
+    /// What an exchange means after all that went before it, where bodies have the shapes of these definitions.
+    pub fn follow<'t>(&mut self, exchange: &'t Exchange<'t>, definitions: &Definitions) -> Turn<'t> {
+        let time = self.at(exchange);
+        let turn = Turn::new(exchange, time);
+        let deviations = turn.deviations_from(definitions);
+        self.placed(Turn { deviations, ..turn })
+    }
+
+    /// The same, where what deviates from the shape of the body was told already.
+    pub(crate) fn follow_told<'t>(&mut self, exchange: &'t Exchange<'t>) -> Turn<'t> {
+        let time = self.at(exchange);
+        self.placed(Turn { deviations: Some(Vec::new()), ..Turn::new(exchange, time) })
+    }
+
+    /// A turn with its place in the conversation.
+    fn placed<'t>(&mut self, mut turn: Turn<'t>) -> Turn<'t> {
+        let exchange = turn.exchange;
+        let state = &self.states[exchange.connection.index];
+        turn.clock = state.clock;
+        turn.serial = state.serial;
+        match turn.role {
+            Role::Event | Role::Unanswered => {}
+            Role::Unreadable => {
+                // Nobody knows what it was, as little as of what was lost.
+                if exchange.direction == Direction::In {
+                    self.lose_of(exchange.connection.index);
+                }
+            }
+            Role::Request => self.request(&mut turn),
+            Role::Response => self.response(&mut turn),
+            Role::Notification => self.notification(&mut turn),
+        }
+        turn
+    }
+
+    /// The requests that got no answer until a connection ended, or began anew, with what told that connection from
+    /// others. Nothing is known of what follows.
+    pub fn ended(&mut self, connection: usize) -> (u64, Vec<Asked>) {
+        let serial = self.next_serial();
+        let Some(state) = self.states.get_mut(connection) else { return (serial, Vec::new()) };
+        let state = std::mem::replace(state, State { serial, ..State::default() });
+        let (serial, heard) = (state.serial, state.heard);
+        let is_sound = !state.is_time_lost;
+        let waited = |asked: Asked| Asked {
+            waited: heard.zip(asked.time).filter(|_| is_sound).map(|(heard, time)| heard - time),
+            ..asked
+        };
+        let first = (serial, Side::Client, String::new());
+        let is_of = |key: &(u64, Side, String)| key.0 == serial && key.1 == Side::Client;
+        // Who has said farewell, needn't answer what was on its way to him.
+        let is_wanted = |asked: &Asked| {
+            state.ending.is_none_or(|ending| asked.time.is_some_and(|time| time < ending - ON_ITS_WAY))
+        };
+        let open = self.open.take(&first, is_of).into_iter();
+        (serial, open.filter(is_wanted).map(waited).collect())
+    }
+
+    /// A connection is opened; what had its name before is over.
+    pub fn opened(&mut self, connection: usize) {
+        let serial = self.next_serial();
+        self.grow(connection);
+        self.states[connection] = State { serial, is_whole: true, ..State::default() };
+    }
+
+    /// Something can't be read, and exchanges of any connection may be lost with it.
+    pub fn lose(&mut self) {
+        self.open.clear();
+        self.answered.clear();
+        self.operations.clear();
+        for state in &mut self.states {
+            state.is_whole = false;
+            state.clock = None;
+        }
+    }
+
+    /// How many connections there are.
+    pub fn len(&self) -> usize {
+        self.states.len()
+    }
+
+    /// Whether there is no connection.
+    pub fn is_empty(&self) -> bool {
+        self.states.is_empty()
+    }
+
+    /// The same, of one connection. All that is known of it stays behind with its old serial.
+    fn lose_of(&mut self, connection: usize) {
+        let serial = self.next_serial();
+        let state = &mut self.states[connection];
+        *state = State { serial, is_whole: false, clock: None, ..state.clone() };
+    }
+
+    fn next_serial(&mut self) -> u64 {
+        self.serials += 1;
+        self.serials
+    }
+
+    /// Makes room for a connection whose beginning isn't known.
+    fn grow(&mut self, connection: usize) {
+        while self.states.len() <= connection {
+            let serial = self.next_serial();
+            self.states.push(State { serial, ..State::default() });
+        }
+    }
+
+    /// The time of an exchange, where it can be trusted.
+    fn at(&mut self, exchange: &Exchange<'_>) -> Option<f64> {
+        self.grow(exchange.connection.index);
+        let state = &mut self.states[exchange.connection.index];
+        let time = exchange.time?;
+        if time < state.latest - JITTER {
+            state.is_time_lost = true;
+            state.clock = None;
+        }
+        state.latest = state.latest.max(time);
+        if state.is_time_lost {
+            return None;
+        }
+        if exchange.direction == Direction::In {
+            state.heard = Some(time);
+        }
+        Some(time)
+    }
+
+    fn request(&mut self, turn: &mut Turn<'_>) {
+        let side = side(turn);
+        let asked = Asked::of(turn);
+        if side == Side::Client && asked.is_setting && turn.type_name == Some("SYS-TIME") {
+            // Other connections may lead to the same server.
+            self.states.iter_mut().for_each(|state| state.clock = None);
+        }
+        let state = &mut self.states[turn.exchange.connection.index];
+        if side == Side::Client {
+            if turn.type_name == Some("SYS-TIME") && turn.field("adjustment") == Some(&Tree::Int(0)) {
+                state.adjusted_by_nothing = Some(asked.place);
+            }
+            release(&mut self.operations, state.serial, &asked);
+        }
+        let Some(id) = turn.id.filter(|id| id.len() <= MAX_ID) else {
+            // Its answer may have any `refs`.
+            return state.is_whole = false;
+        };
+        let key = (state.serial, side, id.to_owned());
+        turn.is_id_in_use = turn.exchange.connection.is_told && self.open.contains(&key);
+        let waiting = self.open.remove(&key);
+        let count = waiting.as_ref().map_or(1, |asked| asked.count + 1);
+        let asked = Asked { is_ambiguous: waiting.is_some(), count, ..asked };
+        let room = id.len() + asked.size();
+        self.open.insert(key, asked, room);
+    }
+
+    fn response(&mut self, turn: &mut Turn<'_>) {
+        let from = side(turn);
+        if from == Side::Server {
+            self.send(turn, false);
+        }
+        self.refer(turn, if from == Side::Server { Side::Client } else { Side::Server });
+        if from == Side::Server {
+            self.learn_time(turn);
+            self.resumed(turn);
+            self.receipts(turn);
+        }
+    }
+
+    /// Finds what `refs` is about.
+    fn refer(&mut self, turn: &mut Turn<'_>, asker: Side) {
+        let connection = turn.exchange.connection;
+        let state = &self.states[connection.index];
+        let is_certain = state.is_whole
+            && connection.is_told
+            && !self.open.has_forgotten()
+            && !self.answered.has_forgotten();
+        let Some(refs) = turn.refs.filter(|refs| refs.len() <= MAX_ID) else { return };
+        let key = (state.serial, asker, refs.to_owned());
+        if let Some(asked) = self.open.remove(&key) {
+            turn.reference = Reference::Request;
+            let size = refs.len() + asked.size();
+            if asked.count > 1 {
+                self.open.insert(key, Asked { count: asked.count - 1, ..asked }, size);
+                return;
+            }
+            self.answered.insert(key, (), refs.len());
+            turn.asked = Some(asked).filter(|asked| !asked.is_ambiguous);
+        } else if self.answered.contains(&key) {
+            turn.reference = if connection.is_told { Reference::Answered } else { Reference::Unclear };
+        } else {
+            let named = self.sent.get_mut(state.serial, refs).copied();
+            turn.reference = match named {
+                // A message can't be about itself either, but that is no notification.
+                Some(true) if is_certain => Reference::Notification,
+                _ if is_certain => Reference::Unknown,
+                _ => Reference::Unclear,
+            };
+        }
+    }
+
+    fn notification(&mut self, turn: &mut Turn<'_>) {
+        self.send(turn, true);
+        if turn.type_name == Some("SYS-CLOSE") {
+            self.states[turn.exchange.connection.index].ending = turn.time;
+        }
+        let receipts: Vec<String> = match (turn.type_name, turn.body) {
+            (Some("ASYNC-RESP" | "ASYNC-ST"), Some(body)) => {
+                body.get("id").and_then(Tree::as_str).map(str::to_owned).into_iter().collect()
+            }
+            (Some("ASYNC-TIMEOUT"), Some(body)) => strings(body.get("ids")).unwrap_or_default(),
+            _ => return,
+        };
+        let is_suspended = turn.field("suspended") == Some(&Tree::Bool(true));
+        let is_final = turn.type_name != Some("ASYNC-ST");
+        let State { serial, is_whole, .. } = self.states[turn.exchange.connection.index];
+        let is_known = is_whole && !self.operations.has_forgotten();
+        let mut seen = BTreeSet::new();
+        // That a message names one twice is another matter.
+        let receipts = receipts.into_iter().filter(|receipt| seen.insert(receipt.clone()));
+        for receipt in receipts.take(MAX_RECEIPTS).filter(|receipt| receipt.len() <= MAX_ID) {
+            let before = self.operations.remove(serial, &receipt);
+            let stage = match &before {
+                None if is_known => Stage::Early,
+                Some(Operation { stage: Stage::Early, .. }) => Stage::Early,
+                _ if is_final => Stage::Ended,
+                _ if is_suspended => Stage::Suspended,
+                None => Stage::Open,
+                // A report on a suspended operation that doesn't say so needn't mean that it goes on.
+                Some(operation) => operation.stage,
+            };
+            let of = before.clone().unwrap_or_default();
+            let was_suspended = of.was_suspended || is_suspended || !is_known;
+            let size = receipt.len() + of.type_name.as_ref().map_or(0, String::len);
+            self.operations.insert(serial, &receipt, Operation { stage, was_suspended, ..of }, size);
+            turn.operations.push(Named { receipt, before, is_known });
+        }
+    }
+
+    /// A server's message has an id.
+    fn send(&mut self, turn: &mut Turn<'_>, is_notification: bool) {
+        let connection = turn.exchange.connection;
+        let Some(id) = turn.id.filter(|id| id.len() <= MAX_ID) else { return };
+        let serial = self.states[connection.index].serial;
+        turn.is_id_in_use = connection.is_told && self.sent.contains(serial, id);
+        if !turn.is_id_in_use {
+            self.sent.insert(serial, id, is_notification, id.len());
+        }
+    }
+
+    /// What a reply opens.
+    fn receipts(&mut self, turn: &mut Turn<'_>) {
+        let receipts: Vec<String> = match turn.field("receipt") {
+            Some(Tree::Text(receipt)) => vec![receipt.to_string()],
+            Some(Tree::Object(members)) => {
+                members.iter().filter_map(|(_, receipt)| Some(receipt.as_str()?.to_owned())).collect()
+            }
+            _ => return,
+        };
+        let serial = self.states[turn.exchange.connection.index].serial;
+        for receipt in receipts.into_iter().take(MAX_RECEIPTS).filter(|receipt| receipt.len() <= MAX_ID) {
+            let before = self.operations.remove(serial, &receipt);
+            let type_name = turn.type_name.map(str::to_owned);
+            let size = receipt.len() + type_name.as_ref().map_or(0, String::len);
+            let operation = Operation { type_name, stage: Stage::Open, was_suspended: false };
+            self.operations.insert(serial, &receipt, operation, size);
+            turn.opened.push(Named { receipt, before, is_known: turn.exchange.connection.is_told });
+        }
+    }
+
+    /// What a client made to go on, or to end.
+    fn resumed(&mut self, turn: &mut Turn<'_>) {
+        if !matches!(turn.type_name, Some("ASYNC-CANCEL" | "ASYNC-RESUME")) {
+            return;
+        }
+        let serial = self.states[turn.exchange.connection.index].serial;
+        for receipt in strings(turn.field("success")).unwrap_or_default() {
+            let operation = self.operations.get_mut(serial, &receipt);
+            let before = operation.as_deref().cloned();
+            // It may have been suspended only after it was asked.
+            if let Some(operation) = operation.filter(|known| known.stage == Stage::Suspended) {
+                operation.stage = Stage::Released;
+            }
+            turn.operations.push(Named { receipt, before, is_known: turn.exchange.connection.is_told });
+        }
+    }
+
+    /// Learns how the clocks of both sides stand to each other.
+    fn learn_time(&mut self, turn: &mut Turn<'_>) {
+        let (Some(now), Some(time)) = (turn.clock_reading(), turn.time) else { return };
+        let state = &mut self.states[turn.exchange.connection.index];
+        turn.clock_move = turn.clock.map(|before| ClockMove {
+            // An offset that both answers allow is no move.
+            by: (now.0 - before.1).max(before.0 - now.1).max(0.0),
+            since: time - state.clock_time,
+            is_after_nothing: state.adjusted_by_nothing.is_some(),
+        });
+        (state.clock, state.clock_time) = (Some(now), time);
+        let asked = turn.asked.as_ref().map(|asked| asked.place);
+        state.adjusted_by_nothing = state.adjusted_by_nothing.filter(|place| asked <= Some(*place));
+    }
+}
+
+/// What a client resumes or cancels needn't wait any more.
+fn release(operations: &mut Ids<Operation>, serial: u64, asked: &Asked) {
+    if !matches!(asked.type_name.as_deref(), Some("ASYNC-RESUME" | "ASYNC-CANCEL")) {
+        return;
+    }
+    for receipt in asked.objects.iter().flatten() {
+        if let Some(operation) = operations.get_mut(serial, receipt)
+            && operation.stage == Stage::Suspended
+        {
+            operation.stage = Stage::Released;
+        }
+    }
+}
+
+fn side(turn: &Turn<'_>) -> Side {
+    if turn.exchange.direction == Direction::In { Side::Server } else { Side::Client }
+}
+
+impl Asked {
+    fn of(turn: &Turn<'_>) -> Self {
+        let parts = turn.type_name.and_then(parts);
+        let objects = parts.and_then(|parts| strings(turn.field(parts.asked)));
+        let repeated = objects.as_deref().and_then(repeated);
+        let objects: Option<BTreeSet<String>> = objects.map(BTreeSet::from_iter);
+        let filter = turn.field("filter").map(|filter| strings(Some(filter)).unwrap_or_default());
+        let is_setting = match turn.type_name {
+            Some("RTK-SOURCE") => turn.field("id").is_some(),
+            Some("SYS-TIME") => turn.field("adjustment").is_some_and(|by| *by != Tree::Int(0)),
+            _ => false,
+        };
+        Self {
+            type_name: turn.type_name.filter(|name| name.len() <= MAX_ID).map(str::to_owned),
+            repeated,
+            objects,
+            filter: filter.map(BTreeSet::from_iter),
+            is_setting,
+            time: turn.time,
+            place: turn.exchange.place,
+            waited: None,
+            is_sound: turn.is_sound(),
+            trial: turn.exchange.trial.map(|trial| (trial.rule, trial.how.to_owned())),
+            is_ambiguous: false,
+            count: 1,
+        }
+    }
+
+    fn size(&self) -> usize {
+        let of_object = |object: &String| object.len() + 64;
+        let of_trial = self.trial.as_ref().map_or(0, |(_, how)| how.len());
+        MAX_ID + of_trial + self.objects.iter().chain(&self.filter).flatten().map(of_object).sum::<usize>()
+    }
+}
+
+/// One of these that stands there twice.
+fn repeated(texts: &[String]) -> Option<String> {
+    let mut seen = BTreeSet::new();
+    texts.iter().find(|text| !seen.insert(*text)).cloned()
+}
+
+/// The strings of a list; none where it is none, holds something else, or holds too much.
+fn strings(list: Option<&Tree<'_>>) -> Option<Vec<String>> {
+    let Some(Tree::List(values)) = list else { return None };
+    let short = |value: &Tree<'_>| Some(value.as_str()?.to_owned()).filter(|text| text.len() <= MAX_ID);
+    if values.len() > MAX_ASKED { None } else { values.iter().map(short).collect() }
+}

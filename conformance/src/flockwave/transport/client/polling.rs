@@ -1,0 +1,307 @@
+//! Socket.IO by long polling, and what it has in common with Socket.IO over a WebSocket.
+
+use std::collections::VecDeque;
+use std::io;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use serde::Deserialize;
+use ureq::Agent;
+
+use super::http::{agent, body};
+use super::{Client, Heard, late, odd, text_of};
+use crate::flockwave::transport::engine::{Kind, Packet, Revision, decode, encode};
+use crate::flockwave::transport::{SOCKET_IO_PATH, socketio};
+use crate::net::Address;
+
+/// How long a poll may stay open. Servers end one after their interval between pings, mostly 25 s.
+const POLL_LIMIT: Duration = Duration::from_secs(90);
+
+/// How many payloads wait to be heard before nothing more is asked for.
+const WAITING_LIMIT: usize = 16;
+
+/// How many packets may come before the namespace is joined. Some servers greet a client before they let it in.
+const EARLY_LIMIT: usize = 1000;
+
+/// The interval between pings, where a server doesn't say it.
+const USUAL_INTERVAL: Duration = Duration::from_secs(25);
+
+/// What the server says when it opens a session.
+#[derive(Deserialize)]
+struct Session {
+    sid: String,
+    #[serde(rename = "pingInterval")]
+    ping_interval: Option<u64>,
+}
+
+/// Tells when a ping is due. In revision 3 clients ask for signs of life; later the server does.
+pub(super) struct Heartbeat {
+    revision: Revision,
+    interval: Duration,
+    next: Instant,
+}
+
+impl Heartbeat {
+    pub(super) fn new(revision: Revision) -> Self {
+        Self { revision, interval: USUAL_INTERVAL, next: Instant::now() + USUAL_INTERVAL }
+    }
+
+    /// When something is to be done at the latest.
+    pub(super) fn next(&self) -> Instant {
+        self.next
+    }
+
+    /// The ping to be sent now.
+    pub(super) fn due(&mut self) -> Option<Packet> {
+        if Instant::now() < self.next {
+            return None;
+        }
+        self.next = Instant::now() + self.interval;
+        (self.revision == Revision::Three).then(|| Packet::new(Kind::Ping, ""))
+    }
+
+    fn agree(&mut self, interval: Option<u64>) {
+        if let Some(interval) = interval {
+            // Shorter than a second is no interval that a server can mean, and longer than usual no one needs.
+            self.interval = Duration::from_millis(interval).clamp(Duration::from_secs(1), USUAL_INTERVAL);
+            self.next = Instant::now() + self.interval;
+        }
+    }
+}
+
+/// The steps up to where messages can be sent: the session is opened, the namespace is joined.
+pub(super) struct Opening {
+    revision: Revision,
+    sid: Option<String>,
+    is_done: bool,
+    /// What came too early, and is to be heard afterwards.
+    pub(super) early: VecDeque<Packet>,
+}
+
+impl Opening {
+    pub(super) fn new(revision: Revision) -> Self {
+        Self { revision, sid: None, is_done: false, early: VecDeque::new() }
+    }
+
+    pub(super) fn is_done(&self) -> bool {
+        self.is_done
+    }
+
+    /// Takes what the server sent; what is to be sent to it.
+    pub(super) fn take(&mut self, packet: &Packet, heartbeat: &mut Heartbeat) -> io::Result<Option<Packet>> {
+        match packet.kind {
+            Kind::Open => {
+                let session: Session = serde_json::from_str(&packet.data)
+                    .map_err(|error| odd(format!("the packet that opens a session: {error}")))?;
+                heartbeat.agree(session.ping_interval);
+                self.sid = Some(session.sid);
+                Ok((self.revision == Revision::Four).then(|| Packet::new(Kind::Message, "0")))
+            }
+            Kind::Message => match socketio::Packet::parse(&packet.data) {
+                Some(socketio::Packet::Connect { namespace }) if namespace == "/" => {
+                    self.is_done = true;
+                    Ok(None)
+                }
+                Some(socketio::Packet::Refusal(reason)) => {
+                    Err(odd(format!("it refuses the namespace: {reason}")))
+                }
+                _ if self.early.len() < EARLY_LIMIT => {
+                    self.early.push_back(packet.clone());
+                    Ok(None)
+                }
+                _ => Err(odd("too much came before the namespace was joined")),
+            },
+            Kind::Ping => Ok(Some(Packet::new(Kind::Pong, packet.data.clone()))),
+            Kind::Pong | Kind::Noop => Ok(None),
+            Kind::Close | Kind::Upgrade => Err(odd("it closed the session at once")),
+        }
+    }
+}
+
+/// What a packet means to a client.
+pub(super) enum Step {
+    Heard(Heard),
+    Answer(Packet),
+    Nothing,
+}
+
+/// What is to be done about a packet after the opening.
+pub(super) fn step(packet: Packet) -> Step {
+    match packet.kind {
+        Kind::Ping => Step::Answer(Packet::new(Kind::Pong, packet.data)),
+        Kind::Close => Step::Heard(Heard::End),
+        Kind::Message => match socketio::Packet::parse(&packet.data) {
+            Some(socketio::Packet::Message { text, .. }) => Step::Heard(Heard::Message(text.into_bytes())),
+            Some(socketio::Packet::Disconnect) => Step::Heard(Heard::End),
+            _ => Step::Nothing,
+        },
+        Kind::Open | Kind::Pong | Kind::Upgrade | Kind::Noop => Step::Nothing,
+    }
+}
+
+pub(super) struct Polling {
+    agent: Agent,
+    url: String,
+    revision: Revision,
+    heartbeat: Heartbeat,
+    polled: Receiver<io::Result<Vec<u8>>>,
+    packets: VecDeque<Packet>,
+}
+
+impl Polling {
+    pub(super) fn connect(address: &Address, revision: Revision, until: Instant) -> io::Result<Self> {
+        let number = revision.engine_io();
+        let url = format!("http://{address}{SOCKET_IO_PATH}?EIO={number}&transport=polling");
+        let limit = until.saturating_duration_since(Instant::now());
+        if limit.is_zero() {
+            return Err(late("no session"));
+        }
+        let opened = body(agent(limit).get(&url).call())?;
+        let (mut heartbeat, mut opening) = (Heartbeat::new(revision), Opening::new(revision));
+        let mut packets: VecDeque<Packet> = decode(revision, &opened).map_err(odd)?.into();
+        let mut answers = Vec::new();
+        while !opening.is_done()
+            && let Some(packet) = packets.pop_front()
+        {
+            answers.extend(opening.take(&packet, &mut heartbeat)?);
+        }
+        let sid = opening.sid.as_deref().ok_or_else(|| odd("it opened no session"))?;
+        let url = format!("{url}&sid={sid}");
+        let (sender, polled) = sync_channel(WAITING_LIMIT);
+        let poll_url = url.clone();
+        thread::spawn(move || poll(&poll_url, &sender));
+        let mut client = Self { agent: agent(limit), url, revision, heartbeat, polled, packets };
+        client.send_packets(&answers)?;
+        while !opening.is_done() {
+            let packet = client.packet(until)?.ok_or_else(|| late("the namespace wasn't joined"))?;
+            let answer = opening.take(&packet, &mut client.heartbeat)?;
+            client.send_packets(answer.as_slice())?;
+        }
+        opening.early.append(&mut client.packets);
+        client.packets = opening.early;
+        client.agent = agent(POLL_LIMIT);
+        Ok(client)
+    }
+
+    fn send_packets(&self, packets: &[Packet]) -> io::Result<()> {
+        if packets.is_empty() {
+            return Ok(());
+        }
+        let request = self.agent.post(&self.url).header("Content-Type", "text/plain;charset=UTF-8");
+        body(request.send(encode(self.revision, packets))).map(|_| ())
+    }
+
+    /// The next packet; nothing where none came in time. The end of the session is a packet as well.
+    fn packet(&mut self, until: Instant) -> io::Result<Option<Packet>> {
+        loop {
+            if let Some(packet) = self.packets.pop_front() {
+                return Ok(Some(packet));
+            }
+            match self.polled.recv_timeout(until.saturating_duration_since(Instant::now())) {
+                Ok(payload) => self.packets = decode(self.revision, &payload?).map_err(odd)?.into(),
+                Err(RecvTimeoutError::Timeout) => return Ok(None),
+                Err(RecvTimeoutError::Disconnected) => return Ok(Some(Packet::new(Kind::Close, ""))),
+            }
+        }
+    }
+}
+
+impl Client for Polling {
+    fn send(&mut self, message: &[u8]) -> io::Result<()> {
+        self.send_raw(socketio::message(text_of(message)?).as_bytes())
+    }
+
+    fn send_raw(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.send_packets(&[Packet::new(Kind::Message, text_of(bytes)?)])
+    }
+
+    fn hear(&mut self, until: Instant) -> io::Result<Heard> {
+        loop {
+            let ping = self.heartbeat.due();
+            self.send_packets(ping.as_slice())?;
+            let Some(packet) = self.packet(self.heartbeat.next().min(until))? else {
+                if Instant::now() >= until {
+                    return Ok(Heard::Silence);
+                }
+                continue;
+            };
+            match step(packet) {
+                Step::Heard(heard) => return Ok(heard),
+                Step::Answer(answer) => self.send_packets(&[answer])?,
+                Step::Nothing => {}
+            }
+        }
+    }
+}
+
+impl Drop for Polling {
+    fn drop(&mut self) {
+        // The server then ends the poll that is open. Where it is gone, that is as good.
+        let _ = self.send_packets(&[Packet::new(Kind::Close, "")]);
+    }
+}
+
+/// Polls until nobody wants the payloads, or the session ends.
+fn poll(url: &str, payloads: &SyncSender<io::Result<Vec<u8>>>) {
+    let agent = agent(POLL_LIMIT);
+    loop {
+        let payload = body(agent.get(url).call());
+        let is_end = payload.is_err();
+        if payloads.send(payload).is_err() || is_end {
+            return;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is sent while these packets come, what is heard afterwards, and whether messages can be sent.
+    fn opened(revision: Revision, packets: &[&str]) -> io::Result<(Vec<String>, Vec<String>, bool)> {
+        let (mut opening, mut heartbeat) = (Opening::new(revision), Heartbeat::new(revision));
+        let mut sent = Vec::new();
+        for text in packets {
+            let packet = Packet::parse(text).ok_or_else(|| odd("no packet"))?;
+            sent.extend(opening.take(&packet, &mut heartbeat)?.map(|packet| packet.to_text()));
+        }
+        let early = opening.early.iter().map(Packet::to_text).collect();
+        Ok((sent, early, opening.is_done))
+    }
+
+    #[test]
+    fn a_session_opens_as_each_revision_has_it() {
+        let session = "0{\"sid\":\"a\",\"pingInterval\":25000}";
+        let (sent, early, is_done) = opened(Revision::Three, &[session, "40"]).expect("it opens");
+        assert_eq!((sent.len(), early.len(), is_done), (0, 0, true));
+        let (sent, _, is_done) = opened(Revision::Four, &[session]).expect("it opens");
+        assert_eq!((sent, is_done), (vec!["40".to_owned()], false));
+        assert!(opened(Revision::Four, &[session, "40{\"sid\":\"b\"}"]).expect("it opens").2);
+        for packets in [&["0{}"][..], &[session, "44{\"message\":\"full\"}"], &[session, "1"]] {
+            assert!(opened(Revision::Four, packets).is_err(), "{packets:?}");
+        }
+    }
+
+    #[test]
+    fn what_a_server_says_before_it_lets_a_client_in_is_heard() {
+        let session = "0{\"sid\":\"a\"}";
+        let (_, early, is_done) =
+            opened(Revision::Four, &[session, "42[\"fw\",{}]", "40"]).expect("it opens");
+        assert_eq!((early, is_done), (vec!["42[\"fw\",{}]".to_owned()], true));
+        let mut flood = vec![session];
+        flood.resize(EARLY_LIMIT + 2, "42[\"fw\",{}]");
+        assert!(opened(Revision::Four, &flood).is_err());
+    }
+
+    #[test]
+    fn clients_ask_for_signs_of_life_in_the_older_revision_only() {
+        for (revision, is_asking) in [(Revision::Three, true), (Revision::Four, false)] {
+            let mut heartbeat = Heartbeat::new(revision);
+            assert_eq!(heartbeat.due(), None);
+            heartbeat.next = Instant::now();
+            assert_eq!(heartbeat.due().is_some(), is_asking);
+            assert!(heartbeat.next() > Instant::now());
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! Socket.IO over a WebSocket.
+
+use std::collections::VecDeque;
+use std::io::{self, Read, Write};
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
+
+use tungstenite::client::IntoClientRequest as _;
+use tungstenite::protocol::WebSocketConfig;
+use tungstenite::{Error, HandshakeError, Message, WebSocket};
+
+use super::{Client, Heard, late, odd, text_of};
+use crate::flockwave::transport::client::polling::{Heartbeat, Opening, Step, step};
+use crate::flockwave::transport::engine::{Kind, Packet, Revision};
+use crate::flockwave::transport::http::is_silence;
+use crate::flockwave::transport::{MESSAGE_LIMIT, SOCKET_IO_PATH, socketio};
+use crate::net::{Address, Connection};
+
+/// How long a server may take none of what is sent.
+const SEND_LIMIT: Duration = Duration::from_secs(30);
+
+/// A stream from which nothing is read after some time: not even a byte now and then.
+struct Limited {
+    stream: TcpStream,
+    until: Instant,
+}
+
+impl Read for Limited {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.stream.set_read_timeout(Some(left(self.until)?))?;
+        self.stream.read(buffer)
+    }
+}
+
+impl Write for Limited {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.stream.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.stream.flush()
+    }
+}
+
+pub(super) struct WebSocketClient {
+    /// Dropping it closes the connection.
+    _connection: Connection,
+    socket: WebSocket<Limited>,
+    heartbeat: Heartbeat,
+    /// What came before messages could be sent.
+    early: VecDeque<Packet>,
+}
+
+impl WebSocketClient {
+    pub(super) fn connect(address: &Address, revision: Revision, until: Instant) -> io::Result<Self> {
+        let connection = Connection::open(address, until)?;
+        let stream = connection.stream()?;
+        stream.set_write_timeout(Some(SEND_LIMIT))?;
+        let stream = Limited { stream, until };
+        let number = revision.engine_io();
+        let url = format!("ws://{address}{SOCKET_IO_PATH}?EIO={number}&transport=websocket");
+        let request = url.into_client_request().map_err(to_io)?;
+        let handshake = tungstenite::client::client_with_config(request, stream, Some(config()));
+        let (socket, _) = handshake.map_err(|error| match error {
+            HandshakeError::Failure(error) => to_io(error),
+            HandshakeError::Interrupted(_) => late("no WebSocket handshake"),
+        })?;
+        let heartbeat = Heartbeat::new(revision);
+        let mut client = Self { _connection: connection, socket, heartbeat, early: VecDeque::new() };
+        let mut opening = Opening::new(revision);
+        while !opening.is_done() {
+            left(until)?;
+            let Some(packet) = client.packet(until)? else {
+                return Err(odd("it closed the connection at once"));
+            };
+            if let Some(answer) = opening.take(&packet, &mut client.heartbeat)? {
+                client.send_packet(&answer)?;
+            }
+        }
+        client.early = opening.early;
+        Ok(client)
+    }
+
+    fn send_packet(&mut self, packet: &Packet) -> io::Result<()> {
+        self.socket.send(Message::text(packet.to_text())).map_err(to_io)
+    }
+
+    /// The next packet; nothing where the connection has ended.
+    fn packet(&mut self, until: Instant) -> io::Result<Option<Packet>> {
+        if let Some(packet) = self.early.pop_front() {
+            return Ok(Some(packet));
+        }
+        loop {
+            left(until)?;
+            self.socket.get_mut().until = until;
+            match self.socket.read() {
+                Ok(Message::Text(text)) => {
+                    let packet =
+                        Packet::parse(&text).ok_or_else(|| odd("a packet of no kind that there is"))?;
+                    return Ok(Some(packet));
+                }
+                Ok(Message::Binary(_)) => return Err(odd("a binary packet")),
+                Ok(Message::Close(_)) | Err(Error::ConnectionClosed | Error::AlreadyClosed) => {
+                    return Ok(None);
+                }
+                Ok(_) => {}
+                Err(Error::Io(error)) if is_silence(&error) => {}
+                Err(error) => return Err(to_io(error)),
+            }
+        }
+    }
+}
+
+impl Client for WebSocketClient {
+    fn send(&mut self, message: &[u8]) -> io::Result<()> {
+        self.send_raw(socketio::message(text_of(message)?).as_bytes())
+    }
+
+    fn send_raw(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.send_packet(&Packet::new(Kind::Message, text_of(bytes)?))
+    }
+
+    fn hear(&mut self, until: Instant) -> io::Result<Heard> {
+        loop {
+            if let Some(ping) = self.heartbeat.due() {
+                self.send_packet(&ping)?;
+            }
+            let packet = match self.packet(self.heartbeat.next().min(until)) {
+                Ok(Some(packet)) => packet,
+                Ok(None) => return Ok(Heard::End),
+                Err(error) if error.kind() == io::ErrorKind::TimedOut => {
+                    if Instant::now() >= until {
+                        return Ok(Heard::Silence);
+                    }
+                    continue;
+                }
+                Err(error) => return Err(error),
+            };
+            match step(packet) {
+                Step::Heard(heard) => return Ok(heard),
+                Step::Answer(answer) => self.send_packet(&answer)?,
+                Step::Nothing => {}
+            }
+        }
+    }
+}
+
+fn config() -> WebSocketConfig {
+    // What stands around a message is short.
+    let limit = MESSAGE_LIMIT + 1024;
+    WebSocketConfig::default().max_message_size(Some(limit)).max_frame_size(Some(limit))
+}
+
+fn left(until: Instant) -> io::Result<Duration> {
+    let left = until.saturating_duration_since(Instant::now());
+    if left.is_zero() { Err(late("no packet")) } else { Ok(left) }
+}
+
+fn to_io(error: Error) -> io::Error {
+    match error {
+        Error::Io(error) => error,
+        other => odd(other.to_string()),
+    }
+}

@@ -1,0 +1,71 @@
+//! Addresses of hosts.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// A host and a port of TCP: `localhost:7700`, `192.0.2.7:7700` or `[2001:db8::7]:7700`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Address {
+    /// A name, or an address without brackets.
+    pub host: String,
+    /// The port.
+    pub port: u16,
+}
+
+impl FromStr for Address {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (host, port) = text.rsplit_once(':').ok_or("no port: write HOST:PORT, such as localhost:7700")?;
+        let port = port.parse().ok().filter(|port| *port != 0);
+        let port = port.ok_or("the port is no number from 1 to 65535")?;
+        let host = match host.strip_prefix('[').and_then(|host| host.strip_suffix(']')) {
+            Some(host) => host,
+            None if host.contains(':') => {
+                return Err(format!("an address of IPv6 stands in brackets: write [{host}]:{port}"));
+            }
+            None => host,
+        };
+        if host.is_empty() {
+            return Err(format!("no host: write localhost:{port} for this machine"));
+        }
+        Ok(Self { host: host.to_owned(), port })
+    }
+}
+
+impl fmt::Display for Address {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { host, port } = self;
+        if host.contains(':') { write!(f, "[{host}]:{port}") } else { write!(f, "{host}:{port}") }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_address_has_a_host_and_a_port() {
+        for (text, host, port) in [
+            ("localhost:7700", "localhost", 7700),
+            ("192.0.2.7:1", "192.0.2.7", 1),
+            ("[2001:db8::7]:65535", "2001:db8::7", 65535),
+        ] {
+            let address: Address = text.parse().expect(text);
+            assert_eq!((address.host.as_str(), address.port), (host, port));
+            assert_eq!(address.to_string(), text);
+        }
+        for (text, wrong) in [
+            ("localhost", "no port"),
+            ("localhost:", "1 to 65535"),
+            ("localhost:0", "1 to 65535"),
+            ("localhost:70000", "1 to 65535"),
+            (":7700", "no host"),
+            ("[]:7700", "no host"),
+            ("2001:db8::7:7700", "[2001:db8::7]:7700"),
+        ] {
+            let said = text.parse::<Address>().expect_err(text);
+            assert!(said.contains(wrong), "{said}");
+        }
+    }
+}

@@ -1,0 +1,323 @@
+//! Tells everything that is wrong with a message.
+
+use std::borrow::Cow;
+use std::fmt::Write as _;
+
+use uavspec_codegen::schema::{MessageId, Shape};
+use uavspec_codegen::source::Span;
+
+use super::dialect::{Dialect, Dialects};
+use super::plan::{Element, FieldPlan, MessagePlan, Plans};
+use super::value::{Breach, Leaf};
+use crate::json::pointer;
+use crate::json::{Tree, shortened};
+use crate::model::{Detail, Findings, Place, Rule};
+
+/// How many unknown fields of one object are told one by one.
+const MAX_UNKNOWN: usize = 16;
+
+/// A message that is told of.
+#[derive(Clone, Copy, Debug)]
+pub struct Told<'m> {
+    /// Its type.
+    pub id: MessageId,
+    /// What findings call it: its topic, or the name of its type.
+    pub name: &'m str,
+    /// Where it stands.
+    pub place: Place,
+    /// The key under which it stands in its record, where that has more than the message.
+    pub key: Option<&'m str>,
+    /// Whether what rosbridge writes is allowed.
+    pub is_rosbridge: bool,
+}
+
+impl Plans {
+    /// Reports everything that is wrong with a message; the ways of writing that it has are those returned.
+    pub fn explain(&self, told: Told<'_>, tree: &Tree<'_>, findings: &mut Findings) -> Dialects {
+        self.explain_what_counts(told, tree, findings).0
+    }
+
+    /// The same, and whether something else would be wrong, if entries of arrays that aren't in use counted. Who reads a
+    /// message in one go doesn't know which those are: their number may follow them.
+    pub(super) fn explain_what_counts(
+        &self,
+        told: Told<'_>,
+        tree: &Tree<'_>,
+        findings: &mut Findings,
+    ) -> (Dialects, bool) {
+        let mut explaining = Explaining {
+            plans: self,
+            told,
+            findings,
+            dialects: Dialects::default(),
+            path: String::new(),
+            pointer: told.key.map(|key| pointer(&[key])).unwrap_or_default(),
+            elements: 0,
+            is_unused: false,
+            has_passed_over: false,
+            subject: told.name.to_owned(),
+        };
+        let plan = self.get(told.id);
+        match tree {
+            Tree::Object(members) => explaining.members(tree, members, plan),
+            other => {
+                let expected = format!("an object with the fields of {}", plan.name);
+                let detail = Detail::differs(expected, other).excerpt(other.excerpt());
+                explaining.report(explaining.plans.rules.json_type, plan.span, detail);
+            }
+        }
+        (explaining.dialects, explaining.has_passed_over)
+    }
+
+    /// The field `timestamp` of a message, where it has one.
+    pub(crate) fn timestamp(&self, id: MessageId, tree: &Tree<'_>) -> Option<u64> {
+        self.get(id).fields.iter().find(|field| field.is_timestamp())?;
+        match tree.get("timestamp") {
+            Some(Tree::Int(value)) => u64::try_from(*value).ok(),
+            _ => None,
+        }
+    }
+}
+
+struct Explaining<'p, 'm> {
+    plans: &'p Plans,
+    told: Told<'m>,
+    findings: &'m mut Findings,
+    dialects: Dialects,
+    /// Where in the message, as `events[2].id`.
+    path: String,
+    /// The same as a JSON pointer into the record.
+    pointer: String,
+    /// How many indices the path has.
+    elements: usize,
+    /// Whether that is in an entry of an array which isn't in use: its values are ignored, whatever they are.
+    is_unused: bool,
+    /// Whether there was a value that would have been wrong elsewhere.
+    has_passed_over: bool,
+    /// The same without indices, behind the name of the message: equal findings have it in common.
+    subject: String,
+}
+
+impl<'p> Explaining<'p, '_> {
+    fn report(&mut self, rule: &'static Rule, definition: Span, detail: Detail) {
+        // Without an index the subject says it all.
+        let detail = if self.elements > 0 { detail.at(self.path.as_str()) } else { detail };
+        let detail = detail.located(self.pointer.as_str());
+        self.findings.report(rule, &self.subject, self.told.place, Some(definition), || detail);
+    }
+
+    fn breach(&mut self, breach: &Breach<'_>, tree: &Tree<'_>, field: &'p FieldPlan, is_element: bool) {
+        if self.is_unused && breach.is_of_value() {
+            self.has_passed_over = true;
+            return;
+        }
+        let found = tree.to_string();
+        let detail = breach.detail(&field.expected(is_element), &found).excerpt(field.excerpt(tree));
+        self.report(breach.rule(self.plans.rules), field.span, detail);
+    }
+
+    /// Does something within a member, which findings call so.
+    fn within(&mut self, key: &str, name: &str, what: impl FnOnce(&mut Self)) {
+        let (path, subject, place) = (self.path.len(), self.subject.len(), self.pointer.len());
+        if path > 0 {
+            self.path.push('.');
+        }
+        self.path.push_str(name);
+        self.subject.push('.');
+        self.subject.push_str(name);
+        self.pointer.push_str(&pointer(&[key]));
+        what(self);
+        self.path.truncate(path);
+        self.subject.truncate(subject);
+        self.pointer.truncate(place);
+    }
+
+    /// The members of an object.
+    fn members(&mut self, object: &Tree<'_>, members: &[(Cow<'_, str>, Tree<'_>)], plan: &'p MessagePlan) {
+        let mut times = vec![0_u32; plan.fields.len()];
+        let mut unknown = 0;
+        for (key, value) in members {
+            let Some(index) = plan.fields.iter().position(|field| field.name == *key) else {
+                unknown += 1;
+                if unknown <= MAX_UNKNOWN {
+                    let name = shortened(key).escape_debug().to_string();
+                    let detail = Detail::new(format!("{} has no such field; found {value}", plan.name))
+                        .excerpt(format!("\"{name}\": {}", value.excerpt()));
+                    self.within(key, &name, |within| {
+                        within.report(within.plans.rules.members, plan.span, detail)
+                    });
+                }
+                continue;
+            };
+            times[index] = times[index].saturating_add(1);
+            let field = &plan.fields[index];
+            // Of a field that is repeated, which is wrong in itself, only the first is looked up.
+            let count = field.counted_by.filter(|_| times[index] == 1);
+            let used = count.and_then(|count| in_use(object, &plan.fields[count]));
+            self.within(key, &field.name, |within| within.field(value, field, used));
+        }
+        if unknown > MAX_UNKNOWN {
+            let text = format!("{} more unknown fields", unknown - MAX_UNKNOWN);
+            self.report(self.plans.rules.members, plan.span, Detail::new(text).excerpt(object.excerpt()));
+        }
+        for (field, times) in plan.fields.iter().zip(times).filter(|(_, times)| *times != 1) {
+            let detail = if times == 0 {
+                let expected = field.expected(false).to_string();
+                Detail::new(format!("the field is missing; expected {expected}")).expected(expected)
+            } else {
+                Detail::new(format!("the field is there {times} times")).expected("once")
+            };
+            let detail = detail.excerpt(object.excerpt());
+            self.within(&field.name, &field.name, |within| {
+                within.report(within.plans.rules.members, field.span, detail);
+            });
+        }
+    }
+
+    /// The value of a field, with all its elements, of which so many are in use.
+    fn field(&mut self, tree: &Tree<'_>, field: &'p FieldPlan, used: Option<usize>) {
+        if field.shape == Shape::Single {
+            return self.element(tree, field, false);
+        }
+        let is_rosbridge = self.told.is_rosbridge;
+        match tree {
+            Tree::List(values) => {
+                self.length(values.len(), tree, field);
+                self.elements(values, field, used);
+            }
+            Tree::Text(text) => match field.as_base64(text, is_rosbridge, false) {
+                Some(bytes) => {
+                    self.dialects.insert(Dialect::Base64);
+                    self.length(bytes.len(), tree, field);
+                    let values: Vec<Tree<'_>> = bytes.iter().map(|byte| Tree::Int((*byte).into())).collect();
+                    self.elements(&values, field, used);
+                }
+                None => self.mistyped(tree, field, false),
+            },
+            _ => self.mistyped(tree, field, false),
+        }
+    }
+
+    fn length(&mut self, found: usize, tree: &Tree<'_>, field: &'p FieldPlan) {
+        if let Err(breach) = field.judge_length(found) {
+            self.breach(&breach, tree, field, false);
+        }
+    }
+
+    fn elements(&mut self, values: &[Tree<'_>], field: &'p FieldPlan, used: Option<usize>) {
+        let is_unused = self.is_unused;
+        let (length, place) = (self.path.len(), self.pointer.len());
+        self.elements += 1;
+        for (index, value) in values.iter().enumerate() {
+            // Writing to a string can't fail.
+            let _ = write!(self.path, "[{index}]");
+            let _ = write!(self.pointer, "/{index}");
+            self.is_unused = is_unused || used.is_some_and(|used| index >= used);
+            self.element(value, field, true);
+            self.path.truncate(length);
+            self.pointer.truncate(place);
+        }
+        self.elements -= 1;
+        self.is_unused = is_unused;
+    }
+
+    /// A single value, or an element of an array.
+    fn element(&mut self, tree: &Tree<'_>, field: &'p FieldPlan, is_element: bool) {
+        let leaf = match tree {
+            Tree::Null => Leaf::Null,
+            Tree::Bool(value) => Leaf::Bool(*value),
+            Tree::Int(value) => Leaf::Int(*value),
+            Tree::Float(value, _) => Leaf::Float(*value),
+            Tree::Huge(text) => {
+                let which = match field.element {
+                    Element::Scalar(scalar) if scalar.is_float() => scalar.name(),
+                    _ => "any number",
+                };
+                let (expected, found) = (field.expected(is_element).to_string(), shortened(text));
+                let text = format!("expected {expected}, found {found}, which is too large for {which}");
+                let detail = Detail::new(text).expected(expected).actual(found);
+                return self.report(
+                    self.plans.rules.json_type,
+                    field.span,
+                    detail.excerpt(field.excerpt(tree)),
+                );
+            }
+            Tree::Token(_) => {
+                self.dialects.insert(Dialect::BareNan);
+                let expected = field.expected(is_element).to_string();
+                let text =
+                    format!("expected {expected}, found {tree}, which is no JSON (Python's json writes it)");
+                let detail = Detail::new(text).expected(expected).actual(tree.to_string());
+                return self.report(
+                    self.plans.rules.json_type,
+                    field.span,
+                    detail.excerpt(field.excerpt(tree)),
+                );
+            }
+            Tree::Text(text) => match field.as_base64(text, self.told.is_rosbridge, is_element) {
+                Some(bytes) => {
+                    self.dialects.insert(Dialect::Base64);
+                    return self.bytes(&bytes, tree, field);
+                }
+                None => Leaf::Text(text),
+            },
+            Tree::List(values) => return self.list(values, tree, field, is_element),
+            Tree::Object(members) => match field.element {
+                Element::Message(id) => {
+                    let plan = self.plans.get(id);
+                    return self.members(tree, members, plan);
+                }
+                _ => return self.mistyped(tree, field, is_element),
+            },
+        };
+        if let Err(breach) = field.judge(leaf) {
+            self.breach(&breach, tree, field, is_element);
+        }
+    }
+
+    /// An array where a single value stands: text as ROS 2 writes it.
+    fn list(&mut self, values: &[Tree<'_>], tree: &Tree<'_>, field: &'p FieldPlan, is_element: bool) {
+        let byte = |value: &Tree<'_>| match value {
+            Tree::Int(value) => u8::try_from(*value).ok(),
+            _ => None,
+        };
+        if !matches!(field.element, Element::Text(_)) || !self.told.is_rosbridge {
+            return self.mistyped(tree, field, is_element);
+        }
+        self.dialects.insert(Dialect::NumbersForText);
+        let bytes: Option<Vec<u8>> = values.iter().map(byte).collect();
+        if let Some(bytes) = bytes {
+            return self.bytes(&bytes, tree, field);
+        }
+        let found = values.iter().find(|value| byte(value).is_none()).unwrap_or(tree);
+        let detail = Detail::differs("integers from 0 to 255", found);
+        self.report(self.plans.rules.json_type, field.span, detail.excerpt(field.excerpt(tree)));
+    }
+
+    /// Bytes that stand for text.
+    fn bytes(&mut self, bytes: &[u8], tree: &Tree<'_>, field: &'p FieldPlan) {
+        if let Err(breach) = field.judge_text(bytes) {
+            self.breach(&breach, tree, field, false);
+        }
+    }
+
+    fn mistyped(&mut self, tree: &Tree<'_>, field: &'p FieldPlan, is_element: bool) {
+        let detail = Detail::differs(field.expected(is_element), tree).excerpt(field.excerpt(tree));
+        self.report(self.plans.rules.json_type, field.span, detail);
+    }
+}
+
+/// How many entries an object says to use, in the field that counts them; none where it says nothing of the kind.
+fn in_use(object: &Tree<'_>, count: &FieldPlan) -> Option<usize> {
+    match object.get(&count.name) {
+        Some(Tree::Int(count)) => usize::try_from(*count).ok(),
+        _ => None,
+    }
+}
+
+impl FieldPlan {
+    /// What a finding shows of a value of it, or of an element.
+    fn excerpt(&self, tree: &Tree<'_>) -> String {
+        format!("\"{}\": {}", self.name, tree.excerpt())
+    }
+}

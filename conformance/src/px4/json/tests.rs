@@ -1,0 +1,303 @@
+//! The two readers of a message say the same, whatever is wrong with it.
+
+use proptest::prelude::*;
+use serde::de::DeserializeSeed as _;
+use uavspec_codegen::dynamic::Types;
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::{Form, MessageId};
+use uavspec_codegen::{PackageInput, SourceMap, read};
+
+use super::{MessageSeed, Plans, Template, Told};
+use crate::definitions::Definitions;
+use crate::json::Tree;
+use crate::model::{Findings, Place};
+
+/// What stands for something else.
+const PIECES: [&str; 28] = [
+    "null",
+    "true",
+    "0",
+    "-0",
+    "1.0",
+    "-1",
+    "255",
+    "256",
+    "1e400",
+    "1e39",
+    "18446744073709551615",
+    "18446744073709551616",
+    "NaN",
+    "-Infinity",
+    "\"\"",
+    "\"AAAA\"",
+    "\"\\u0000\"",
+    "\"\\ud800\"",
+    "[]",
+    "[0]",
+    "{}",
+    ",",
+    ":",
+    "}",
+    "]",
+    "\"",
+    " ",
+    "\"timestamp\":0,",
+];
+
+fn agrees(plans: &Plans, id: MessageId, text: &str) -> Result<bool, TestCaseError> {
+    let mut was_clean = false;
+    for is_rosbridge in [false, true] {
+        let is_clean = plans.is_clean(id, text, is_rosbridge);
+        let mut findings = Findings::default();
+        let is_explained = match Tree::read(text) {
+            Ok(tree) => {
+                let told = Told { id, name: "m", place: Place::Line(1), key: None, is_rosbridge };
+                let (_, has_passed_over) = plans.explain_what_counts(told, &tree, &mut findings);
+                // Read in one go, what isn't in use counts like all else.
+                findings.groups().next().is_none() && !has_passed_over
+            }
+            Err(_) => false,
+        };
+        prop_assert_eq!(is_clean, is_explained, "{} {:?}", text, findings);
+        was_clean |= is_clean;
+    }
+    Ok(was_clean)
+}
+
+/// Where the values, keys and marks of a text begin and end.
+fn pieces(text: &str) -> Vec<usize> {
+    let is_mark = |byte: u8| matches!(byte, b'{' | b'}' | b'[' | b']' | b',' | b':');
+    let marks = text.bytes().enumerate().filter(|(_, byte)| is_mark(*byte));
+    marks.flat_map(|(at, _)| [at, at + 1]).collect()
+}
+
+/// Both readers on messages of ROS 2, whose sequences and strings have bounds.
+#[test]
+fn bounds_of_sequences_and_strings_are_kept() {
+    let mut sources = SourceMap::default();
+    let text = "string<=3 name\nuint8[<=2] few\nstring[] any\nwstring<=2[<=1] both\nbyte[] raw\n";
+    let file = sources.add("Bounded.msg", text.into()).expect("a file");
+    let (schema, mistakes) =
+        read(&sources, &[PackageInput::new("demo", Form::Msg(Dialect::Ros2), vec![file])]);
+    assert!(mistakes.is_empty(), "{mistakes:?}");
+    let plans = Plans::new(&schema, &crate::rules::px4::VALUES);
+    let broken = |text: &str| {
+        let id = MessageId(0);
+        agrees(&plans, id, text).expect("both agree");
+        let mut findings = Findings::default();
+        let told = Told { id, name: "m", place: Place::Line(1), key: None, is_rosbridge: true };
+        plans.explain(told, &Tree::read(text).expect("JSON"), &mut findings);
+        findings
+            .groups()
+            .map(|group| format!("{} {}", group.subject, group.examples[0].1))
+            .collect::<Vec<_>>()
+    };
+    let good =
+        r#"{"name":"\u00e4\u00f6\u00fc","few":[1,2],"any":["","a"],"both":["\ud83d\ude00x"],"raw":"AAEC"}"#;
+    assert_eq!(broken(good), Vec::<String>::new());
+    for (from, to, said) in [
+        (r#""\u00e4\u00f6\u00fc""#, r#""abcd""#, "m.name expected at most 3 characters, found 4"),
+        ("[1,2]", "[1,2,3]", "m.few expected at most 2 elements, found 3"),
+        ("[1,2]", r#""AQID""#, "m.few expected at most 2 elements, found 3"),
+        (r#""\ud83d\ude00x""#, r#""xyz""#, "m.both both[0]: expected at most 2 characters, found 3"),
+        (r#""\ud83d\ude00x""#, r#""x","y""#, "m.both expected at most 1 elements, found 2"),
+        (r#""AAEC""#, r#""AAE""#, "m.raw expected an array, found \"AAE\""),
+        (r#"["","a"]"#, r#"["",[]]"#, "m.any any[1]: expected a string, found an array of 0"),
+    ] {
+        assert!(good.contains(from), "{from}");
+        assert_eq!(broken(&good.replace(from, to)), [said], "{to}");
+    }
+}
+
+/// Numbers and texts in the place of those of a template are read as JSON is.
+#[test]
+fn a_template_reads_values_as_json_does() {
+    let mut sources = SourceMap::default();
+    let text = "uint64 timestamp\nint64 number\nfloat64 ratio\nfloat32 small\nbool flag\nchar[8] name\nuint8[2] raw\n";
+    let file = sources.add("Any.msg", text.into()).expect("a file");
+    let (schema, _) = read(&sources, &[PackageInput::new("demo", Form::Msg(Dialect::Px4), vec![file])]);
+    let (plans, types, id) =
+        (Plans::new(&schema, &crate::rules::px4::VALUES), Types::new(&schema), MessageId(0));
+    let size = types.get(id).size().expect("a size").padded;
+    let good =
+        "{ \"stamp\": 3, \"m\": {\"raw\":[1,\t5], \"number\":5,\"ratio\" : 5,\"small\":5,\"flag\":true,\
+                \"name\":\"abc\",\"timestamp\":5} }"
+            .to_owned();
+    let learnt = |text: &str| Template::of(&plans, id, text.as_bytes(), Some("m"), size);
+    let mut template = learnt(&good).expect("a usual way of writing");
+    let mut taken = 0;
+    let numbers = [
+        "0",
+        "7",
+        "255",
+        "256",
+        "-1",
+        "-0",
+        "00",
+        "01",
+        "1.5",
+        "1.",
+        ".5",
+        "1e2",
+        "1e+2",
+        "1E-2",
+        "1e",
+        "1e+",
+        "-",
+        "+1",
+        "1.0",
+        "9223372036854775807",
+        "9223372036854775808",
+        "-9223372036854775808",
+        "18446744073709551615",
+        "18446744073709551616",
+        "99999999999999999999",
+        "123456789012345678901234567890",
+        "1e400",
+        "1e39",
+        "null",
+        "true",
+        "\"5\"",
+        "NaN",
+        "5 ",
+        "0x5",
+        "2.225073858507201e-308",
+        "3.4028236e38",
+        "",
+    ];
+    let texts = [
+        "\"\"",
+        "\"abcdefgh\"",
+        "\"abcdefghi\"",
+        "\"\\n\"",
+        "\"\u{e9}\"",
+        "\"\u{1}\"",
+        "\"a",
+        "null",
+        "\"\\u0000\"",
+    ];
+    for (value, name) in
+        numbers.iter().map(|number| (*number, "\"abc\"")).chain(texts.iter().map(|text| ("5", *text)))
+    {
+        // Each field by itself, so that another that is broken hides nothing.
+        for field in ["raw", "number", "ratio", "small", "timestamp", "name"] {
+            let mut message: Vec<String> = ["5"; 5].map(str::to_owned).to_vec();
+            let at =
+                ["raw", "number", "ratio", "small", "timestamp"].iter().position(|known| *known == field);
+            if let Some(at) = at {
+                value.clone_into(&mut message[at]);
+            }
+            let name = if field == "name" { name } else { "\"abc\"" };
+            let [raw, number, ratio, small, timestamp] = &message[..] else { unreachable!() };
+            let inner = format!(
+                "{{\"raw\":[1,\t{raw}], \"number\":{number},\"ratio\" : {ratio},\"small\":{small},\
+                 \"flag\":true,\"name\":{name},\"timestamp\":{timestamp}}}"
+            );
+            let whole = format!("{{ \"stamp\": 3, \"m\": {inner} }}");
+            let mut values = vec![0; size];
+            let found = template.read(&plans, whole.as_bytes());
+            let mut reader = serde_json::Deserializer::from_str(&inner);
+            let clean = MessageSeed::new(&plans, id, false, &mut values).deserialize(&mut reader);
+            let clean = clean.ok().filter(|_| reader.end().is_ok());
+            if let Some(found) = found {
+                taken += 1;
+                assert_eq!((Some(found), template.values()), (clean, &values[..]), "{inner}");
+            }
+        }
+    }
+    assert!(taken > 100, "{taken}");
+    let mut template = learnt(&good).expect("a usual way of writing");
+    let mut reads = |text: &str| template.read(&plans, text.as_bytes()).is_some();
+    assert!(reads(&good.replace("3,", "\"later\",")), "what is around may say anything");
+    assert!(!reads(&(good.clone() + " ")), "something follows");
+    assert!(
+        !reads(&good.replace("true", "true ")) && !reads(&good.replace(" \"stamp", "\"stamp")),
+        "written otherwise"
+    );
+    assert!(reads(&good), "what didn't fit changed nothing");
+    // What says what the message is doesn't differ.
+    let of_type = "{\"type\":\"a\",\"m\":".to_owned() + &good["{ \"stamp\": 3, \"m\": ".len()..];
+    let mut template = learnt(&of_type).expect("a usual way of writing");
+    assert_eq!(template.read(&plans, of_type.replace("\"a\"", "\"b\"").as_bytes()), None);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(3_000))]
+
+    #[test]
+    fn both_readers_agree(
+        which in any::<prop::sample::Index>(),
+        changes in prop::collection::vec(
+            (any::<prop::sample::Index>(), 0_usize..3, prop::sample::select(&PIECES[..])), 0..3
+        ),
+        typo in prop::option::weighted(0.3, (any::<prop::sample::Index>(), any::<char>())),
+    ) {
+        thread_local! {
+            static DEFINITIONS: (Definitions, Types, Plans) = {
+                let definitions = Definitions::built_in();
+                let (types, plans) = (Types::new(&definitions.schema), Plans::new(&definitions.schema, &crate::rules::px4::VALUES));
+                (definitions, types, plans)
+            };
+        }
+        DEFINITIONS.with(|(definitions, types, plans)| {
+            let at = which.index(definitions.schema.messages.len());
+            let id = MessageId(u32::try_from(at).unwrap_or_default());
+            let mut text = types.get(id).default().view().to_json_text().unwrap_or_default();
+            let size = types.get(id).size().map_or(0, |size| size.padded);
+            let first = text.clone();
+            // Templates are made of clean messages alone.
+            let template = plans.is_clean(id, &first, false).then(|| {
+                Template::of(plans, id, first.as_bytes(), None, size).expect("a usual way of writing")
+            });
+            for (place, span, piece) in &changes {
+                let places = pieces(&text);
+                if places.is_empty() {
+                    break;
+                }
+                let from = place.index(places.len());
+                let to = (from + span).min(places.len() - 1);
+                text.replace_range(places[from]..places[to], piece);
+            }
+            if let Some((place, letter)) = typo {
+                let places: Vec<usize> = text.char_indices().map(|(at, _)| at).collect();
+                if !places.is_empty() {
+                    text.insert(places[place.index(places.len())], letter);
+                }
+            }
+            let is_clean = agrees(plans, id, &text)?;
+            let Some(mut template) = template else { return Ok(()) };
+            // What a template takes for clean, is so, and says the same.
+            let found = template.read(plans, text.as_bytes());
+            prop_assert!(found.is_some() || !is_clean || !changes.is_empty() || typo.is_some(), "{}", text);
+            if let Some(found) = found {
+                let mut values = vec![0; size];
+                let mut reader = serde_json::Deserializer::from_str(&text);
+                let clean = MessageSeed::new(plans, id, false, &mut values).deserialize(&mut reader);
+                prop_assert_eq!(Some(found), clean.ok().filter(|_| reader.end().is_ok()), "{}", text);
+                prop_assert_eq!(template.values(), values, "{}", text);
+            }
+            // Whatever came, it goes on.
+            prop_assert!(template.read(plans, first.as_bytes()).is_some(), "{}", text);
+            let mut values = vec![0; size];
+            let mut reader = serde_json::Deserializer::from_str(&first);
+            let clean = MessageSeed::new(plans, id, false, &mut values).deserialize(&mut reader);
+            prop_assert!(clean.is_ok() && template.values() == values, "{}", text);
+            Ok::<(), TestCaseError>(())
+        })?;
+    }
+}
+
+#[test]
+fn the_messages_that_are_tried_are_often_clean() {
+    let definitions = Definitions::built_in();
+    let (types, plans) =
+        (Types::new(&definitions.schema), Plans::new(&definitions.schema, &crate::rules::px4::VALUES));
+    let mut clean = 0;
+    let count = definitions.schema.messages.len();
+    for at in 0..count {
+        let id = MessageId(u32::try_from(at).expect("few"));
+        let text = types.get(id).default().view().to_json_text().expect("JSON");
+        clean += usize::from(agrees(&plans, id, &text).expect("both agree"));
+    }
+    assert!(clean * 2 > count, "{clean} of {count}");
+}

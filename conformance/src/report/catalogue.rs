@@ -1,0 +1,86 @@
+//! The rules as they are listed: at a terminal, for programs, and as pages of the documentation.
+
+mod pages;
+mod text;
+
+use std::collections::BTreeSet;
+
+use serde::Serialize;
+use uavspec_codegen::report::rule_url;
+
+pub use self::pages::{CONTENTS, pages};
+pub use self::text::{list as to_text, matrix as matrix_text, rule as rule_text};
+use crate::matrix::Row;
+use crate::model::{Level, Rule, Status};
+use crate::rules::{Mutant, checked_by, mutants};
+
+/// A rule for programs.
+#[derive(Serialize)]
+struct Entry {
+    id: &'static str,
+    level: Level,
+    status: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dispute: Option<&'static str>,
+    statement: &'static str,
+    source: &'static str,
+    applies_to: &'static str,
+    checked_by: &'static str,
+    mutants: Vec<&'static str>,
+    url: String,
+}
+
+/// A row of the matrix for programs.
+#[derive(Serialize)]
+struct MatrixEntry<'r> {
+    rule: &'static str,
+    mutant: &'static str,
+    broken: Option<&'r BTreeSet<&'static str>>,
+    expected: BTreeSet<&'static str>,
+}
+
+/// Rules as a JSON list.
+pub fn to_json(rules: &[&'static Rule]) -> String {
+    let entry = |rule: &&'static Rule| Entry {
+        id: rule.id,
+        level: rule.level,
+        status: rule.status.to_string(),
+        dispute: dispute(rule),
+        statement: rule.statement,
+        source: rule.source,
+        applies_to: rule.applies_to,
+        checked_by: checked_by(rule),
+        mutants: mutants_of(rule).map(|mutant| mutant.name).collect(),
+        url: rule_url(rule.id),
+    };
+    json(&rules.iter().map(entry).collect::<Vec<_>>())
+}
+
+/// The matrix as a JSON list.
+pub fn matrix_json(rows: &[Row]) -> String {
+    let entries = rows.iter().map(|row| MatrixEntry {
+        rule: row.rule.id,
+        mutant: row.mutant.name,
+        broken: row.broken.as_ref(),
+        expected: row.expected(),
+    });
+    json(&entries.collect::<Vec<_>>())
+}
+
+fn json(value: &impl Serialize) -> String {
+    // Values of this kind can always be written.
+    serde_json::to_string_pretty(value).map_or_else(|_| String::new(), |text| text + "\n")
+}
+
+/// How the specification contradicts itself over a rule.
+fn dispute(rule: &Rule) -> Option<&'static str> {
+    match rule.status {
+        Status::Disputed(how) => Some(how),
+        Status::Normative | Status::Advisory => None,
+    }
+}
+
+/// The mutants of a rule.
+fn mutants_of(rule: &Rule) -> impl Iterator<Item = Mutant> {
+    mutants().filter(move |mutant| mutant.rule.id == rule.id)
+}

@@ -1,0 +1,171 @@
+//! The rules, a file each, by family.
+//!
+//! A rule is a statement with a permanent id. Rules on single values are checked by a plan that is made once for each format
+//! ([`crate::px4`]); rules on the course of things keep a state of their own.
+
+pub mod flockwave;
+pub mod px4;
+pub mod sample;
+
+use uavspec_codegen::schema::MessageId;
+use uavspec_codegen::source::Span;
+
+use self::sample::Flight;
+use crate::definitions::Definitions;
+use crate::model::{Detail, Findings, Place, Rule};
+
+/// Every rule, by id.
+pub static RULES: [&Rule; flockwave::RULES.len() + px4::RULES.len()] = {
+    let mut rules = [&flockwave::RULES[0].rule; flockwave::RULES.len() + px4::RULES.len()];
+    let mut at = 0;
+    while at < rules.len() {
+        rules[at] = match at.checked_sub(flockwave::RULES.len()) {
+            None => &flockwave::RULES[at].rule,
+            Some(at) => &px4::RULES[at].rule,
+        };
+        at += 1;
+    }
+    rules
+};
+
+/// A mutant of a rule of either family.
+#[derive(Clone, Copy, Debug)]
+pub struct Mutant {
+    /// The rule that it violates.
+    pub rule: &'static Rule,
+    /// The change.
+    pub name: &'static str,
+    /// The ids of other rules that it violates too.
+    pub also: &'static [&'static str],
+    make: Make,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Make {
+    Session(fn() -> Option<Vec<u8>>),
+    Flight(fn(&Flight<'_>) -> Option<Vec<u8>>),
+}
+
+impl Mutant {
+    /// The capture, made of a flight or a session; none if the definitions have nothing that could be changed so.
+    pub fn make(&self, flight: &Flight<'_>) -> Option<Vec<u8>> {
+        match self.make {
+            Make::Session(make) => make(),
+            Make::Flight(make) => make(flight),
+        }
+    }
+}
+
+/// The mutants of all rules, in the order of these.
+pub fn mutants() -> impl Iterator<Item = Mutant> {
+    let sessions = flockwave::RULES.iter().flat_map(|of| {
+        of.mutants.iter().map(|flockwave::Mutant { name, make, also }| Mutant {
+            rule: &of.rule,
+            name,
+            also,
+            make: Make::Session(*make),
+        })
+    });
+    let flights = px4::RULES.iter().flat_map(|of| {
+        of.mutants.iter().map(|px4::Mutant { name, make, also }| Mutant {
+            rule: &of.rule,
+            name,
+            also,
+            make: Make::Flight(*make),
+        })
+    });
+    sessions.chain(flights)
+}
+
+/// The way in which a rule is checked, in words.
+pub fn checked_by(rule: &Rule) -> &'static str {
+    let flockwave = flockwave::RULES.iter().find(|of| of.rule.id == rule.id).map(|of| match of.check {
+        flockwave::Check::Exchange(_) | flockwave::Check::Context(_) => {
+            "message by message, with what went over the connection before"
+        }
+        flockwave::Check::State(_) => FOLLOWING,
+    });
+    let px4 = px4::RULES.iter().find(|of| of.rule.id == rule.id).map(|of| match of.check {
+        px4::Check::Value => "value by value, by a plan that is made once for each format",
+        px4::Check::Source => "reading: what breaks it can't be read as anything",
+        px4::Check::State(_) => FOLLOWING,
+    });
+    flockwave.or(px4).unwrap_or_default()
+}
+
+const FOLLOWING: &str = "following the records of a source with a small state for each topic";
+
+/// Where a rule puts what it finds.
+pub struct Judged<'j> {
+    /// The rule.
+    pub rule: &'static Rule,
+    /// What it is judged by.
+    pub definitions: &'j Definitions,
+    /// All findings.
+    pub findings: &'j mut Findings,
+    /// How often it was exercised.
+    pub exercised: &'j mut u64,
+}
+
+impl Judged<'_> {
+    /// Where a definition says what its messages are.
+    pub(crate) fn defined(&self, definition: Option<MessageId>) -> Option<Span> {
+        definition.map(|id| self.definitions.schema.message(id).span)
+    }
+
+    /// Where a definition has this field.
+    pub(crate) fn field(&self, definition: Option<MessageId>, name: &str) -> Option<Span> {
+        let fields = &self.definitions.schema.message(definition?).fields;
+        fields.iter().find(|field| field.name == name).map(|field| field.span)
+    }
+
+    /// Something was looked at, whatever came of it.
+    pub fn exercise(&mut self) {
+        *self.exercised += 1;
+    }
+
+    /// Something breaks the rule.
+    pub fn report(&mut self, subject: &str, place: Place, detail: impl FnOnce() -> Detail) {
+        self.findings.report(self.rule, subject, place, None, detail);
+    }
+
+    /// Something breaks the rule, which a definition has at this place.
+    pub(crate) fn report_defined(
+        &mut self,
+        subject: &str,
+        place: Place,
+        definition: Option<Span>,
+        detail: impl FnOnce() -> Detail,
+    ) {
+        self.findings.report(self.rule, subject, place, definition, detail);
+    }
+}
+
+// A rule that finds nothing is none.
+const _: () = {
+    let mut at = 0;
+    while at < flockwave::RULES.len() {
+        assert!(!flockwave::RULES[at].mutants.is_empty(), "a rule without a mutant");
+        at += 1;
+    }
+    let mut at = 0;
+    while at < px4::RULES.len() {
+        assert!(!px4::RULES[at].mutants.is_empty(), "a rule without a mutant");
+        at += 1;
+    }
+};
+
+/// The rule of an id.
+pub fn rule(id: &str) -> Option<&'static Rule> {
+    RULES.binary_search_by_key(&id, |rule| rule.id).ok().map(|at| RULES[at])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rules_are_sorted_so_that_they_can_be_looked_up() {
+        assert!(RULES.windows(2).all(|pair| pair[0].id < pair[1].id));
+    }
+}

@@ -1,0 +1,304 @@
+//! The rules on Flockwave (`FW-…`), a file each, and the list of them.
+
+mod ack_01;
+mod ack_03;
+mod ack_04;
+mod ack_06;
+mod asy_01;
+mod asy_02;
+mod asy_03;
+mod asy_04;
+mod asy_04i;
+mod asy_06;
+mod asy_07;
+mod asy_08;
+mod asy_09;
+mod asy_10;
+mod asy_11;
+mod asy_12;
+mod asy_13;
+mod asy_14;
+mod asy_16;
+mod asy_17;
+mod asy_18;
+mod asy_19;
+mod asy_20;
+mod asy_20j;
+mod asy_22;
+mod auth_01;
+mod conn_inf_01;
+mod conn_inf_02;
+mod conn_inf_03;
+mod dev_01;
+mod env_01;
+mod env_02;
+mod env_02j;
+mod env_03;
+mod env_03j;
+mod env_04;
+mod env_05;
+mod env_06;
+mod env_07;
+mod env_08;
+mod env_09;
+mod env_10;
+mod env_11;
+mod env_12;
+mod env_13;
+mod env_14;
+mod env_15;
+mod env_16;
+mod env_17;
+mod env_18;
+mod env_19;
+mod env_22;
+mod env_23;
+mod env_24;
+mod env_25;
+mod err_01;
+mod err_02;
+mod err_03;
+mod err_04;
+mod err_06;
+mod err_07;
+mod err_08;
+mod err_09;
+mod err_10;
+mod fw;
+mod inf_01;
+mod obj_del_01;
+mod obj_del_02;
+mod obj_list_01;
+mod obj_list_01j;
+mod obj_list_02;
+mod obj_list_03;
+mod obj_list_04;
+mod prm_01;
+mod sys_close_01;
+mod sys_close_02;
+mod sys_msg_01;
+mod sys_msg_02;
+mod sys_ping_01;
+mod sys_ping_02;
+mod sys_ports_01;
+mod sys_ports_02;
+mod sys_time_01;
+mod sys_time_02;
+mod sys_time_03;
+mod sys_ver_01;
+mod sys_ver_02;
+mod sys_ver_03;
+mod sys_ver_04;
+mod tcp_01;
+mod trials;
+mod uav_inf_01;
+mod uav_inf_02;
+mod uav_inf_03;
+mod uav_inf_04;
+mod uav_inf_05;
+mod uav_inf_06;
+mod uav_inf_08;
+mod uav_inf_09;
+mod uav_list_01;
+mod uav_list_01j;
+mod uav_list_02;
+mod uav_list_03;
+mod udp;
+mod udp_01;
+mod ust;
+mod wth_01;
+
+use super::Judged;
+use crate::flockwave::session::Turn;
+use crate::model::{Detail, Level, Place, Rule, Status};
+
+pub(crate) use self::asy_22::TYPES as TYPES_WITH_RESULTS;
+
+/// The rules on Flockwave, by id.
+pub static RULES: [&FlockwaveRule; 128] = [
+    &ack_01::RULE,
+    &ack_03::RULE,
+    &ack_04::RULE,
+    &ack_06::RULE,
+    &asy_01::RULE,
+    &asy_02::RULE,
+    &asy_03::RULE,
+    &asy_04::RULE,
+    &asy_04i::RULE,
+    &asy_06::RULE,
+    &asy_07::RULE,
+    &asy_08::RULE,
+    &asy_09::RULE,
+    &asy_10::RULE,
+    &asy_11::RULE,
+    &asy_12::RULE,
+    &asy_13::RULE,
+    &asy_14::RULE,
+    &asy_16::RULE,
+    &asy_17::RULE,
+    &asy_18::RULE,
+    &asy_19::RULE,
+    &asy_20::RULE,
+    &asy_20j::RULE,
+    &asy_22::RULE,
+    &auth_01::RULE,
+    &conn_inf_01::RULE,
+    &conn_inf_02::RULE,
+    &conn_inf_03::RULE,
+    &dev_01::RULE,
+    &env_01::RULE,
+    &env_02::RULE,
+    &env_02j::RULE,
+    &env_03::RULE,
+    &env_03j::RULE,
+    &env_04::RULE,
+    &env_05::RULE,
+    &env_06::RULE,
+    &env_07::RULE,
+    &env_08::RULE,
+    &env_09::RULE,
+    &env_10::RULE,
+    &env_11::RULE,
+    &env_12::RULE,
+    &env_13::RULE,
+    &env_14::RULE,
+    &env_15::RULE,
+    &env_16::RULE,
+    &env_17::RULE,
+    &env_18::RULE,
+    &env_19::RULE,
+    &trials::ENV_21,
+    &env_22::RULE,
+    &env_23::RULE,
+    &env_24::RULE,
+    &env_25::RULE,
+    &err_01::RULE,
+    &err_02::RULE,
+    &err_03::RULE,
+    &err_04::RULE,
+    &err_06::RULE,
+    &err_07::RULE,
+    &err_08::RULE,
+    &err_09::RULE,
+    &err_10::RULE,
+    &inf_01::RULE,
+    &obj_del_01::RULE,
+    &obj_del_02::RULE,
+    &obj_list_01::RULE,
+    &obj_list_01j::RULE,
+    &obj_list_02::RULE,
+    &obj_list_03::RULE,
+    &obj_list_04::RULE,
+    &prm_01::RULE,
+    &trials::SIO_01,
+    &trials::SIO_02,
+    &trials::SIO_03,
+    &sys_close_01::RULE,
+    &sys_close_02::RULE,
+    &sys_msg_01::RULE,
+    &sys_msg_02::RULE,
+    &sys_ping_01::RULE,
+    &sys_ping_02::RULE,
+    &sys_ports_01::RULE,
+    &sys_ports_02::RULE,
+    &sys_time_01::RULE,
+    &sys_time_02::RULE,
+    &sys_time_03::RULE,
+    &sys_ver_01::RULE,
+    &sys_ver_02::RULE,
+    &sys_ver_03::RULE,
+    &sys_ver_04::RULE,
+    &tcp_01::RULE,
+    &trials::TCP_02,
+    &trials::TCP_03,
+    &trials::TCP_04,
+    &uav_inf_01::RULE,
+    &uav_inf_02::RULE,
+    &uav_inf_03::RULE,
+    &uav_inf_04::RULE,
+    &uav_inf_05::RULE,
+    &uav_inf_06::RULE,
+    &uav_list_03::REPEATED,
+    &uav_inf_08::RULE,
+    &uav_inf_09::RULE,
+    &uav_list_01::RULE,
+    &uav_list_01j::RULE,
+    &uav_list_02::RULE,
+    &uav_list_03::RULE,
+    &udp_01::RULE,
+    &udp::UDP_02,
+    &udp::UDP_03,
+    &ust::ATTITUDE,
+    &ust::BATTERY,
+    &ust::DEBUG,
+    &ust::ERRORS,
+    &ust::GPS,
+    &ust::HEADING,
+    &ust::ID,
+    &ust::LIGHT,
+    &ust::MODE,
+    &ust::POSITION,
+    &ust::POSITIONXYZ,
+    &ust::RSSI,
+    &ust::TIMESTAMP,
+    &ust::VELOCITY,
+    &ust::VELOCITYXYZ,
+    &wth_01::RULE,
+];
+
+/// A rule on Flockwave.
+#[derive(Debug)]
+pub struct FlockwaveRule {
+    /// What it says.
+    pub rule: Rule,
+    /// Finds violations.
+    pub check: Check,
+    /// Captures that violate it.
+    pub mutants: &'static [Mutant],
+}
+
+/// The code of a rule.
+#[derive(Clone, Copy, Debug)]
+pub enum Check {
+    /// A state that follows the records of a session. Of the states in reports on UAVs it is but the ids and timestamps that
+    /// it looks at.
+    State(fn() -> Box<dyn Checker>),
+    /// What a conversation knows of each exchange. A report on UAVs, which is about no other message, is judged by what it
+    /// says alone.
+    Exchange(fn(&Turn<'_>, &mut Judged<'_>)),
+    /// The same; and of reports on UAVs it counts when they come, over which connection, and after what. Of the states in
+    /// them it is but the ids and timestamps that count.
+    Context(fn(&Turn<'_>, &mut Judged<'_>)),
+}
+
+/// Follows the records of one session.
+pub trait Checker {
+    /// Something goes over a connection, or happens to it.
+    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>);
+
+    /// Something can't be read, and records may be lost with it.
+    fn damage(&mut self, _place: Place) {}
+
+    /// The session ends.
+    fn end(&mut self, _judged: &mut Judged<'_>) {}
+}
+
+/// Looks at each exchange alone.
+pub(crate) struct EachExchange(pub(crate) fn(&Turn<'_>, &mut Judged<'_>));
+
+impl Checker for EachExchange {
+    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+        (self.0)(turn, judged);
+    }
+}
+
+/// A capture that violates a rule: a small change of one that conforms.
+#[derive(Debug)]
+pub struct Mutant {
+    /// The change.
+    pub name: &'static str,
+    /// Makes it.
+    pub make: fn() -> Option<Vec<u8>>,
+    /// The ids of other rules that it violates too.
+    pub also: &'static [&'static str],
+}

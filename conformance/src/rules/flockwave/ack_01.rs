@@ -1,0 +1,33 @@
+//! `FW-ACK-01`.
+
+use serde_json::json;
+
+use super::fw::{self, Role, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ACK-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Acknowledgments come only as responses.",
+        source: fw::MESSAGES,
+        applies_to: "ACK-ACK, ACK-NAK",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[Mutant {
+        name: "an acknowledgment of nothing",
+        make: || fw::then(|talk| talk.tells(json!({ "type": "ACK-ACK" }))),
+        also: &["FW-ENV-17"],
+    }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    if !turn.is_of_server() || !matches!(turn.type_name, Some("ACK-ACK" | "ACK-NAK")) {
+        return;
+    }
+    judged.exercise();
+    if turn.role != Role::Response {
+        turn.breaks(judged, || Detail::new("an acknowledgment without `refs`"));
+    }
+}

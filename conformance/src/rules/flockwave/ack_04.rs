@@ -1,0 +1,40 @@
+//! `FW-ACK-04`.
+
+use super::fw::{self, Shape, Tree, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use crate::json::pointer;
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ACK-04",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "ACK-NAK has nothing beside `type` but a string `reason`.",
+        source: fw::MESSAGES,
+        applies_to: "ACK-NAK",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "a number for the reason",
+            make: || fw::reply("ACK-NAK", |body| body["reason"] = 7.into()),
+            also: &[],
+        },
+        Mutant {
+            name: "another field",
+            make: || fw::reply("ACK-NAK", |body| body["code"] = 7.into()),
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let Some(Tree::Object(members)) = turn.body_of("ACK-NAK") else { return };
+    judged.exercise();
+    if let Some((key, _)) = members.iter().find(|(key, _)| key != "type" && key != "reason") {
+        turn.breaks(judged, || {
+            Detail::new(format!("it has {}, too", fw::quoted(key))).at(pointer(&["body", key]))
+        });
+    }
+    fw::field(turn, judged, "reason", false, &Shape::Nullable(&Shape::Text));
+}

@@ -1,0 +1,41 @@
+//! `FW-ACK-06`.
+//!
+//! Whether a login is needed says AUTH-INF, but not for which requests. Whoever tries it chooses one that needs it.
+
+use serde_json::json;
+
+use super::fw::{self, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ACK-06",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "A request that needs a login is refused with ACK-NAK before it.",
+        source: fw::MESSAGES,
+        applies_to: "requests that try it",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "it is served",
+            make: || {
+                let served = json!({ "type": "UAV-LIST", "ids": ["kite"] });
+                let asked = json!({ "type": "UAV-LIST" });
+                fw::over("tcp#9", |talk| talk.tries_and_hears("FW-ACK-06", "", asked, served))
+            },
+            also: &[],
+        },
+        Mutant { name: "it isn't answered", make: || fw::unanswered("tcp#9", "FW-ACK-06"), also: &[] },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    if fw::tried(turn, judged) && turn.type_name != Some("ACK-NAK") {
+        turn.breaks(judged, || {
+            let found = turn.type_name.map_or_else(|| "another answer".to_owned(), fw::quoted);
+            Detail::differs("ACK-NAK", found)
+        });
+    }
+}

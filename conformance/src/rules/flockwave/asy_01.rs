@@ -1,0 +1,44 @@
+//! `FW-ASY-01`.
+
+use serde_json::json;
+
+use super::fw::{self, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ASY-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "A reply about one object has exactly one of `result`, `error` and `receipt`.",
+        source: fw::ASYNC,
+        applies_to: "LOG-DATA",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "a result beside the receipt",
+            make: || {
+                fw::reply("LOG-DATA", |body| {
+                    body["result"] = json!({ "id": "7", "kind": "text", "body": "Took off" });
+                })
+            },
+            also: &[],
+        },
+        Mutant {
+            name: "nothing",
+            make: || {
+                fw::then(|talk| {
+                    talk.asks(json!({ "type": "LOG-DATA", "uavId": "kite", "logId": "8" }), json!({}));
+                })
+            },
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    if turn.response("LOG-DATA").is_some() {
+        fw::exactly_one(turn, judged, &["result", "error", "receipt"], "result");
+    }
+}

@@ -1,0 +1,33 @@
+//! `FW-ASY-02`.
+
+use super::fw::{self, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use crate::flockwave::session::OPERATIONS;
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ASY-02",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "In a reply about several objects, each that was asked for stands in exactly one of `result`, `error` and `receipt`.",
+        source: fw::ASYNC,
+        applies_to: "commands to several objects",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "a glider is missing",
+            make: || fw::reply("UAV-TAKEOFF", |body| fw::remove(body, "result")),
+            also: &[],
+        },
+        Mutant {
+            name: "a glider is in two",
+            make: || fw::reply("UAV-TAKEOFF", |body| body["result"]["owl"] = true.into()),
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fw::partition(turn, judged, &OPERATIONS);
+}

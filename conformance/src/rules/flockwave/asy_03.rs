@@ -1,0 +1,26 @@
+//! `FW-ASY-03`.
+
+use super::fw::{self, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use crate::flockwave::session::OPERATIONS;
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ASY-03",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "A reply about several objects tells of none that wasn't asked for.",
+        source: fw::DERIVED,
+        applies_to: "commands to several objects",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[Mutant {
+        name: "one more glider",
+        make: || fw::reply("UAV-TAKEOFF", |body| body["error"]["hawk"] = "Asleep".into()),
+        also: &[],
+    }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fw::strangers(turn, judged, &OPERATIONS);
+}

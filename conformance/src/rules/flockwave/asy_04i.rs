@@ -1,0 +1,42 @@
+//! `FW-ASY-04I`.
+
+use serde_json::json;
+
+use super::fw::{self, Stage, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ASY-04I",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "No two operations under way on a connection have the same receipt.",
+        source: fw::DERIVED,
+        applies_to: "replies with `receipt` over time",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[Mutant {
+        name: "two gliders with the same receipt",
+        make: || {
+            let same = json!({ "receipt": { "kite": "rcpt-8", "swift": "rcpt-8" } });
+            let asked = json!({ "type": "UAV-RTH", "ids": ["kite", "swift"] });
+            fw::then(|talk| talk.asks(asked, same))
+        },
+        also: &[],
+    }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    for named in turn.opened.iter().filter(|named| named.is_known) {
+        judged.exercise();
+        if matches!(named.stage(), Some(Stage::Open | Stage::Suspended | Stage::Released)) {
+            turn.breaks(judged, || {
+                Detail::new(format!(
+                    "{} is the receipt of another operation, too",
+                    fw::quoted(&named.receipt)
+                ))
+                .at("/body/receipt")
+            });
+        }
+    }
+}

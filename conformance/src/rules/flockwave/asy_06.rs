@@ -1,0 +1,41 @@
+//! `FW-ASY-06`.
+
+use serde_json::json;
+
+use super::fw::{self, Stage, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ASY-06",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "The reply with a receipt comes before what names it.",
+        source: fw::DERIVED,
+        applies_to: "ASYNC-* over time",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[Mutant {
+        name: "the end of an operation before its receipt",
+        make: || {
+            fw::then(|talk| {
+                let id = talk.sends(json!({ "type": "UAV-RTH", "ids": ["kite"] }));
+                talk.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
+                talk.answers(&id, json!({ "body": { "type": "UAV-RTH", "receipt": { "kite": "rcpt-8" } } }));
+            })
+        },
+        also: &["FW-ASY-09"],
+    }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    for named in turn.opened.iter().filter(|named| named.is_known) {
+        judged.exercise();
+        if named.stage() == Some(Stage::Early) {
+            turn.breaks(judged, || {
+                Detail::new(format!("a notification has named {} already", fw::quoted(&named.receipt)))
+                    .at("/body/receipt")
+            });
+        }
+    }
+}

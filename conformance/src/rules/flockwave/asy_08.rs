@@ -1,0 +1,41 @@
+//! `FW-ASY-08`.
+
+use serde_json::json;
+
+use super::fw::{self, Shape, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ASY-08",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "`id` of ASYNC-RESP is a string, and so is `error`.",
+        source: fw::ASYNC,
+        applies_to: "ASYNC-RESP",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "an id that is a number",
+            make: || fw::notice("ASYNC-RESP", |body| body["id"] = 7.into()),
+            also: &[],
+        },
+        Mutant {
+            name: "an error that is a number",
+            make: || {
+                fw::notice("ASYNC-RESP", |body| {
+                    *body = json!({ "type": "ASYNC-RESP", "id": "rcpt-1", "error": 7 });
+                })
+            },
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    if turn.body_of("ASYNC-RESP").is_some() {
+        fw::field(turn, judged, "id", true, &Shape::Text);
+        fw::field(turn, judged, "error", false, &Shape::Nullable(&Shape::Text));
+    }
+}

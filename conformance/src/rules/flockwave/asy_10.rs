@@ -1,0 +1,122 @@
+//! `FW-ASY-10`.
+//!
+//! That an operation isn't at its end when a recording ends says nothing, and how long one may take isn't laid down. So
+//! its coming to an end is judged where someone tries it, with what takes no time ([`PATIENCE`]).
+
+use std::collections::BTreeMap;
+
+use serde_json::json;
+
+use super::fw::{self, PerConnection, Role, Stage, Tree, Turn};
+use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ASY-10",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Each receipt ends in one ASYNC-RESP or ASYNC-TIMEOUT, and no more.",
+        source: fw::ASYNC,
+        applies_to: "ASYNC-* over time",
+    },
+    check: Check::State(|| Box::new(Ends::default())),
+    mutants: &[
+        Mutant {
+            name: "a result after the timeout",
+            make: || {
+                fw::then(|talk| {
+                    talk.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-2", "result": "Flaps out" }));
+                })
+            },
+            also: &[],
+        },
+        Mutant {
+            name: "a second result",
+            make: || {
+                fw::then(|talk| talk.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-1", "result": true })))
+            },
+            also: &[],
+        },
+        Mutant {
+            name: "no end of what takes no time",
+            make: || {
+                fw::over("tcp#9", |talk| {
+                    let test = json!({ "type": "UAV-TEST", "ids": ["kite"], "component": "lamp" });
+                    let id = talk.tries("FW-ASY-10", "", test);
+                    let body = json!({ "type": "UAV-TEST", "receipt": { "kite": "rcpt-50" } });
+                    talk.answers(&id, json!({ "body": body }));
+                    talk.wait(2.0 * PATIENCE);
+                    talk.tells(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+                })
+            },
+            also: &[],
+        },
+    ],
+};
+
+/// How long a server may tell nothing of an operation that takes no time, in seconds, while it speaks of other things.
+const PATIENCE: f64 = 18.0;
+
+/// Of how many operations of a connection the end is waited for at the same time.
+const MAX_OPEN: usize = 1_000;
+
+/// Operations that try the rule: where they begin and when something was told of them last, by receipt.
+#[derive(Default)]
+struct Ends(PerConnection<BTreeMap<String, (Place, f64)>>);
+
+impl Checker for Ends {
+    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+        if !turn.is_of_server() || !turn.exchange.connection.is_told {
+            return;
+        }
+        if matches!(turn.type_name, Some("ASYNC-RESP" | "ASYNC-TIMEOUT")) && turn.role == Role::Notification {
+            once(turn, judged);
+        }
+        let open = self.0.of(turn);
+        let Some(now) = turn.time else { return open.clear() };
+        for named in &turn.operations {
+            let goes_on = turn.type_name == Some("ASYNC-ST")
+                && !matches!(turn.field("suspended"), Some(Tree::Bool(true)));
+            match open.get_mut(&named.receipt).filter(|_| goes_on) {
+                Some((_, heard)) => *heard = now,
+                // It ends, or waits for the client.
+                None => _ = open.remove(&named.receipt),
+            }
+        }
+        if fw::tried(turn, judged) {
+            for named in turn.opened.iter().take(MAX_OPEN.saturating_sub(open.len())) {
+                open.insert(named.receipt.clone(), (turn.exchange.place, now));
+            }
+        }
+        open.retain(|receipt, (place, heard)| {
+            let waited = now - *heard;
+            if waited > PATIENCE {
+                judged.report("operation", *place, || {
+                    let receipt = fw::quoted(receipt);
+                    Detail::new(format!(
+                        "for {waited:.0} s nothing was told of {receipt}, nor of its end, though the server spoke"
+                    ))
+                    .expected("ASYNC-RESP or ASYNC-TIMEOUT")
+                    .actual("none")
+                });
+            }
+            waited <= PATIENCE
+        });
+    }
+
+    fn damage(&mut self, _: Place) {
+        self.0.clear();
+    }
+}
+
+/// No end is told twice.
+fn once(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    for named in &turn.operations {
+        judged.exercise();
+        if named.stage() == Some(Stage::Ended) {
+            turn.breaks(judged, || {
+                Detail::new(format!("the end of {} was told already", fw::quoted(&named.receipt))).at("/body")
+            });
+        }
+    }
+}

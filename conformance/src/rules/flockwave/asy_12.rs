@@ -1,0 +1,48 @@
+//! `FW-ASY-12`.
+
+use super::fw::{self, Shape, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ASY-12",
+        level: Level::Must,
+        status: Status::Disputed(
+            "The percentage may be null by the text, but not by the published schema; here it may.",
+        ),
+        statement: "ASYNC-ST has `id` and `progress`; its percentage is an integer from 0 to 100, and `suspended` true or false.",
+        source: fw::ASYNC,
+        applies_to: "ASYNC-ST",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "110 percent",
+            make: || fw::notice("ASYNC-ST", |body| body["progress"]["percentage"] = 110.into()),
+            also: &[],
+        },
+        Mutant {
+            name: "no progress",
+            make: || fw::notice("ASYNC-ST", |body| fw::remove(body, "progress")),
+            also: &[],
+        },
+        Mutant {
+            name: "`suspended` is a word",
+            make: || fw::notice("ASYNC-ST", |body| body["suspended"] = "no".into()),
+            also: &[],
+        },
+    ],
+};
+
+const PERCENTAGE: Shape = Shape::Nullable(&Shape::Integer(0, 100));
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    if turn.body_of("ASYNC-ST").is_none() {
+        return;
+    }
+    fw::field(turn, judged, "id", true, &Shape::Text);
+    fw::field(turn, judged, "progress", true, &Shape::Object);
+    fw::field(turn, judged, "suspended", false, &Shape::Nullable(&Shape::Bool));
+    let keys = ["body", "progress"];
+    fw::member(turn, judged, turn.field("progress"), &keys, ("percentage", false), &PERCENTAGE);
+}

@@ -1,0 +1,51 @@
+//! `FW-ASY-13`.
+//!
+//! A recording shows it where an operation is resumed that nobody said to be suspended.
+
+use super::fw::{self, Conversation, Stage, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status, asy_19};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ASY-13",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "That an operation is suspended is told by ASYNC-ST with `suspended` true.",
+        source: fw::ASYNC,
+        applies_to: "ASYNC-RESUME over time",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[Mutant {
+        name: "it isn't told",
+        make: || {
+            let mut talk = Conversation::new();
+            for line in talk.lines.iter_mut().filter(|line| line["msg"]["body"]["suspended"] == true) {
+                line["msg"]["body"]["suspended"] = false.into();
+            }
+            Some(talk.to_bytes())
+        },
+        also: &[],
+    }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    // An operation that isn't suspended, and is to be resumed for a trial, is another rule's matter.
+    if turn.response("ASYNC-RESUME").is_none() || turn.tried(&asy_19::RULE.rule).is_some() {
+        return;
+    }
+    for named in turn.operations.iter().filter(|named| named.is_known) {
+        let Some(operation) = named.before.as_ref().filter(|known| known.stage != Stage::Early) else {
+            continue;
+        };
+        judged.exercise();
+        if !operation.was_suspended {
+            turn.breaks(judged, || {
+                Detail::new(format!(
+                    "{} was resumed, and nothing has told that it was suspended",
+                    fw::quoted(&named.receipt)
+                ))
+                .at("/body/success")
+            });
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! `FW-ASY-17`.
+//!
+//! The end may come before the answer to the request that brings it about, and then may still be the operation's own.
+//! Progress that is told afterwards needn't mean that it goes on for long. So this is judged by what ends the operation
+//! after that answer, and by its coming at all in good time ([`PATIENCE`]) while the server speaks of other things.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use serde_json::json;
+
+use super::fw::{self, PerConnection, Stage, Turn};
+use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ASY-17",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "An operation that a client has cancelled still ends in an ASYNC-RESP, with an error.",
+        source: fw::ASYNC,
+        applies_to: "ASYNC-CANCEL over time",
+    },
+    check: Check::State(|| Box::new(Cancelled::default())),
+    mutants: &[
+        Mutant {
+            name: "nothing is told of its end",
+            make: || {
+                fw::over("tcp#9", |talk| {
+                    cancel(talk, "rcpt-40");
+                    talk.wait(2.0 * PATIENCE);
+                    talk.tells(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+                })
+            },
+            also: &[],
+        },
+        Mutant {
+            name: "it has a result",
+            make: || {
+                fw::over("tcp#9", |talk| {
+                    cancel(talk, "rcpt-40");
+                    talk.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-40", "result": "Flaps out" }));
+                })
+            },
+            also: &[],
+        },
+        Mutant {
+            name: "it is timed out",
+            make: || {
+                fw::over("tcp#9", |talk| {
+                    cancel(talk, "rcpt-40");
+                    talk.tells(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-40"] }));
+                })
+            },
+            also: &[],
+        },
+    ],
+};
+
+/// How long a server may take to end what it has cancelled, in seconds.
+const PATIENCE: f64 = 10.0;
+
+/// Of how many operations of a connection the end is waited for at the same time.
+const MAX_CANCELLED: usize = 1_000;
+
+/// An operation is begun, and cancelled.
+fn cancel(talk: &mut fw::Conversation, receipt: &str) {
+    talk.command(receipt);
+    talk.asks(json!({ "type": "ASYNC-CANCEL", "ids": [receipt] }), json!({ "success": [receipt] }));
+}
+
+/// What was cancelled, connection by connection.
+#[derive(Default)]
+struct Cancelled(PerConnection<Waiting>);
+
+/// Operations whose end is waited for.
+#[derive(Default)]
+struct Waiting {
+    /// Where the answer stands that says that it is cancelled, by receipt.
+    receipts: BTreeMap<String, Place>,
+    /// When those answers came, in that order; some operations have ended already.
+    times: VecDeque<(f64, String, Place)>,
+}
+
+impl Checker for Cancelled {
+    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+        if turn.message().is_none() || !turn.exchange.connection.is_told {
+            return;
+        }
+        let waiting = self.0.of(turn);
+        waiting.end(turn, judged);
+        waiting.pass(turn, judged);
+        if turn.response("ASYNC-CANCEL").is_some() {
+            waiting.begin(turn);
+        }
+    }
+
+    fn damage(&mut self, _: Place) {
+        self.0.clear();
+    }
+}
+
+impl Waiting {
+    /// Operations are cancelled.
+    fn begin(&mut self, turn: &Turn<'_>) {
+        for named in &turn.operations {
+            let is_open = matches!(named.stage(), Some(Stage::Open | Stage::Suspended | Stage::Released));
+            let has_room = self.receipts.len() < MAX_CANCELLED && self.times.len() < MAX_CANCELLED;
+            if !is_open || !has_room || self.receipts.contains_key(&named.receipt) {
+                continue;
+            }
+            let place = turn.exchange.place;
+            self.receipts.insert(named.receipt.clone(), place);
+            self.times.extend(turn.time.map(|time| (time, named.receipt.clone(), place)));
+        }
+    }
+
+    /// Something is told of the end of operations.
+    fn end(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+        // Another operation has the same receipt.
+        for named in &turn.opened {
+            self.receipts.remove(&named.receipt);
+        }
+        let actual = match turn.type_name {
+            Some("ASYNC-TIMEOUT") => Some("ASYNC-TIMEOUT"),
+            Some("ASYNC-RESP") if fw::is_there(turn.field("error")) => None,
+            // With neither it isn't known what it wants to say.
+            Some("ASYNC-RESP") => turn.field("result").map(|_| "a result"),
+            _ => return,
+        };
+        for named in &turn.operations {
+            if self.receipts.remove(&named.receipt).is_none() {
+                continue;
+            }
+            judged.exercise();
+            if let Some(actual) = actual {
+                turn.breaks(judged, || {
+                    let receipt = fw::quoted(&named.receipt);
+                    Detail::new(format!("{receipt} was cancelled, and ends in {actual}"))
+                        .expected("ASYNC-RESP with an error")
+                        .actual(actual)
+                });
+            }
+        }
+    }
+
+    /// Time passes.
+    fn pass(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+        let Some(now) = turn.time else { return };
+        while self.times.front().is_some_and(|(time, ..)| now - time > PATIENCE) {
+            let Some((time, receipt, place)) = self.times.pop_front() else { break };
+            // It may have ended since, and another may have its receipt.
+            if self.receipts.get(&receipt) != Some(&place) {
+                continue;
+            }
+            self.receipts.remove(&receipt);
+            judged.exercise();
+            judged.report("ASYNC-CANCEL", place, || {
+                let receipt = fw::quoted(&receipt);
+                let waited = now - time;
+                Detail::new(format!(
+                    "{receipt} was cancelled, and for {waited:.0} s nothing was told of its end, though the server spoke"
+                ))
+                .expected("ASYNC-RESP with an error")
+                .actual("none")
+            });
+        }
+    }
+}

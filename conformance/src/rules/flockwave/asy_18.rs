@@ -1,0 +1,30 @@
+//! `FW-ASY-18`.
+
+use serde_json::json;
+
+use super::fw;
+use super::{Check, FlockwaveRule, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ASY-18",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "A receipt that nobody knows has an entry in `error` where it is to be cancelled or resumed.",
+        source: fw::DERIVED,
+        applies_to: "ASYNC-CANCEL and ASYNC-RESUME that try it",
+    },
+    check: Check::Exchange(|turn, judged| fw::in_error(turn, judged, &["ASYNC-CANCEL", "ASYNC-RESUME"])),
+    mutants: &[
+        Mutant {
+            name: "it is cancelled",
+            make: || {
+                let cancel = json!({ "type": "ASYNC-CANCEL", "ids": ["rcpt-none"] });
+                let done = json!({ "type": "ASYNC-CANCEL", "success": ["rcpt-none"] });
+                fw::over("tcp#9", |talk| talk.tries_and_hears("FW-ASY-18", "", cancel, done))
+            },
+            also: &[],
+        },
+        Mutant { name: "the request is refused", make: || fw::refused("tcp#9", "FW-ASY-18"), also: &[] },
+    ],
+};

@@ -1,0 +1,45 @@
+//! `FW-ASY-19`.
+//!
+//! An operation may be suspended by itself just before; what the server has said so of may be resumed.
+
+use serde_json::json;
+
+use super::fw::{self, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ASY-19",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "An operation that isn't suspended has an entry in `error` where it is to be resumed.",
+        source: fw::DERIVED,
+        applies_to: "ASYNC-RESUME that tries it",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "it is resumed",
+            make: || {
+                let resume = json!({ "type": "ASYNC-RESUME", "ids": ["rcpt-30"] });
+                let done = json!({ "type": "ASYNC-RESUME", "success": ["rcpt-30"] });
+                fw::over("tcp#9", |talk| {
+                    talk.command("rcpt-30");
+                    talk.tries_and_hears("FW-ASY-19", "", resume, done);
+                })
+            },
+            also: &[],
+        },
+        Mutant { name: "the request is refused", make: || fw::refused("tcp#9", "FW-ASY-19"), also: &[] },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let is_clear = turn
+        .operations
+        .iter()
+        .all(|named| named.before.as_ref().is_some_and(|operation| !operation.was_suspended));
+    if is_clear {
+        fw::in_error(turn, judged, &["ASYNC-RESUME"]);
+    }
+}

@@ -1,0 +1,27 @@
+//! `FW-ASY-20`.
+
+use super::fw::{self, Shape, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ASY-20",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "ASYNC-TIMEOUT has `ids`, a list of strings.",
+        source: fw::ASYNC,
+        applies_to: "ASYNC-TIMEOUT",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[Mutant {
+        name: "one id without a list",
+        make: || fw::notice("ASYNC-TIMEOUT", |body| body["ids"] = "rcpt-2".into()),
+        also: &[],
+    }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    if turn.body_of("ASYNC-TIMEOUT").is_some() {
+        fw::field(turn, judged, "ids", true, &Shape::List(&Shape::Text));
+    }
+}

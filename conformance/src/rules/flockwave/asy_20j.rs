@@ -1,0 +1,37 @@
+//! `FW-ASY-20J`.
+
+use serde_json::json;
+
+use super::fw::{self, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ASY-20J",
+        level: Level::Should,
+        status: Status::Advisory,
+        statement: "The `ids` of ASYNC-TIMEOUT are unique.",
+        source: fw::SCHEMA,
+        applies_to: "ASYNC-TIMEOUT",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[Mutant {
+        name: "an id twice",
+        make: || {
+            fw::then(|talk| {
+                talk.asks(
+                    json!({ "type": "UAV-RTH", "ids": ["kite"] }),
+                    json!({ "receipt": { "kite": "rcpt-8" } }),
+                );
+                talk.tells(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-8", "rcpt-8"] }));
+            })
+        },
+        also: &[],
+    }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    if turn.body_of("ASYNC-TIMEOUT").is_some() {
+        fw::unique(turn, judged, "ids");
+    }
+}

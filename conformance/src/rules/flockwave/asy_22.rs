@@ -1,0 +1,116 @@
+//! `FW-ASY-22`.
+
+use serde_json::json;
+
+use super::fw::{self, Role, Tree, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use crate::json::pointer;
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ASY-22",
+        level: Level::Should,
+        status: Status::Disputed(
+            "The result of ASYNC-RESP is an object in the text, a number in an example of it, and anything in the schema; here it is what the reply would have had.",
+        ),
+        statement: "Results have the type that is laid down for the command: true or false for most of UAV-*.",
+        source: fw::SCHEMA,
+        applies_to: "replies with `result`, ASYNC-RESP",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "null, in a reply",
+            make: || fw::reply("UAV-TAKEOFF", |body| body["result"]["swift"] = json!(null)),
+            also: &[],
+        },
+        Mutant {
+            name: "a number, later",
+            make: || fw::notice("ASYNC-RESP", |body| body["result"] = 7.into()),
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    if turn.role == Role::Response && turn.is_of_server() {
+        let Some((name, expected, fits)) = turn.type_name.and_then(result_of) else { return };
+        let wrong =
+            fw::members(turn, "result").iter().inspect(|_| judged.exercise()).find(|(_, found)| !fits(found));
+        if let Some((key, found)) = wrong {
+            turn.breaks(judged, || {
+                Detail::new(format!("the result of {name} is {expected}, found {found}"))
+                    .at(pointer(&["body", "result", key]))
+                    .expected(expected)
+                    .actual(found.to_string())
+            });
+        }
+    }
+    let Some(found) = turn.notification("ASYNC-RESP").and_then(|body| body.get("result")) else { return };
+    let known = turn.operations.first().and_then(|named| named.before.as_ref());
+    let asked = known.and_then(|operation| operation.type_name.as_deref());
+    let Some((name, expected, fits)) = asked.and_then(result_of) else { return };
+    // A null beside an error is none.
+    if fw::is_there(turn.field("error")) {
+        return;
+    }
+    judged.exercise();
+    if !fits(found) {
+        turn.breaks(judged, || {
+            Detail::new(format!("the result of {name} is {expected}, found {found}"))
+                .at("/body/result")
+                .expected(expected)
+                .actual(found.to_string())
+        });
+    }
+}
+
+/// A type, what its results have to be in words, and whether one is.
+type Laid = (&'static str, &'static str, fn(&Tree<'_>) -> bool);
+
+/// What the results of a command have to be, where something is laid down.
+fn result_of(name: &str) -> Option<Laid> {
+    RESULTS.iter().find(|(known, ..)| *known == name).copied()
+}
+
+const BOOLEAN: &str = "true or false";
+
+const RESULTS: [Laid; 18] = [
+    ("BCN-PROPS", "an object", is_object),
+    ("LOG-INF", "a list", |found| matches!(found, Tree::List(_))),
+    ("OBJ-CMD", "a string or an object", |found| matches!(found, Tree::Text(_) | Tree::Object(_))),
+    ("PRM-SET", BOOLEAN, is_boolean),
+    ("PRM-SET-MANY", "an object", is_object),
+    ("UAV-CALIB", BOOLEAN, is_boolean),
+    ("UAV-FLY", BOOLEAN, is_boolean),
+    ("UAV-HALT", BOOLEAN, is_boolean),
+    ("UAV-HOVER", BOOLEAN, is_boolean),
+    ("UAV-LAND", BOOLEAN, is_boolean),
+    ("UAV-MOTOR", BOOLEAN, is_boolean),
+    ("UAV-RST", BOOLEAN, is_boolean),
+    ("UAV-RTH", BOOLEAN, is_boolean),
+    ("UAV-SIGNAL", BOOLEAN, is_boolean),
+    ("UAV-SLEEP", BOOLEAN, is_boolean),
+    ("UAV-TAKEOFF", BOOLEAN, is_boolean),
+    ("UAV-TEST", BOOLEAN, is_boolean),
+    ("UAV-WAKEUP", BOOLEAN, is_boolean),
+];
+
+/// These types.
+pub(crate) const TYPES: [&str; RESULTS.len()] = {
+    let mut types = [""; RESULTS.len()];
+    let mut at = 0;
+    while at < types.len() {
+        types[at] = RESULTS[at].0;
+        at += 1;
+    }
+    types
+};
+
+fn is_boolean(found: &Tree<'_>) -> bool {
+    matches!(found, Tree::Bool(_))
+}
+
+fn is_object(found: &Tree<'_>) -> bool {
+    matches!(found, Tree::Object(_))
+}

@@ -1,0 +1,49 @@
+//! `FW-AUTH-01`.
+
+use super::fw::{self, Tree, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-AUTH-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "AUTH-RESP has exactly one of `result` and `data`, and `user` exactly where `result` is true.",
+        source: fw::MESSAGES,
+        applies_to: "AUTH-RESP",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "both",
+            make: || fw::reply("AUTH-RESP", |body| body["data"] = "more".into()),
+            also: &[],
+        },
+        Mutant {
+            name: "nobody",
+            make: || fw::reply("AUTH-RESP", |body| fw::remove(body, "user")),
+            also: &[],
+        },
+        Mutant {
+            name: "a user who isn't logged in",
+            make: || fw::reply("AUTH-RESP", |body| body["result"] = false.into()),
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let Some(body) = turn.body_of("AUTH-RESP") else { return };
+    fw::exactly_one(turn, judged, &["result", "data"], "");
+    let is_logged_in = body.get("result") == Some(&Tree::Bool(true));
+    if is_logged_in != fw::is_there(body.get("user")) {
+        turn.breaks(judged, || {
+            let (what, path) = if is_logged_in {
+                ("`result` is true, and there is no `user`", "/body")
+            } else {
+                ("there is a `user`, and `result` isn't true", "/body/user")
+            };
+            Detail::new(what).at(path)
+        });
+    }
+}

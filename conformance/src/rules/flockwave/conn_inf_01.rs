@@ -1,0 +1,27 @@
+//! `FW-CONN-INF-01`.
+
+use serde_json::json;
+
+use super::fw::{self, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-CONN-INF-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Each requested id stands in exactly one of `status` and `error`.",
+        source: fw::MESSAGES,
+        applies_to: "CONN-INF",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[Mutant {
+        name: "a connection is missing",
+        make: || fw::reply("CONN-INF", |body| body["error"] = json!({})),
+        also: &[],
+    }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fw::partition(turn, judged, &["CONN-INF"]);
+}

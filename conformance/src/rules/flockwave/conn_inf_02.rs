@@ -1,0 +1,25 @@
+//! `FW-CONN-INF-02`.
+
+use super::fw::{self, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-CONN-INF-02",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "The key of each state is the `id` in it.",
+        source: fw::MESSAGES,
+        applies_to: "CONN-INF",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[Mutant {
+        name: "another id",
+        make: || fw::notice("CONN-INF", |body| body["status"]["winch"]["id"] = "tow".into()),
+        also: &[],
+    }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fw::keyed(turn, judged, "CONN-INF");
+}

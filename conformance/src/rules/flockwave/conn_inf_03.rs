@@ -1,0 +1,41 @@
+//! `FW-CONN-INF-03`.
+
+use super::fw::{self, Shape, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-CONN-INF-03",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "`purpose` and `status` of each state are names that the specification has.",
+        source: fw::MESSAGES,
+        applies_to: "CONN-INF",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "a purpose of its own",
+            make: || fw::notice("CONN-INF", |body| body["status"]["winch"]["purpose"] = "tow".into()),
+            also: &[],
+        },
+        Mutant {
+            name: "a status that is a number",
+            make: || fw::notice("CONN-INF", |body| body["status"]["winch"]["status"] = 2.into()),
+            also: &[],
+        },
+    ],
+};
+
+const PURPOSE: Shape =
+    Shape::OneOf(&["debug", "dgps", "dock", "gps", "mocap", "time", "uavRadioLink", "other"]);
+
+const STATUS: Shape = Shape::OneOf(&["disconnected", "connecting", "connected", "disconnecting", "unknown"]);
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    for (key, state) in fw::states(turn, "CONN-INF") {
+        let keys = ["body", "status", key];
+        fw::member(turn, judged, Some(state), &keys, ("purpose", true), &PURPOSE);
+        fw::member(turn, judged, Some(state), &keys, ("status", true), &STATUS);
+    }
+}

@@ -1,0 +1,36 @@
+//! `FW-DEV-01`.
+//!
+//! DEV-INF is a matter of `FW-INF-01`.
+
+use serde_json::json;
+
+use super::fw::{self, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-DEV-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Each object or path that was asked for stands in exactly one part of the reply.",
+        source: fw::MESSAGES,
+        applies_to: "DEV-LIST, DEV-SUB, DEV-UNSUB",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "an object without a tree",
+            make: || fw::reply("DEV-LIST", |body| body["devices"] = json!({})),
+            also: &[],
+        },
+        Mutant {
+            name: "a path in both",
+            make: || fw::reply("DEV-SUB", |body| body["error"]["/kite/vario"] = "Busy".into()),
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fw::partition(turn, judged, &["DEV-LIST", "DEV-SUB", "DEV-UNSUB"]);
+}

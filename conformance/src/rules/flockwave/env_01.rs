@@ -1,0 +1,93 @@
+//! `FW-ENV-01`.
+//!
+//! Where a message goes over TCP in several lines, and where there are several in one line or datagram, other rules tell of
+//! it. So a line that may be the beginning of one is told of only once it is seen to be none.
+
+use serde_json::json;
+
+use super::fw::{self, Conversation, Lines, Turn};
+use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ENV-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "A message is one JSON object.",
+        source: fw::GENERAL,
+        applies_to: "messages of the server",
+    },
+    check: Check::State(|| Box::new(Unreadable::default())),
+    mutants: &[
+        Mutant {
+            name: "what the server sends is no JSON",
+            make: || {
+                let mut talk = Conversation::new();
+                talk.lines
+                    .push(json!({ "t": 1.8e9, "conn": "hill", "dir": "in", "raw": "{\"$fw.version\":" }));
+                Some(talk.to_bytes())
+            },
+            also: &[],
+        },
+        Mutant {
+            name: "lines that make up no message",
+            make: || {
+                fw::over("tcp#9", |talk| {
+                    talk.says_raw("{");
+                    talk.says_raw("\"wind\":");
+                    talk.tells(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+                })
+            },
+            also: &[],
+        },
+        Mutant {
+            name: "a list",
+            make: || {
+                let mut talk = Conversation::new();
+                talk.lines.push(json!({ "t": 1.8e9, "conn": "hill", "dir": "in", "msg": [1] }));
+                Some(talk.to_bytes())
+            },
+            also: &[],
+        },
+    ],
+};
+
+/// What isn't known to be part of a message.
+#[derive(Default)]
+struct Unreadable(Lines);
+
+impl Unreadable {
+    fn tell(&mut self, judged: &mut Judged<'_>) {
+        self.0.whole.clear();
+        for line in self.0.other.drain(..) {
+            judged.report("message", line.place, || {
+                match line.actual {
+                    Some(actual) => Detail::differs("an object", actual),
+                    None => Detail::new("no JSON").expected("an object"),
+                }
+                .excerpt(line.excerpt)
+            });
+        }
+    }
+}
+
+impl Checker for Unreadable {
+    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+        if turn.is_of_server() {
+            judged.exercise();
+        }
+        if !fw::are_several(turn, "tcp") && !fw::are_several(turn, "udp") {
+            self.0.follow(turn);
+        }
+        self.tell(judged);
+    }
+
+    fn damage(&mut self, _: Place) {
+        self.0.part_all();
+    }
+
+    fn end(&mut self, judged: &mut Judged<'_>) {
+        self.0.part_all();
+        self.tell(judged);
+    }
+}

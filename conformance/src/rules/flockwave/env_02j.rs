@@ -1,0 +1,40 @@
+//! `FW-ENV-02J`.
+
+use super::fw::{self, Tree, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ENV-02J",
+        level: Level::Should,
+        status: Status::Advisory,
+        statement: "`$fw.version` of a message is one to three numbers with dots between them.",
+        source: fw::SCHEMA,
+        applies_to: "messages of the server",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "a word for the version",
+            make: || fw::reply_message("SYS-VER", |message| message["$fw.version"] = "first".into()),
+            also: &[],
+        },
+        Mutant {
+            name: "four numbers",
+            make: || fw::reply_message("SYS-VER", |message| message["$fw.version"] = "1.0.0.0".into()),
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let version = turn.message().and_then(|message| message.get("$fw.version")).and_then(Tree::as_str);
+    let Some(version) = version else { return };
+    judged.exercise();
+    if !fw::is_version(version) {
+        turn.breaks(judged, || {
+            Detail::differs("one to three numbers with dots between them", fw::quoted(version))
+                .at("/$fw.version")
+        });
+    }
+}

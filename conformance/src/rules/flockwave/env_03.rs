@@ -1,0 +1,33 @@
+//! `FW-ENV-03`.
+
+use super::fw::{self, Shape, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ENV-03",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "`id` of a message is a string.",
+        source: fw::GENERAL,
+        applies_to: "messages of the server",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "an id that is a number",
+            make: || fw::reply_message("SYS-VER", |message| message["id"] = 7.into()),
+            also: &[],
+        },
+        Mutant {
+            name: "no id",
+            make: || fw::reply_message("SYS-VER", |message| fw::remove(message, "id")),
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let Some(message) = turn.message() else { return };
+    fw::member(turn, judged, Some(message), &[], ("id", true), &Shape::Text);
+}

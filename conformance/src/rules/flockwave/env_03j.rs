@@ -1,0 +1,33 @@
+//! `FW-ENV-03J`.
+
+use super::fw::{self, Shape, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ENV-03J",
+        level: Level::Should,
+        status: Status::Advisory,
+        statement: "`id` of a message has 1 to 36 characters.",
+        source: fw::SCHEMA,
+        applies_to: "messages of the server",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "an id of 37 characters",
+            make: || fw::reply_message("SYS-VER", |message| message["id"] = "x".repeat(37).into()),
+            also: &[],
+        },
+        Mutant {
+            name: "an empty id",
+            make: || fw::reply_message("SYS-VER", |message| message["id"] = "".into()),
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let Some(message) = turn.message().filter(|_| turn.id.is_some()) else { return };
+    fw::member(turn, judged, Some(message), &[], ("id", true), &Shape::Length(1, 36));
+}

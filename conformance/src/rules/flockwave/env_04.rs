@@ -1,0 +1,35 @@
+//! `FW-ENV-04`.
+
+use super::fw::{self, Role, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ENV-04",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "No two responses and notifications of a connection have the same id.",
+        source: fw::GENERAL,
+        applies_to: "messages of the server over time",
+    },
+    check: Check::Context(judge),
+    mutants: &[Mutant {
+        name: "a response has the id of the one before",
+        make: || fw::reply_message("ACK-ACK", |message| message["id"] = "say-1".into()),
+        also: &[],
+    }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let is_named = matches!(turn.role, Role::Response | Role::Notification) && turn.is_of_server();
+    if !is_named || !turn.exchange.connection.is_told {
+        return;
+    }
+    let Some(id) = turn.id else { return };
+    judged.exercise();
+    if turn.is_id_in_use {
+        turn.breaks(judged, || {
+            Detail::new(format!("another message has had the id {}", fw::quoted(id))).at("/id")
+        });
+    }
+}

@@ -1,0 +1,41 @@
+//! `FW-ENV-06`.
+//!
+//! Requests from before the recording aren't known, so this is judged only of connections whose beginning it shows.
+
+use serde_json::json;
+
+use super::fw::{self, Reference, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ENV-06",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "`refs` of a response is the id of a request that was sent on the same connection.",
+        source: fw::GENERAL,
+        applies_to: "responses over time",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[Mutant {
+        name: "a response to what nobody asked",
+        make: || {
+            let answer = || json!({ "body": { "type": "ACK-ACK" } });
+            fw::then(|talk| talk.answers("nobody", answer()))
+        },
+        also: &[],
+    }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    if !fw::refers(turn) {
+        return;
+    }
+    judged.exercise();
+    if turn.reference == Reference::Unknown {
+        turn.breaks(judged, || {
+            let refs = turn.refs.map(fw::quoted).unwrap_or_default();
+            Detail::new(format!("no request on this connection has had the id {refs}")).at("/refs")
+        });
+    }
+}

@@ -1,0 +1,72 @@
+//! `FW-ENV-07`.
+//!
+//! No time limit is laid down, and a recording may end before the answer. So a request counts as unanswered only
+//! where no answer comes until the connection or the recording ends, and the server still spoke long after
+//! ([`PATIENCE`]). Who probes a server waits until he knows, and says so: such a request tries the rule, and one that tries another is left to that one.
+
+use serde_json::json;
+
+use super::fw::{self, Conversation, Role, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status, env_25};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ENV-07",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Each request gets a response, whatever its type.",
+        source: fw::GENERAL,
+        applies_to: "requests over time",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "a request without an answer",
+            make: || Some(Conversation::new().without("SYS-VER")?.to_bytes()),
+            also: &[],
+        },
+        Mutant {
+            name: "a request without an answer after which a probe waits no longer",
+            make: || {
+                fw::over("tcp#9", |talk| {
+                    talk.tries("FW-ENV-07", "", json!({ "type": "SYS-VER" }));
+                })
+            },
+            also: &[],
+        },
+    ],
+};
+
+/// How long a server may take, in seconds: what takes longer is answered with a receipt.
+const PATIENCE: f64 = 30.0;
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let Some(asked) = &turn.asked else { return };
+    // What is no request of Flockwave needn't have an answer.
+    if !asked.is_sound || !turn.exchange.connection.is_told {
+        return;
+    }
+    if let Some((of, _)) = &asked.trial {
+        // What tries another rule is a matter of that one, but for the one on the order of answers, which says nothing of
+        // what has none.
+        if of.id == RULE.rule.id {
+            fw::tried(turn, judged);
+        }
+        if of.id != env_25::RULE.rule.id {
+            return;
+        }
+    }
+    if turn.role == Role::Response {
+        return judged.exercise();
+    }
+    let Some(waited) = asked.waited.filter(|waited| turn.role == Role::Unanswered && *waited > PATIENCE)
+    else {
+        return;
+    };
+    let subject = asked.type_name.as_deref().unwrap_or("message");
+    judged.report(subject, asked.place, || {
+        Detail::new(format!("no response, though the server went on speaking for {waited:.0} s"))
+            .expected("a response")
+            .actual("none")
+    });
+}

@@ -1,0 +1,31 @@
+//! `FW-ENV-10`.
+
+use serde_json::json;
+
+use super::fw::{self, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ENV-10",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "A message never has both `body` and `error`.",
+        source: fw::GENERAL,
+        applies_to: "messages of the server",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[Mutant {
+        name: "both",
+        make: || fw::reply_message("SYS-VER", |message| message["error"] = json!({ "code": 7 })),
+        also: &[],
+    }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let Some(message) = turn.message() else { return };
+    judged.exercise();
+    if ["body", "error"].iter().all(|name| fw::is_there(message.get(name))) {
+        turn.breaks(judged, || Detail::differs("one of `body` and `error`", "both"));
+    }
+}

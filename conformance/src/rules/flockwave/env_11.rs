@@ -1,0 +1,41 @@
+//! `FW-ENV-11`.
+
+use super::fw::{self, Tree, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ENV-11",
+        level: Level::Should,
+        status: Status::Disputed(
+            "The text has `body` as an object; the published schema also lets it be null.",
+        ),
+        statement: "A message has `body`, an object, or `error`.",
+        source: fw::SCHEMA,
+        applies_to: "messages of the server",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "neither",
+            make: || fw::reply_message("ACK-ACK", |message| fw::remove(message, "body")),
+            also: &[],
+        },
+        Mutant {
+            name: "a body that is a string",
+            make: || fw::reply_message("ACK-ACK", |message| message["body"] = "fine".into()),
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let Some(message) = turn.message() else { return };
+    judged.exercise();
+    match message.get("body") {
+        Some(Tree::Object(_)) => {}
+        None | Some(Tree::Null) if fw::is_there(message.get("error")) => {}
+        None => turn.breaks(judged, || Detail::differs("`body` or `error`", "neither")),
+        Some(other) => turn.breaks(judged, || Detail::differs("an object", other).at("/body")),
+    }
+}

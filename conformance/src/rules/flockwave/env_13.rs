@@ -1,0 +1,40 @@
+//! `FW-ENV-13`.
+//!
+//! What servers do with other keys that they don't know is seen where someone tries it.
+
+use super::fw::{self, Tree, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ENV-13",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "No key of the envelope begins with `$` but `$fw.version`: such keys are reserved. A client may send any other.",
+        source: fw::GENERAL,
+        applies_to: "messages of the server, and requests that try it",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "another key that begins so",
+            make: || fw::reply_message("SYS-VER", |message| message["$wind"] = 7.into()),
+            also: &[],
+        },
+        Mutant {
+            name: "a request with an unknown key is refused",
+            make: || fw::refused("tcp#9", "FW-ENV-13"),
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fw::served(turn, judged);
+    let Some(Tree::Object(members)) = turn.message() else { return };
+    judged.exercise();
+    let reserved = members.iter().find(|(key, _)| key.starts_with('$') && key != "$fw.version");
+    if let Some((key, _)) = reserved {
+        turn.breaks(judged, || Detail::new(format!("the key {} is reserved", fw::quoted(key))));
+    }
+}

@@ -1,0 +1,90 @@
+//! `FW-ENV-16`.
+
+use serde_json::json;
+
+use super::fw::{self, Role, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ENV-16",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "A response has the type of its request or is ACK-NAK, but that of SYS-PING, SHOW-SETCFG, SHOW-SETLIGHTS and a setting RTK-SOURCE is ACK-ACK, and that of AUTH-REQ is AUTH-RESP.",
+        source: fw::GENERAL,
+        applies_to: "responses over time",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "another type",
+            make: || fw::reply("SYS-PORTS", |body| *body = json!({ "type": "UAV-LIST", "ids": [] })),
+            also: &[],
+        },
+        Mutant {
+            name: "SYS-PING is answered with itself",
+            make: || fw::reply("ACK-ACK", |body| body["type"] = "SYS-PING".into()),
+            also: &["FW-SYS-PING-01", "FW-SYS-PING-02"],
+        },
+        Mutant {
+            name: "a setting RTK-SOURCE is answered with itself",
+            make: || {
+                fw::then(|talk| talk.asks(json!({ "type": "RTK-SOURCE", "id": null }), json!({ "id": null })))
+            },
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let (Some(asked), Some(found)) = (&turn.asked, turn.type_name) else { return };
+    let Some(question) = asked.type_name.as_deref().filter(|name| judged.definitions.shapes().has(name))
+    else {
+        return;
+    };
+    if turn.role != Role::Response || !turn.is_of_server() {
+        return;
+    }
+    let expected = answer(question, asked.is_setting);
+    judged.exercise();
+    if found != expected && found != "ACK-NAK" {
+        turn.breaks(judged, || {
+            Detail::new(format!(
+                "{} answers {question}, where {expected} or ACK-NAK should",
+                fw::quoted(found)
+            ))
+            .at("/body/type")
+            .expected(format!("{expected} or ACK-NAK"))
+            .actual(fw::quoted(found))
+        });
+    }
+}
+
+/// The type that answers a request of this type, if it isn't ACK-NAK.
+fn answer(question: &str, is_setting: bool) -> &str {
+    match question {
+        "SYS-PING" | "SHOW-SETCFG" | "SHOW-SETLIGHTS" => "ACK-ACK",
+        "RTK-SOURCE" if is_setting => "ACK-ACK",
+        "AUTH-REQ" => "AUTH-RESP",
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::answer;
+    use crate::definitions::Definitions;
+
+    #[test]
+    fn answers_are_those_that_the_definitions_have() {
+        for message in &Definitions::built_in().schema.json_messages {
+            for part in message.parts.iter().filter(|part| !part.answers.is_empty()) {
+                let stated: BTreeSet<&str> = part.answers.iter().map(String::as_str).collect();
+                let expected = [false, true].map(|is_setting| answer(&message.name, is_setting));
+                assert_eq!(stated, BTreeSet::from(expected), "{}", message.name);
+            }
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! `FW-ENV-17`.
+
+use serde_json::json;
+
+use uavspec_codegen::schema::json_type::Direction;
+
+use super::fw::{self, Role, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ENV-17",
+        level: Level::Must,
+        status: Status::Disputed(
+            "The published schema of notifications lacks UAV-INF, CONN-INF and DEV-INF, which the text allows; CLK-INF and UAV-PREFLT stand as the text has them.",
+        ),
+        statement: "A message of the server without `refs` is of a type that may be a notification, or a SYS-PING.",
+        source: fw::GENERAL,
+        applies_to: "messages of the server",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[Mutant {
+        name: "an answer without `refs`",
+        make: || fw::then(|talk| talk.tells(json!({ "type": "UAV-LIST", "ids": [] }))),
+        also: &[],
+    }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let shapes = judged.definitions.shapes();
+    let Some(name) = turn.type_name.filter(|name| shapes.has(name)) else { return };
+    if turn.role != Role::Notification {
+        return;
+    }
+    judged.exercise();
+    if !shapes.goes(name, Direction::Notification) {
+        turn.breaks(judged, || Detail::new(format!("{name} has no `refs`, and it is no notification")));
+    }
+}

@@ -1,0 +1,91 @@
+//! `FW-ENV-18`.
+//!
+//! What has a rule of its own is told by that alone.
+
+use serde_json::json;
+
+use super::fw::{self, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ENV-18",
+        level: Level::Should,
+        status: Status::Disputed(
+            "The published schemas don't let a field be null that isn't required; the advice to the authors of the specification \
+         does. Here null is a deviation wherever the definition doesn't name it.",
+        ),
+        statement: "A body has the shape that the definitions give its type for its direction, so far as no other rule is about that; fields that they don't have are allowed where they don't close the object.",
+        source: fw::SCHEMA,
+        applies_to: "bodies of the server",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "a required field is absent",
+            make: || fw::reply("RTK-INF", |body| fw::remove(&mut body["preset"]["field"], "title")),
+            also: &[],
+        },
+        Mutant {
+            name: "null for what is left out",
+            make: || fw::reply("ACK-NAK", |body| body["reason"] = json!(null)),
+            also: &[],
+        },
+        Mutant {
+            name: "a number for a word",
+            make: || fw::notice("ASYNC-ST", |body| body["progress"]["message"] = 7.into()),
+            also: &[],
+        },
+        Mutant {
+            name: "a value that a closed set doesn't have",
+            make: || fw::reply("UAV-PREFLT", |body| body["status"]["kite"]["result"] = "fine".into()),
+            also: &[],
+        },
+        Mutant {
+            name: "a number out of bounds",
+            make: || fw::reply("WTH-AT", |body| body["weather"]["windSpeed"] = (-1).into()),
+            also: &[],
+        },
+        Mutant {
+            name: "a latitude in degrees",
+            make: || fw::reply("WTH-INF", |body| body["status"]["ridge"]["position"][0] = 46.541.into()),
+            also: &[],
+        },
+        Mutant {
+            name: "a position without a longitude",
+            make: || fw::reply("WTH-INF", |body| body["status"]["ridge"]["position"] = json!([465_410_000])),
+            also: &[],
+        },
+        Mutant {
+            name: "a path without a slash",
+            make: || fw::reply("DEV-SUB", |body| body["success"] = json!(["/kite/vario", "kite"])),
+            also: &[],
+        },
+        Mutant {
+            name: "a field that the request has",
+            make: || fw::reply("CLK-INF", |body| body["ids"] = json!(["day"])),
+            also: &[],
+        },
+        Mutant {
+            name: "a field that a closed object doesn't have, deep inside",
+            make: || fw::reply("DEV-LIST", |body| body["devices"]["kite"]["colour"] = "red".into()),
+            also: &[],
+        },
+        Mutant {
+            name: "a map that is a list",
+            make: || fw::reply("EXT-INF", |body| body["error"] = json!([])),
+            also: &["FW-INF-01"],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let Some(deviations) = &turn.deviations else { return };
+    judged.exercise();
+    for deviation in deviations.iter().filter(|deviation| deviation.told_by.is_none()) {
+        let name = turn.subject();
+        let subject =
+            if deviation.field.is_empty() { name } else { format!("{name}.{}", deviation.field).into() };
+        turn.deviates(judged, &subject, deviation);
+    }
+}

@@ -1,0 +1,38 @@
+//! `FW-ENV-22`.
+//!
+//! It is tried with two requests: one that is malformed, and a sound one after it. To either any answer will do.
+
+use serde_json::json;
+
+use super::fw;
+use super::{Check, FlockwaveRule, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ENV-22",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "A malformed request that has an id gets an answer, and the connection goes on.",
+        source: fw::DERIVED,
+        applies_to: "requests that try it",
+    },
+    check: Check::Exchange(|turn, judged| {
+        fw::tried(turn, judged);
+    }),
+    mutants: &[
+        Mutant {
+            name: "no answer to a malformed request",
+            make: || {
+                fw::over("tcp#9", |talk| {
+                    talk.tries_with("FW-ENV-22", "a malformed request", ("body", json!(7)), None);
+                })
+            },
+            also: &[],
+        },
+        Mutant {
+            name: "no answer to the request after it",
+            make: || fw::unanswered("tcp#9", "FW-ENV-22"),
+            also: &[],
+        },
+    ],
+};

@@ -1,0 +1,79 @@
+//! `FW-ENV-23`.
+
+use std::collections::HashSet;
+
+use super::fw::{self, Conversation, Tree, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use crate::json::pointer;
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ENV-23",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "A message is strict JSON: no `NaN` or `Infinity`, and no key twice in an object.",
+        source: fw::DERIVED,
+        applies_to: "messages of the server",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "`NaN`",
+            make: || {
+                let talk = Conversation::new();
+                let text = String::from_utf8(talk.to_bytes()).ok()?;
+                Some(text.replacen("\"name\":\"Hill\"", "\"name\":\"Hill\",\"gusts\":NaN", 1).into_bytes())
+            },
+            also: &[],
+        },
+        Mutant {
+            name: "a key twice",
+            make: || {
+                let talk = Conversation::new();
+                let text = String::from_utf8(talk.to_bytes()).ok()?;
+                Some(
+                    text.replacen("\"name\":\"Hill\"", "\"name\":\"Hill\",\"name\":\"Hill\"", 1).into_bytes(),
+                )
+            },
+            also: &[],
+        },
+    ],
+};
+
+/// How many keys are few.
+const FEW: usize = 16;
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let Some(message) = turn.message() else { return };
+    judged.exercise();
+    if let Some((path, what)) = loose(message) {
+        turn.breaks(judged, || Detail::new(what).at(path));
+    }
+}
+
+/// The first place in a value that JSON doesn't have, or doesn't say the meaning of.
+fn loose(value: &Tree<'_>) -> Option<(String, String)> {
+    let below = |key: &str, (path, what): (String, String)| (pointer(&[key]) + &path, what);
+    match value {
+        Tree::Token(word) => Some((String::new(), format!("{word} is no JSON"))),
+        Tree::List(values) => {
+            values.iter().enumerate().find_map(|(at, value)| Some(below(&at.to_string(), loose(value)?)))
+        }
+        Tree::Object(members) => {
+            let mut seen = HashSet::new();
+            members.iter().enumerate().find_map(|(at, (key, value))| {
+                // A few keys are sooner compared with each other than put into a set.
+                let is_repeated = if members.len() <= FEW {
+                    members[..at].iter().any(|(other, _)| other == key)
+                } else {
+                    !seen.insert(key.as_ref())
+                };
+                if is_repeated {
+                    return Some((String::new(), format!("the key {} stands there twice", fw::quoted(key))));
+                }
+                Some(below(key, loose(value)?))
+            })
+        }
+        _ => None,
+    }
+}

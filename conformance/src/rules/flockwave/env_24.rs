@@ -1,0 +1,172 @@
+//! `FW-ENV-24`.
+//!
+//! Whoever tries it asks something of each family, and on the same connection for a type that there isn't: a family has
+//! no handler where all that was asked of it is refused just as that was. ACK has no requests that could be tried.
+//!
+//! Servers that need a login may refuse everything before it alike. So nothing is said of connections without one, where
+//! the server has said that it needs one.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde_json::json;
+
+use super::fw::{self, PerConnection, Role, Tree, Turn};
+use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status, env_07};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ENV-24",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Each mandatory family has a handler: ASYNC, AUTH, CONN, DEV, EXT, OBJ, RTK, SYS and UAV. (Nothing can be asked of ACK.)",
+        source: fw::GENERAL,
+        applies_to: "requests that try it",
+    },
+    check: Check::State(|| Box::new(Families::default())),
+    mutants: &[
+        Mutant {
+            name: "DEV is refused as what there isn't",
+            make: || {
+                fw::over("tcp#9", |talk| {
+                    talk.logs_in();
+                    for (rule, name) in
+                        [("FW-ENV-24", "DEV-LIST"), ("FW-ENV-07", "UAV-SOAR"), ("FW-ENV-24", "DEV-SUB")]
+                    {
+                        let refused = json!({ "type": "ACK-NAK", "reason": format!("{name} isn't known") });
+                        talk.tries_and_hears(rule, "", json!({ "type": name }), refused);
+                    }
+                })
+            },
+            also: &[],
+        },
+        Mutant {
+            name: "CONN is refused without a reason, as is what there isn't",
+            make: || {
+                fw::over("tcp#9", |talk| {
+                    talk.logs_in();
+                    for (rule, name) in [("FW-ENV-07", "UAV-SOAR"), ("FW-ENV-24", "CONN-LIST")] {
+                        talk.tries_and_hears(rule, "", json!({ "type": name }), json!({ "type": "ACK-NAK" }));
+                    }
+                })
+            },
+            also: &[],
+        },
+        Mutant {
+            name: "no answer to a family",
+            make: || {
+                fw::over("tcp#9", |talk| {
+                    talk.tries("FW-ENV-24", "", json!({ "type": "RTK-LIST" }));
+                })
+            },
+            also: &[],
+        },
+    ],
+};
+
+/// The families that can be asked.
+const FAMILIES: [&str; 9] = ["ASYNC", "AUTH", "CONN", "DEV", "EXT", "OBJ", "RTK", "SYS", "UAV"];
+
+/// How much of a reason is compared, in characters.
+const MAX_REASON: usize = 256;
+
+/// How many ways to refuse are told apart.
+const MAX_REASONS: usize = 16;
+
+/// How families are refused, connection by connection.
+#[derive(Default)]
+struct Families {
+    is_login_needed: bool,
+    connections: PerConnection<Refusals>,
+}
+
+/// How requests on a connection are refused.
+#[derive(Default)]
+struct Refusals {
+    is_logged_in: bool,
+    /// How a type is that there isn't.
+    unknown: BTreeSet<String>,
+    /// How each family is.
+    families: BTreeMap<&'static str, Family>,
+}
+
+/// What came of asking a family.
+struct Family {
+    is_served: bool,
+    reasons: BTreeSet<String>,
+    place: Place,
+}
+
+impl Checker for Families {
+    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+        if let Some(refusals) = self.connections.closed(turn) {
+            return self.judge(refusals, judged);
+        }
+        if !turn.exchange.connection.is_told {
+            return;
+        }
+        if let Some(body) = turn.response("AUTH-INF") {
+            self.is_login_needed |= body.get("required") == Some(&Tree::Bool(true));
+        }
+        if let Some(body) = turn.response("AUTH-RESP") {
+            self.connections.of(turn).is_logged_in |= body.get("result") == Some(&Tree::Bool(true));
+        }
+        if turn.role == Role::Response && turn.tried(&env_07::RULE.rule).is_some() {
+            let asked = turn.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
+            if let Some(name) = asked.filter(|name| !judged.definitions.is_message_known(name))
+                && let Some(reason) = reason(turn, name)
+            {
+                let unknown = &mut self.connections.of(turn).unknown;
+                if unknown.len() < MAX_REASONS {
+                    unknown.insert(reason);
+                }
+            }
+        }
+        if fw::tried(turn, judged) {
+            self.tried(turn);
+        }
+    }
+
+    fn damage(&mut self, _: Place) {
+        self.connections.clear();
+    }
+}
+
+impl Families {
+    fn tried(&mut self, turn: &Turn<'_>) {
+        let Some(name) = turn.asked.as_ref().and_then(|asked| asked.type_name.as_deref()) else { return };
+        let Some(family) = FAMILIES.iter().find(|family| name.split('-').next() == Some(family)) else {
+            return;
+        };
+        let families = &mut self.connections.of(turn).families;
+        let new = || Family { is_served: false, reasons: BTreeSet::new(), place: turn.exchange.place };
+        let family = families.entry(family).or_insert_with(new);
+        match reason(turn, name) {
+            Some(reason) if family.reasons.len() < MAX_REASONS => _ = family.reasons.insert(reason),
+            // What is refused in ever other ways is refused for a reason.
+            Some(_) | None => family.is_served = true,
+        }
+    }
+
+    fn judge(&self, refusals: Refusals, judged: &mut Judged<'_>) {
+        if self.is_login_needed && !refusals.is_logged_in {
+            return;
+        }
+        for (name, family) in refusals.families {
+            let is_absent = !family.is_served && family.reasons.is_subset(&refusals.unknown);
+            if is_absent {
+                judged.report(name, family.place, || {
+                    Detail::new("requests are refused just as one of a type that there isn't")
+                        .expected("a handler")
+                        .actual("none")
+                });
+            }
+        }
+    }
+}
+
+/// The reason with which a request is refused, but for its type; empty where there is none.
+fn reason(turn: &Turn<'_>, type_name: &str) -> Option<String> {
+    let body = turn.response("ACK-NAK")?;
+    let reason = body.get("reason").and_then(Tree::as_str).unwrap_or_default();
+    Some(reason.replace(type_name, "…").chars().take(MAX_REASON).collect())
+}

@@ -1,0 +1,61 @@
+//! `FW-ENV-25`.
+//!
+//! The specification lets answers come in any order. Most clients never see another than that of their requests, so it is
+//! good to know of a server that doesn't keep to it. That a request isn't answered at all is another rule's matter.
+
+use super::fw::{self, PerConnection, Role, Turn};
+use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ENV-25",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "Answers to requests that are sent at once come in the order of the requests.",
+        source: fw::DERIVED,
+        applies_to: "requests that try it",
+    },
+    check: Check::State(|| Box::new(Order::default())),
+    mutants: &[Mutant {
+        name: "the last one is answered first",
+        make: || fw::over("tcp#9", |talk| talk.pipelines("FW-ENV-25", &[2, 0, 1])),
+        also: &[],
+    }],
+};
+
+/// The order of answers, connection by connection.
+#[derive(Default)]
+struct Order(PerConnection<Answered>);
+
+/// What was answered on a connection.
+#[derive(Default)]
+struct Answered {
+    /// Where the request stands that was sent last of those.
+    latest: Option<Place>,
+    is_told: bool,
+}
+
+impl Checker for Order {
+    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+        let is_answer = turn.role == Role::Response && turn.exchange.connection.is_told;
+        let Some(asked) = turn.asked.as_ref().filter(|_| is_answer && turn.tried(&RULE.rule).is_some())
+        else {
+            return;
+        };
+        judged.exercise();
+        let answered = self.0.of(turn);
+        let later = answered.latest.filter(|latest| *latest > asked.place);
+        if let Some(later) = later.filter(|_| !answered.is_told) {
+            turn.breaks(judged, || {
+                Detail::new(format!("the request in {later} was answered before that in {}", asked.place))
+                    .at("/refs")
+            });
+            answered.is_told = true;
+        }
+        answered.latest = answered.latest.max(Some(asked.place));
+    }
+
+    fn damage(&mut self, _: Place) {
+        self.0.clear();
+    }
+}

@@ -1,0 +1,42 @@
+//! `FW-ERR-01`.
+
+use serde_json::json;
+
+use super::fw::{self, Shape, Tree, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use crate::flockwave::body_schema::Mismatch;
+use crate::json::pointer;
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ERR-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Codes are integers, 0 or more.",
+        source: fw::ERRORS,
+        applies_to: "`errors` of UAV-INF",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant { name: "a negative code", make: || fw::errors(&[-1]), also: &[] },
+        Mutant {
+            name: "a word",
+            make: || fw::state(|kite| kite["errors"] = json!(["windy"])),
+            also: &["FW-UST-ERRORS"],
+        },
+    ],
+};
+
+const CODE: Shape = Shape::Integer(0, i128::MAX);
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    for (uav, state) in fw::states(turn, "UAV-INF") {
+        let Some(Tree::List(codes)) = state.get("errors") else { continue };
+        judged.exercise();
+        let wrong = codes.iter().enumerate().find_map(|(at, code)| Some((at, CODE.mismatch(code)?)));
+        if let Some((at, found)) = wrong {
+            let path = pointer(&["body", "status", uav, "errors", &at.to_string()]);
+            fw::mismatched(turn, judged, Mismatch { path, ..found });
+        }
+    }
+}

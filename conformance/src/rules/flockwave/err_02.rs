@@ -1,0 +1,24 @@
+//! `FW-ERR-02`.
+
+use super::fw::{self, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ERR-02",
+        level: Level::Should,
+        status: Status::Normative,
+        statement: "0 isn't listed: an empty list says that there is no error.",
+        source: fw::ERRORS,
+        applies_to: "`errors` of UAV-INF",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant { name: "0", make: || fw::errors(&[0]), also: &[] },
+        Mutant { name: "0 beside another", make: || fw::errors(&[0, 1]), also: &[] },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fw::codes(turn, judged, |codes| codes.contains(&0).then(|| "0 is listed".to_owned()));
+}

@@ -1,0 +1,32 @@
+//! `FW-ERR-04`.
+
+use std::ops::RangeInclusive;
+
+use super::fw::{self, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ERR-04",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "A code below 256 is one that the specification has.",
+        source: fw::ERRORS,
+        applies_to: "`errors` of UAV-INF",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[Mutant { name: "12", make: || fw::errors(&[12]), also: &[] }],
+};
+
+/// The codes that there are, but for 0.
+const KNOWN: [RangeInclusive<i128>; 9] =
+    [1..=11, 63..=63, 64..=75, 127..=127, 128..=142, 188..=191, 192..=207, 253..=254, 255..=255];
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fw::codes(turn, judged, |codes| {
+        let is_known =
+            |code: &i128| *code <= 0 || *code > 255 || KNOWN.iter().any(|known| known.contains(code));
+        let unknown = codes.iter().find(|code| !is_known(code))?;
+        Some(format!("the specification has no code {unknown}"))
+    });
+}

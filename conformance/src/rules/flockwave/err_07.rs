@@ -1,0 +1,34 @@
+//! `FW-ERR-07`.
+
+use super::fw::{self, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ERR-07",
+        level: Level::Should,
+        status: Status::Disputed(
+            "The text of code 65 names 131 as its alternative, which has nothing to do with it; 132 is meant.",
+        ),
+        statement: "Codes that are alternatives don't stand together: 65 and 132; 66, 134 and 199; 133 and 197; 71 and 201; 72 and 139.",
+        source: fw::ERRORS,
+        applies_to: "`errors` of UAV-INF",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant { name: "both on the battery", make: || fw::errors(&[66, 134]), also: &[] },
+        Mutant { name: "both on the fence", make: || fw::errors(&[71, 201]), also: &[] },
+    ],
+};
+
+const ALTERNATIVES: [&[i128]; 5] = [&[65, 132], &[66, 134, 199], &[133, 197], &[71, 201], &[72, 139]];
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fw::codes(turn, judged, |codes| {
+        let both = ALTERNATIVES.iter().find_map(|group| {
+            let mut found = group.iter().filter(|code| codes.contains(code));
+            found.next().zip(found.next())
+        });
+        both.map(|(one, other)| format!("{one} and {other} are alternatives"))
+    });
+}

@@ -1,0 +1,30 @@
+//! `FW-ERR-08`.
+
+use super::fw::{self, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ERR-08",
+        level: Level::Should,
+        status: Status::Normative,
+        statement: "201, outside the fence in the air, doesn't stand beside 1, on the ground; 71 does.",
+        source: fw::ERRORS,
+        applies_to: "`errors` of UAV-INF",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[Mutant {
+        name: "outside the fence, on the ground",
+        make: || fw::errors(&[1, 201]),
+        also: &[],
+    }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fw::codes(turn, judged, |codes| {
+        [201, 1]
+            .iter()
+            .all(|code| codes.contains(code))
+            .then(|| "201 is for the air, and 1 says that the UAV is on the ground".to_owned())
+    });
+}

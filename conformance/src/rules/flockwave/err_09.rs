@@ -1,0 +1,24 @@
+//! `FW-ERR-09`.
+
+use super::fw::{self, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ERR-09",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "1, on the ground, doesn't stand beside 5, 6 or 63, taking off, landing and flying home.",
+        source: fw::DERIVED,
+        applies_to: "`errors` of UAV-INF",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[Mutant { name: "landing on the ground", make: || fw::errors(&[1, 6]), also: &[] }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fw::codes(turn, judged, |codes| {
+        let flying = codes.iter().find(|code| [5, 6, 63].contains(*code)).filter(|_| codes.contains(&1))?;
+        Some(format!("{flying} is for the air, and 1 says that the UAV is on the ground"))
+    });
+}

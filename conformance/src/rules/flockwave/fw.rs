@@ -1,0 +1,432 @@
+//! What the rules on Flockwave (`FW-…`) have in common. They are about servers: what clients send is only followed.
+//!
+//! Some show only where someone tries them ([`tried`]). `FW-ERR-05`, on the severity of error codes, isn't among them: what
+//! severity a code has isn't sent, and is asked of codecs (`severity` of the testee protocol).
+
+mod lines;
+mod per_connection;
+
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet, HashSet};
+
+use crate::flockwave::session::parts;
+use serde_json::{Value, json};
+
+pub(super) use self::lines::{Lines, are_several, is_called};
+pub(super) use self::per_connection::PerConnection;
+use crate::flockwave::body_schema::{Deviation, Mismatch, integer};
+pub(super) use crate::flockwave::body_schema::{INTEGER, Shape};
+pub(super) use crate::flockwave::session::{OPERATIONS, Reference, Role, Stage, Turn};
+pub(super) use crate::json::Tree;
+use crate::json::pointer;
+pub(super) use crate::rules::sample::Conversation;
+
+use super::{Detail, Judged};
+
+pub(super) const GENERAL: &str = "Flockwave 2.10, general remarks on messages";
+pub(super) const SCHEMA: &str = "Flockwave 2.10, published JSON Schema";
+pub(super) const TRANSPORT: &str = "Flockwave 2.10, transport";
+pub(super) const TYPES: &str = "Flockwave 2.10, types";
+pub(super) const ERRORS: &str = "Flockwave 2.10, error codes";
+pub(super) const ASYNC: &str = "Flockwave 2.10, asynchronous operations";
+pub(super) const MESSAGES: &str = "Flockwave 2.10, the chapter on the message";
+pub(super) const DERIVED: &str = "derived from Flockwave 2.10";
+
+/// How much of something is quoted, in characters.
+const MAX_QUOTED: usize = 64;
+
+/// How much room the ids of a list may take that are followed, in bytes: those of a fleet of ten thousand fit.
+const MAX_LISTED: usize = 1 << 19;
+
+/// What an id takes beside its text, in bytes; a rough guess.
+const OVERHEAD: usize = 40;
+
+/// The longest id that is followed, in bytes: 64 characters of up to four.
+const MAX_ID: usize = 256;
+
+/// How many objects are told that aren't where they should be.
+const MAX_TOLD: usize = 4;
+
+/// Something has another shape than it should, here in the message.
+pub(super) fn mismatched(turn: &Turn<'_>, judged: &mut Judged<'_>, found: Mismatch) {
+    turn.breaks(judged, || {
+        let Mismatch { path, expected, actual } = found;
+        Detail::differs(expected, actual).at(path)
+    });
+}
+
+/// A field of the body has this shape; it may be left out where it isn't required.
+pub(super) fn field(turn: &Turn<'_>, judged: &mut Judged<'_>, name: &str, is_required: bool, shape: &Shape) {
+    member(turn, judged, turn.body, &["body"], (name, is_required), shape);
+}
+
+/// A member of something at `keys` has this shape.
+pub(super) fn member(
+    turn: &Turn<'_>,
+    judged: &mut Judged<'_>,
+    holder: Option<&Tree<'_>>,
+    keys: &[&str],
+    (name, is_required): (&str, bool),
+    shape: &Shape,
+) {
+    let found = match holder.and_then(|holder| holder.get(name)) {
+        None if is_required => Some(Mismatch::new(shape.to_string(), "nothing")),
+        None => return,
+        Some(value) => shape.mismatch(value),
+    };
+    judged.exercise();
+    if let Some(found) = found {
+        let path = pointer(keys) + &pointer(&[name]) + &found.path;
+        mismatched(turn, judged, Mismatch { path, ..found });
+    }
+}
+
+impl Turn<'_> {
+    /// Something in it breaks a rule.
+    pub(super) fn breaks(&self, judged: &mut Judged<'_>, detail: impl FnOnce() -> Detail) {
+        judged.report(&self.subject(), self.exchange.place, || detail().excerpt(self.excerpt()));
+    }
+
+    /// Its body deviates from its definition, and so breaks a rule on `subject`.
+    pub(super) fn deviates(&self, judged: &mut Judged<'_>, subject: &str, deviation: &Deviation) {
+        judged.report_defined(subject, self.exchange.place, deviation.definition, || {
+            let Mismatch { path, expected, actual } = &deviation.mismatch;
+            Detail::differs(expected, actual).at(path).excerpt(self.excerpt())
+        });
+    }
+}
+
+/// The members of a field of the body that is an object.
+pub(super) fn members<'t>(turn: &Turn<'t>, name: &str) -> &'t [(Cow<'t, str>, Tree<'t>)] {
+    match turn.field(name) {
+        Some(Tree::Object(members)) => members,
+        _ => &[],
+    }
+}
+
+/// The members of what a server says of the state of each object of a type.
+pub(super) fn states<'t>(turn: &Turn<'t>, type_name: &str) -> &'t [(Cow<'t, str>, Tree<'t>)] {
+    if turn.body_of(type_name).is_some() { members(turn, "status") } else { &[] }
+}
+
+/// A text as it is quoted.
+pub(super) fn quoted(text: &str) -> String {
+    let short: String = text.chars().take(MAX_QUOTED).collect();
+    let more = if short.len() < text.len() { "…" } else { "" };
+    format!("`{short}{more}`")
+}
+
+/// Each object that was asked for stands in exactly one part of the reply, if it is of one of these types.
+pub(super) fn partition(turn: &Turn<'_>, judged: &mut Judged<'_>, types: &[&str]) {
+    let Some((asked, parts)) = replied(turn, types) else { return };
+    judged.exercise();
+    let mut found: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for part in parts {
+        for object in named(turn, part).filter(|object| asked.contains(*object)) {
+            let stands = found.entry(object).or_default();
+            if stands.last() != Some(part) {
+                stands.push(part);
+            }
+        }
+    }
+    let stands = |object: &String| found.get(object.as_str()).cloned().unwrap_or_default();
+    let wrong = asked.iter().map(|object| (object, stands(object))).filter(|(_, stands)| stands.len() != 1);
+    let wrong: Vec<(&String, Vec<&str>)> = wrong.collect();
+    if !wrong.is_empty() {
+        turn.breaks(judged, || {
+            let told = wrong.iter().take(MAX_TOLD).map(|(object, found)| match found.len() {
+                0 => format!("{} in none", quoted(object)),
+                _ => format!("{} in {}", quoted(object), found.join(" and ")),
+            });
+            let mut told: Vec<String> = told.collect();
+            if wrong.len() > MAX_TOLD {
+                told.push(format!("{} more", wrong.len() - MAX_TOLD));
+            }
+            let told = told.join(", ");
+            Detail::new(format!(
+                "of what was asked for, there is {told}; expected each in exactly one of {}",
+                parts.join(", ")
+            ))
+            .at("/body")
+            .expected(format!("each in exactly one of {}", parts.join(", ")))
+            .actual(told)
+        });
+    }
+}
+
+/// The reply tells of nothing that wasn't asked for, if it is of one of these types.
+pub(super) fn strangers(turn: &Turn<'_>, judged: &mut Judged<'_>, types: &[&str]) {
+    let Some((asked, parts)) = replied(turn, types) else { return };
+    judged.exercise();
+    let stranger = parts.iter().find_map(|part| {
+        let (key, _) = members(turn, part).iter().find(|(key, _)| !asked.contains(key.as_ref()))?;
+        Some((*part, key))
+    });
+    if let Some((part, key)) = stranger {
+        turn.breaks(judged, || {
+            Detail::new(format!("{} wasn't asked for", quoted(key))).at(pointer(&["body", part, key]))
+        });
+    }
+}
+
+/// What was asked for, and the parts of a reply that tell about it.
+fn replied<'u>(
+    turn: &'u Turn<'_>,
+    types: &[&str],
+) -> Option<(&'u BTreeSet<String>, &'static [&'static str])> {
+    let name = turn.type_name.filter(|name| turn.response(name).is_some() && types.contains(name))?;
+    let asked = turn.asked_same()?.objects.as_ref()?;
+    Some((asked, parts(name)?.told))
+}
+
+/// What a part of a reply names: the keys of a map, or the strings of a list.
+fn named<'t>(turn: &Turn<'t>, part: &str) -> impl Iterator<Item = &'t str> {
+    let (members, values) = match turn.field(part) {
+        Some(Tree::Object(members)) => (&members[..], &[][..]),
+        Some(Tree::List(values)) => (&[][..], &values[..]),
+        _ => (&[][..], &[][..]),
+    };
+    members.iter().map(|(key, _)| key.as_ref()).chain(values.iter().filter_map(Tree::as_str))
+}
+
+/// Each object's key in the map is its id.
+pub(super) fn keyed(turn: &Turn<'_>, judged: &mut Judged<'_>, type_name: &str) {
+    for (key, state) in states(turn, type_name) {
+        judged.exercise();
+        let id = state.get("id");
+        // That there is an id, and a string, is another rule's matter.
+        if let Some(id) = id.and_then(Tree::as_str).filter(|id| id != key) {
+            turn.breaks(judged, || {
+                Detail::differs(quoted(key), quoted(id)).at(pointer(&["body", "status", key, "id"]))
+            });
+        }
+    }
+}
+
+/// No value of a list stands there twice.
+pub(super) fn unique(turn: &Turn<'_>, judged: &mut Judged<'_>, name: &str) {
+    let Some(Tree::List(values)) = turn.field(name) else { return };
+    judged.exercise();
+    let mut seen = HashSet::new();
+    let repeated = values.iter().filter_map(Tree::as_str).find(|text| !seen.insert(*text));
+    if let Some(text) = repeated {
+        turn.breaks(judged, || {
+            Detail::new(format!("{} stands there twice", quoted(text))).at(pointer(&["body", name]))
+        });
+    }
+}
+
+/// Asks of each list of error codes what is wrong with it. What is no integer is another rule's matter.
+pub(super) fn codes(turn: &Turn<'_>, judged: &mut Judged<'_>, wrong: impl Fn(&[i128]) -> Option<String>) {
+    for (uav, state) in states(turn, "UAV-INF") {
+        let Some(Tree::List(values)) = state.get("errors") else { continue };
+        let codes: Vec<i128> = values.iter().filter_map(integer).collect();
+        judged.exercise();
+        if let Some(message) = wrong(&codes) {
+            turn.breaks(judged, || {
+                let told: Vec<String> = codes.iter().take(16).map(ToString::to_string).collect();
+                let path = pointer(&["body", "status", uav, "errors"]);
+                Detail::new(message).at(path).actual(format!("[{}]", told.join(", ")))
+            });
+        }
+    }
+}
+
+/// Whether something is there, and not null: members that are optional may be null, by the advice to the authors of
+/// the specification.
+pub(super) fn is_there(value: Option<&Tree<'_>>) -> bool {
+    value.is_some_and(|value| *value != Tree::Null)
+}
+
+/// Exactly one of the members of a body is there. A null among them counts only where nothing else does, and only if
+/// null may be what it says.
+pub(super) fn exactly_one(turn: &Turn<'_>, judged: &mut Judged<'_>, names: &[&str], may_be_null: &str) {
+    judged.exercise();
+    let mut found: Vec<&str> = names.iter().copied().filter(|name| is_there(turn.field(name))).collect();
+    if found.is_empty() && turn.field(may_be_null) == Some(&Tree::Null) {
+        found.push(may_be_null);
+    }
+    if found.len() != 1 {
+        turn.breaks(judged, || {
+            let found = if found.is_empty() { "none".to_owned() } else { found.join(" and ") };
+            Detail::differs(format!("exactly one of {}", names.join(", ")), found).at("/body")
+        });
+    }
+}
+
+/// Whether this is the response to a request that tries the rule. That there is none breaks it, and so does a connection
+/// that didn't come about. Of a recording that doesn't show how the connection ended, nobody knows what was to come; nor
+/// what was lost, where messages may be.
+pub(super) fn tried(turn: &Turn<'_>, judged: &mut Judged<'_>) -> bool {
+    let Some(how) = turn.tried(judged.rule) else { return false };
+    let (what, actual) = match turn.role {
+        Role::Response => {
+            judged.exercise();
+            return true;
+        }
+        Role::Unanswered if is_over(turn) => ("no response", "none"),
+        Role::Event if turn.exchange.text == "refused" => ("no connection", "none"),
+        _ => return false,
+    };
+    judged.exercise();
+    unserved(turn, judged, what, actual, how);
+    false
+}
+
+/// Whether all that answered a request would be known.
+fn is_over(turn: &Turn<'_>) -> bool {
+    turn.exchange.note.is_some() && turn.exchange.connection.is_told
+}
+
+/// A request that tries the rule, or the connection for it, comes to nothing. Of `how` it is tried, what stands before
+/// the first colon is the subject: what is tried in several ways is one weakness.
+fn unserved(turn: &Turn<'_>, judged: &mut Judged<'_>, what: &str, actual: &str, how: &str) {
+    let type_name = turn.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
+    let (way, kind) = how.split_once(": ").unwrap_or((how, ""));
+    let subject = if way.is_empty() { type_name.unwrap_or("message") } else { way };
+    judged.report(subject, turn.exchange.place, || {
+        let why = match turn.exchange.note {
+            // The client itself gave up.
+            None | Some("client") => String::new(),
+            Some("eof") => "; the server closed the connection".to_owned(),
+            Some(why) => format!("; {}", quoted(why)),
+        };
+        let of = type_name.map_or_else(String::new, |name| format!(" to {}", quoted(name)));
+        let kind = if kind.is_empty() { String::new() } else { format!(" ({kind})") };
+        Detail::new(format!("{what}{of}{kind}{why}")).expected("a response").actual(actual)
+    });
+}
+
+/// Whether this is the response to a request that tries the rule, and that was served. That it wasn't breaks the rule.
+pub(super) fn served(turn: &Turn<'_>, judged: &mut Judged<'_>) -> bool {
+    if !tried(turn, judged) {
+        return false;
+    }
+    let Some((actual, reason)) = refusal(turn) else { return true };
+    let way = turn.tried(judged.rule).and_then(|how| how.split(": ").next()).filter(|way| !way.is_empty());
+    judged.report(way.unwrap_or(actual), turn.exchange.place, || {
+        Detail::new(match reason {
+            Some(reason) => format!("refused: {}", quoted(reason)),
+            None => "refused".to_owned(),
+        })
+        .expected("what was asked for")
+        .actual(actual)
+    });
+    false
+}
+
+/// What a response refuses a request with, and the reason that it gives.
+fn refusal<'t>(turn: &Turn<'t>) -> Option<(&'static str, Option<&'t str>)> {
+    if turn.type_name == Some("ACK-NAK") {
+        return Some(("ACK-NAK", turn.field("reason").and_then(Tree::as_str)));
+    }
+    let error = turn.message()?.get("error").filter(|error| **error != Tree::Null && turn.body.is_none())?;
+    Some(("an error", error.get("message").and_then(Tree::as_str)))
+}
+
+/// A request that tries the rule has an entry in `error` for what nobody knows or can do. Of what is asked for, and stands
+/// nowhere in the reply, other rules tell.
+pub(super) fn in_error(turn: &Turn<'_>, judged: &mut Judged<'_>, types: &[&str]) {
+    if !served(turn, judged) {
+        return;
+    }
+    let Some((asked, parts)) = replied(turn, types) else { return };
+    let stands = |object: &str, part: &str| named(turn, part).any(|named| named == object);
+    let is_told = |object: &String| parts.iter().any(|part| stands(object, part));
+    let wrong = asked.first().filter(|_| asked.iter().all(is_told));
+    if let Some(object) = wrong.filter(|_| !asked.iter().any(|object| stands(object, "error"))) {
+        turn.breaks(judged, || {
+            Detail::new(format!("{} has no entry in `error`", quoted(object)))
+                .at("/body")
+                .expected("an entry in `error`")
+                .actual("none")
+        });
+    }
+}
+
+/// The ids of a list, where it is one of strings, and not too long to be followed.
+pub(super) fn listed(turn: &Turn<'_>) -> Option<BTreeSet<String>> {
+    let Some(Tree::List(values)) = turn.field("ids").filter(|_| turn.role != Role::Unanswered) else {
+        return None;
+    };
+    let mut room = MAX_LISTED;
+    let id = |value: &Tree<'_>| {
+        let id = value.as_str().filter(|id| id.len() <= MAX_ID)?;
+        room = room.checked_sub(id.len() + OVERHEAD)?;
+        Some(id.to_owned())
+    };
+    values.iter().map(id).collect()
+}
+
+/// Whether replies of a type may have receipts.
+pub(super) fn gives_receipts(name: &str) -> bool {
+    name == "LOG-DATA" || OPERATIONS.contains(&name)
+}
+
+/// Whether a text is one to three numbers with dots between them.
+pub(super) fn is_version(text: &str) -> bool {
+    let mut parts = text.split('.');
+    let is_number = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
+    parts.by_ref().take(3).all(is_number) && parts.next().is_none()
+}
+
+/// Whether it is a response of the server, and what its `refs` name is known for certain.
+pub(super) fn refers(turn: &Turn<'_>) -> bool {
+    let is_response = turn.role == Role::Response && turn.is_of_server();
+    is_response && turn.exchange.connection.is_told && turn.reference != Reference::Unclear
+}
+
+/// The conversation that conforms, with another body of the first response of this type.
+pub(super) fn reply(type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Vec<u8>> {
+    Some(Conversation::new().reply(type_name, change)?.to_bytes())
+}
+
+/// The same, with another envelope.
+pub(super) fn reply_message(type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Vec<u8>> {
+    Some(Conversation::new().reply_message(type_name, change)?.to_bytes())
+}
+
+/// The same, with another body of the first notification of this type.
+pub(super) fn notice(type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Vec<u8>> {
+    Some(Conversation::new().notice(type_name, change)?.to_bytes())
+}
+
+/// The same, with another state of a glider in the last report.
+pub(super) fn state(change: impl FnOnce(&mut Value)) -> Option<Vec<u8>> {
+    Some(Conversation::new().state(change)?.to_bytes())
+}
+
+/// The same, with other error codes in that state.
+pub(super) fn errors(codes: &[i64]) -> Option<Vec<u8>> {
+    Some(Conversation::new().errors(codes)?.to_bytes())
+}
+
+/// The same, with another connection, over which this is said.
+#[allow(clippy::unnecessary_wraps)] // as all mutants
+pub(super) fn over(connection: &'static str, say: impl FnOnce(&mut Conversation)) -> Option<Vec<u8>> {
+    Some(Conversation::new().then(|talk| talk.over(connection, say)).to_bytes())
+}
+
+/// The same, with more that is said before it ends.
+#[allow(clippy::unnecessary_wraps)] // as all mutants
+pub(super) fn then(say: impl FnOnce(&mut Conversation)) -> Option<Vec<u8>> {
+    Some(Conversation::new().then(say).to_bytes())
+}
+
+/// The same, with a trial of a rule that gets no answer.
+pub(super) fn unanswered(connection: &'static str, rule: &str) -> Option<Vec<u8>> {
+    over(connection, |talk| {
+        talk.tries(rule, "without an answer", json!({ "type": "SYS-PING" }));
+    })
+}
+
+/// The same, with a trial of a rule that is refused.
+pub(super) fn refused(connection: &'static str, rule: &str) -> Option<Vec<u8>> {
+    let no = json!({ "type": "ACK-NAK", "reason": "Too windy" });
+    over(connection, |talk| talk.tries_and_hears(rule, "refused", json!({ "type": "SYS-PING" }), no))
+}
+
+/// Takes a member out of an object.
+pub(super) fn remove(object: &mut Value, key: &str) {
+    object.as_object_mut().and_then(|object| object.remove(key));
+}

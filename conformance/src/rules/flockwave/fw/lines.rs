@@ -1,0 +1,167 @@
+//! Messages that don't go as they should over transports that carry one message each in a line or a datagram.
+
+use std::collections::BTreeMap;
+
+use super::{Role, Tree, Turn};
+use crate::flockwave::record::Direction;
+use crate::model::Place;
+
+/// How long a message over several lines may be, in bytes: what is longer is taken for no message.
+const MAX_TEXT: usize = 1 << 20;
+
+/// How many lines it may have.
+const MAX_LINES: usize = 10_000;
+
+/// On how many connections lines are followed at the same time.
+const MAX_CONNECTIONS: usize = 16;
+
+/// A line that is no message.
+#[derive(Debug)]
+pub(in crate::rules) struct Line {
+    /// Where it stands.
+    pub(in crate::rules) place: Place,
+    /// What it is instead of an object, where it is JSON.
+    pub(in crate::rules) actual: Option<String>,
+    /// How it begins.
+    pub(in crate::rules) excerpt: String,
+}
+
+/// Lines of servers that are no messages. Those that make up one together are told from others, which may take until the
+/// next message comes.
+#[derive(Debug, Default)]
+pub(in crate::rules) struct Lines {
+    /// By the index of the connection.
+    open: BTreeMap<usize, Open>,
+    /// The first lines of what is a message together, and how many lines it has.
+    pub(in crate::rules) whole: Vec<(Line, usize)>,
+    /// Lines that aren't part of a message.
+    pub(in crate::rules) other: Vec<Line>,
+}
+
+/// Lines that may be the beginning of a message.
+#[derive(Debug, Default)]
+struct Open {
+    lines: Vec<Line>,
+    text: String,
+    nesting: Nesting,
+}
+
+/// How deep a text has gone into values of JSON.
+#[derive(Debug, Default)]
+struct Nesting {
+    depth: usize,
+    is_in_string: bool,
+    is_escaped: bool,
+}
+
+impl Lines {
+    /// Follows what goes over a connection.
+    pub(in crate::rules) fn follow(&mut self, turn: &Turn<'_>) {
+        let index = turn.exchange.connection.index;
+        match turn.role {
+            Role::Unanswered => {}
+            Role::Unreadable if turn.exchange.direction == Direction::In => self.line(index, turn),
+            // What clients send doesn't part what servers do.
+            _ if turn.exchange.direction == Direction::Out => {}
+            // The client didn't wait for the rest.
+            Role::Event if turn.exchange.note == Some("client") => _ = self.open.remove(&index),
+            _ => self.part(index),
+        }
+    }
+
+    /// What may be lost, or is at its end, isn't going to be a message any more.
+    pub(in crate::rules) fn part_all(&mut self) {
+        while let Some((_, open)) = self.open.pop_first() {
+            self.other.extend(open.lines);
+        }
+    }
+
+    fn part(&mut self, index: usize) {
+        if let Some(open) = self.open.remove(&index) {
+            self.other.extend(open.lines);
+        }
+    }
+
+    fn line(&mut self, index: usize, turn: &Turn<'_>) {
+        let exchange = turn.exchange;
+        let line = Line {
+            place: exchange.place,
+            actual: exchange.value.map(ToString::to_string),
+            excerpt: turn.excerpt(),
+        };
+        // A number between others is JSON as well, and it doesn't matter which it is.
+        let text = if exchange.value.is_some() { "0" } else { exchange.text };
+        let is_first = !self.open.contains_key(&index);
+        if is_first && (!is_of_lines(turn) || !text.trim_start().starts_with('{')) {
+            return self.other.push(line);
+        }
+        if is_first && self.open.len() >= MAX_CONNECTIONS {
+            self.part_all();
+        }
+        let open = self.open.entry(index).or_default();
+        open.lines.push(line);
+        open.text.push_str(text);
+        open.text.push('\n');
+        open.nesting.follow(text);
+        if open.text.len() > MAX_TEXT || open.lines.len() > MAX_LINES {
+            return self.part(index);
+        }
+        if open.nesting.depth > 0 {
+            return;
+        }
+        let is_message = open.lines.len() > 1 && matches!(Tree::read(&open.text), Ok(Tree::Object(_)));
+        if !is_message {
+            return self.part(index);
+        }
+        let open = self.open.remove(&index).unwrap_or_default();
+        let count = open.lines.len();
+        self.whole.extend(open.lines.into_iter().next().map(|first| (first, count)));
+    }
+}
+
+impl Nesting {
+    fn follow(&mut self, text: &str) {
+        for byte in text.bytes() {
+            match byte {
+                _ if self.is_escaped => self.is_escaped = false,
+                b'\\' if self.is_in_string => self.is_escaped = true,
+                b'"' => self.is_in_string = !self.is_in_string,
+                b'{' | b'[' if !self.is_in_string => self.depth += 1,
+                b'}' | b']' if !self.is_in_string => self.depth = self.depth.saturating_sub(1),
+                _ => {}
+            }
+        }
+    }
+}
+
+/// Whether messages are lines on this connection: those of TCP are called `tcp` or begin so.
+fn is_of_lines(turn: &Turn<'_>) -> bool {
+    is_called(turn, "tcp")
+}
+
+/// Whether the name of the connection begins so.
+pub(in crate::rules) fn is_called(turn: &Turn<'_>, start: &str) -> bool {
+    let name = turn.exchange.connection.name.get(..start.len());
+    name.is_some_and(|name| name.eq_ignore_ascii_case(start))
+}
+
+/// Whether a server sends several messages in the place of one: in one line, or in one datagram.
+pub(in crate::rules) fn are_several(turn: &Turn<'_>, transport: &str) -> bool {
+    let exchange = turn.exchange;
+    if turn.role != Role::Unreadable || exchange.direction != Direction::In || exchange.value.is_some() {
+        return false;
+    }
+    let is_object = |text: &str| matches!(Tree::read(text), Ok(Tree::Object(_)));
+    is_called(turn, transport)
+        && Tree::read(exchange.text).err().is_some_and(|error| {
+            let (first, rest) = exchange.text.split_at_checked(error.at).unwrap_or_default();
+            // Of more than two, the first is enough to see it.
+            is_object(first)
+                && (is_object(rest) || Tree::read(rest).is_err_and(|error| starts_object(rest, error.at)))
+        })
+}
+
+/// Whether an object stands before this byte.
+fn starts_object(text: &str, at: usize) -> bool {
+    text.get(..at).is_some_and(|text| matches!(Tree::read(text), Ok(Tree::Object(_))))
+}

@@ -1,0 +1,61 @@
+//! `FW-INF-01`.
+
+use serde_json::json;
+
+use super::fw::{self, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-INF-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Each id or path that was asked for stands in exactly one map of the reply.",
+        source: fw::MESSAGES,
+        applies_to: "BCN-INF, CLK-INF, DEV-INF, EXT-INF, RTK-INF, UAV-PREFLT, WTH-INF",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "nothing of what was asked for, BCN-INF",
+            make: || fw::reply("BCN-INF", |body| body["status"] = json!({})),
+            also: &[],
+        },
+        Mutant {
+            name: "nothing of what was asked for, CLK-INF",
+            make: || fw::reply("CLK-INF", |body| body["status"] = json!({})),
+            also: &[],
+        },
+        Mutant {
+            name: "nothing of what was asked for, DEV-INF",
+            make: || fw::reply("DEV-INF", |body| body["values"] = json!({})),
+            also: &[],
+        },
+        Mutant {
+            name: "nothing of what was asked for, EXT-INF",
+            make: || fw::reply("EXT-INF", |body| body["status"] = json!({})),
+            also: &[],
+        },
+        Mutant {
+            name: "nothing of what was asked for, RTK-INF",
+            make: || fw::reply("RTK-INF", |body| body["preset"] = json!({})),
+            also: &[],
+        },
+        Mutant {
+            name: "nothing of what was asked for, UAV-PREFLT",
+            make: || fw::reply("UAV-PREFLT", |body| body["status"] = json!({})),
+            also: &[],
+        },
+        Mutant {
+            name: "nothing of what was asked for, WTH-INF",
+            make: || fw::reply("WTH-INF", |body| body["status"] = json!({})),
+            also: &[],
+        },
+    ],
+};
+
+const TYPES: [&str; 7] = ["BCN-INF", "CLK-INF", "DEV-INF", "EXT-INF", "RTK-INF", "UAV-PREFLT", "WTH-INF"];
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fw::partition(turn, judged, &TYPES);
+}

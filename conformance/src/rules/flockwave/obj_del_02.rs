@@ -1,0 +1,79 @@
+//! `FW-OBJ-DEL-02`.
+
+use serde_json::json;
+
+use super::fw::{self, Tree, Turn};
+use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use crate::flockwave::session::ids::Ids;
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-OBJ-DEL-02",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "Objects that OBJ-DEL names aren't in later lists, unless something is told of them again.",
+        source: fw::DERIVED,
+        applies_to: "OBJ-DEL, OBJ-LIST and UAV-LIST over time",
+    },
+    check: Check::State(|| Box::new(Gone::default())),
+    mutants: &[Mutant {
+        name: "one is listed again",
+        make: || {
+            fw::then(|talk| {
+                talk.asks(json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite", "swift", "vane"] }));
+            })
+        },
+        also: &[],
+    }],
+};
+
+/// How much is kept, in bytes.
+const LIMIT: usize = 1 << 20;
+
+/// The longest id that is kept, in bytes: 64 characters of up to four.
+const MAX_ID: usize = 256;
+
+/// The objects that are gone, each by its connection and id.
+struct Gone(Ids<()>);
+
+impl Default for Gone {
+    fn default() -> Self {
+        Self(Ids::new(LIMIT))
+    }
+}
+
+impl Checker for Gone {
+    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+        if !turn.is_of_server() || !turn.exchange.connection.is_told {
+            return;
+        }
+        for (id, _) in fw::members(turn, "status") {
+            self.0.remove(turn.serial, id);
+        }
+        let ids = match turn.field("ids") {
+            Some(Tree::List(ids)) => ids.iter().filter_map(Tree::as_str).filter(|id| id.len() <= MAX_ID),
+            _ => return,
+        };
+        match turn.type_name {
+            Some("OBJ-DEL") => ids.for_each(|id| self.0.insert(turn.serial, id, (), id.len())),
+            Some("OBJ-LIST" | "UAV-LIST") => {
+                judged.exercise();
+                let mut ids = ids;
+                if let Some(id) = ids.find(|id| self.0.contains(turn.serial, id)) {
+                    turn.breaks(judged, || {
+                        Detail::new(format!(
+                            "{} is listed, and OBJ-DEL has said that it is gone",
+                            fw::quoted(id)
+                        ))
+                        .at("/body/ids")
+                    });
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn damage(&mut self, _: Place) {
+        self.0.clear();
+    }
+}

@@ -1,0 +1,30 @@
+//! `FW-OBJ-LIST-01`.
+
+use super::fw::{self, Shape, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-OBJ-LIST-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "`ids` is a list of strings.",
+        source: fw::MESSAGES,
+        applies_to: "OBJ-LIST",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant { name: "no ids", make: || fw::reply("OBJ-LIST", |body| fw::remove(body, "ids")), also: &[] },
+        Mutant {
+            name: "an id that is a number",
+            make: || fw::reply("OBJ-LIST", |body| body["ids"][0] = 7.into()),
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    if turn.body_of("OBJ-LIST").is_some() {
+        fw::field(turn, judged, "ids", true, &Shape::List(&Shape::Text));
+    }
+}

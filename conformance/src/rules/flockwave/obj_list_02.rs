@@ -1,0 +1,80 @@
+//! `FW-OBJ-LIST-02`.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde_json::json;
+
+use super::fw::{self, PerConnection, Turn};
+use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status, obj_list_03};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-OBJ-LIST-02",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "A filter leaves the objects of its types alone: no object is listed for two types.",
+        source: fw::MESSAGES,
+        applies_to: "OBJ-LIST over time",
+    },
+    check: Check::State(|| Box::new(Listed::default())),
+    mutants: &[Mutant {
+        name: "the filter is left out of account",
+        make: || {
+            fw::over("tcp#9", |talk| {
+                for kind in ["uav", "beacon"] {
+                    let all = json!({ "ids": ["kite", "mast", "swift"] });
+                    talk.asks(json!({ "type": "OBJ-LIST", "filter": [kind] }), all);
+                }
+            })
+        },
+        also: &[],
+    }],
+};
+
+/// Of how many types the lists of a connection are kept.
+const MAX_KINDS: usize = 8;
+
+/// The latest list for each type, connection by connection.
+#[derive(Default)]
+struct Listed(PerConnection<BTreeMap<String, BTreeSet<String>>>);
+
+impl Checker for Listed {
+    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+        if !turn.is_of_server() || !turn.exchange.connection.is_told {
+            return;
+        }
+        if turn.notification("OBJ-DEL").is_some() {
+            // What comes anew with the id of one that is gone may be of another type.
+            let gone = fw::listed(turn);
+            let is_left = |id: &String| gone.as_ref().is_some_and(|gone| !gone.contains(id));
+            self.0.of(turn).values_mut().for_each(|list| list.retain(is_left));
+            return;
+        }
+        let asked = turn.response("OBJ-LIST").and(turn.asked_same());
+        // What a type may be that there isn't is another rule's matter.
+        let asked = asked.filter(|_| turn.tried(&obj_list_03::RULE.rule).is_none());
+        let Some(filter) = asked.and_then(|asked| asked.filter.as_ref()).filter(|filter| filter.len() == 1)
+        else {
+            return;
+        };
+        let (Some(kind), Some(list)) = (filter.first(), fw::listed(turn)) else { return };
+        let lists = self.0.of(turn);
+        for (other, known) in lists.iter().filter(|(other, _)| *other != kind) {
+            judged.exercise();
+            if let Some(id) = list.intersection(known).next() {
+                turn.breaks(judged, || {
+                    let (id, kind, other) = (fw::quoted(id), fw::quoted(kind), fw::quoted(other));
+                    Detail::new(format!("{id} is listed for the type {kind}, and was for {other}"))
+                        .at("/body/ids")
+                });
+            }
+        }
+        if lists.len() < MAX_KINDS || lists.contains_key(kind) {
+            lists.insert(kind.clone(), list);
+        }
+    }
+
+    fn damage(&mut self, _: Place) {
+        self.0.clear();
+    }
+}

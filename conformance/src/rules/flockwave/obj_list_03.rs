@@ -1,0 +1,43 @@
+//! `FW-OBJ-LIST-03`.
+
+use serde_json::json;
+
+use super::fw::{self, Tree, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-OBJ-LIST-03",
+        level: Level::Should,
+        status: Status::Normative,
+        statement: "For a type that the server doesn't know OBJ-LIST gives an empty list.",
+        source: fw::MESSAGES,
+        applies_to: "OBJ-LIST that tries it",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant { name: "the request is refused", make: || fw::refused("tcp#9", "FW-OBJ-LIST-03"), also: &[] },
+        Mutant {
+            name: "all objects are listed",
+            make: || {
+                let asked = json!({ "type": "OBJ-LIST", "filter": ["cloud"] });
+                let all = json!({ "type": "OBJ-LIST", "ids": ["kite", "swift"] });
+                fw::over("tcp#9", |talk| talk.tries_and_hears("FW-OBJ-LIST-03", "", asked, all))
+            },
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    if !fw::served(turn, judged) || turn.response("OBJ-LIST").is_none() {
+        return;
+    }
+    if let Some(Tree::List(ids)) = turn.field("ids")
+        && !ids.is_empty()
+    {
+        turn.breaks(judged, || {
+            Detail::differs("an empty list", format!("one of {}", ids.len())).at("/body/ids")
+        });
+    }
+}

@@ -1,0 +1,94 @@
+//! `FW-OBJ-LIST-04`.
+//!
+//! Objects come and go. So an object is missing only where the lists of all objects before and after one with a filter are
+//! the same, and nothing has told in between that it is gone.
+
+use std::collections::BTreeSet;
+
+use serde_json::json;
+
+use super::fw::{self, PerConnection, Turn};
+use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-OBJ-LIST-04",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Without a filter OBJ-LIST has all objects.",
+        source: fw::MESSAGES,
+        applies_to: "OBJ-LIST over time",
+    },
+    check: Check::State(|| Box::new(Objects::default())),
+    mutants: &[Mutant {
+        name: "those of one type are missing",
+        make: || {
+            let all = || json!({ "ids": ["kite", "swift"] });
+            let masts = json!({ "type": "OBJ-LIST", "filter": ["beacon"] });
+            fw::over("tcp#9", |talk| {
+                talk.asks(json!({ "type": "OBJ-LIST" }), all());
+                talk.asks(masts, json!({ "ids": ["mast"] }));
+                talk.asks(json!({ "type": "OBJ-LIST" }), all());
+            })
+        },
+        also: &[],
+    }],
+};
+
+/// How many objects are kept of lists with a filter.
+const MAX_OBJECTS: usize = 10_000;
+
+/// What was listed, connection by connection.
+#[derive(Default)]
+struct Objects(PerConnection<Listed>);
+
+/// What was listed on a connection.
+#[derive(Default)]
+struct Listed {
+    /// The latest list without a filter.
+    all: Option<BTreeSet<String>>,
+    /// What lists with a filter have had since.
+    others: BTreeSet<String>,
+}
+
+impl Checker for Objects {
+    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+        if !turn.is_of_server() || !turn.exchange.connection.is_told {
+            return;
+        }
+        let is_end = turn.notification("OBJ-DEL").or_else(|| turn.notification("CONN-DEL")).is_some();
+        if is_end {
+            let gone = fw::listed(turn);
+            let is_left = |id: &String| gone.as_ref().is_some_and(|gone| !gone.contains(id));
+            return self.0.of(turn).others.retain(is_left);
+        }
+        let asked = turn.response("OBJ-LIST").and(turn.asked_same());
+        let (Some(asked), Some(list)) = (asked, fw::listed(turn)) else { return };
+        let listed = self.0.of(turn);
+        match &asked.filter {
+            Some(filter) if filter.is_empty() => {}
+            Some(_) if listed.others.len() + list.len() <= MAX_OBJECTS => listed.others.extend(list),
+            Some(_) => {}
+            None => {
+                let others = std::mem::take(&mut listed.others);
+                if listed.all.as_ref() == Some(&list) {
+                    if !others.is_empty() {
+                        judged.exercise();
+                    }
+                    if let Some(id) = others.difference(&list).next() {
+                        turn.breaks(judged, || {
+                            let id = fw::quoted(id);
+                            Detail::new(format!("{id} is missing, which a list with a filter has"))
+                                .at("/body/ids")
+                        });
+                    }
+                }
+                listed.all = Some(list);
+            }
+        }
+    }
+
+    fn damage(&mut self, _: Place) {
+        self.0.clear();
+    }
+}

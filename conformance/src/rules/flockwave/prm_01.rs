@@ -1,0 +1,64 @@
+//! `FW-PRM-01`.
+
+use serde_json::json;
+
+use super::fw::{self, Tree, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use crate::json::pointer;
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-PRM-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Where `success` is true, `failed` is empty or absent.",
+        source: fw::MESSAGES,
+        applies_to: "results of PRM-SET-MANY",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "all is said to be set",
+            make: || fw::reply("PRM-SET-MANY", |body| body["result"]["kite"]["success"] = true.into()),
+            also: &[],
+        },
+        Mutant {
+            name: "the same, later",
+            make: || {
+                let asked = json!({ "type": "PRM-SET-MANY", "ids": ["kite"], "parameters": { "GEAR": 1 } });
+                let outcome = json!({ "success": true, "failed": ["GEAR"] });
+                fw::then(|talk| {
+                    talk.asks(asked, json!({ "receipt": { "kite": "rcpt-8" } }));
+                    talk.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": outcome }));
+                })
+            },
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let at_once = fw::members(turn, "result").iter().filter(|_| turn.response("PRM-SET-MANY").is_some());
+    for (key, outcome) in at_once {
+        check(turn, judged, outcome, &["body", "result", key]);
+    }
+    let later = turn.notification("ASYNC-RESP").and_then(|body| body.get("result"));
+    let known = turn.operations.first().and_then(|named| named.before.as_ref());
+    if let Some(outcome) =
+        later.filter(|_| known.is_some_and(|known| known.type_name.as_deref() == Some("PRM-SET-MANY")))
+    {
+        check(turn, judged, outcome, &["body", "result"]);
+    }
+}
+
+fn check(turn: &Turn<'_>, judged: &mut Judged<'_>, outcome: &Tree<'_>, keys: &[&str]) {
+    judged.exercise();
+    let is_success = outcome.get("success") == Some(&Tree::Bool(true));
+    let failed = if let Some(Tree::List(failed)) = outcome.get("failed") { failed.len() } else { 0 };
+    if is_success && failed > 0 {
+        turn.breaks(judged, || {
+            Detail::new(format!("`success` is true, and {failed} parameters are said to have failed"))
+                .at(pointer(keys))
+        });
+    }
+}

@@ -1,0 +1,43 @@
+//! `FW-SYS-MSG-01`.
+
+use serde_json::json;
+
+use super::fw::{self, Shape, Tree, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-SYS-MSG-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "`items` is a list, and each has a string `message`.",
+        source: fw::MESSAGES,
+        applies_to: "SYS-MSG",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "an item without a message",
+            make: || fw::notice("SYS-MSG", |body| body["items"][0] = json!({ "severity": "info" })),
+            also: &[],
+        },
+        Mutant {
+            name: "no list",
+            make: || fw::notice("SYS-MSG", |body| body["items"] = "Thermals".into()),
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    if turn.body_of("SYS-MSG").is_none() {
+        return;
+    }
+    fw::field(turn, judged, "items", true, &Shape::List(&Shape::Object));
+    if let Some(Tree::List(items)) = turn.field("items") {
+        for (at, item) in items.iter().enumerate().filter(|(_, item)| matches!(item, Tree::Object(_))) {
+            let keys = ["body", "items", &at.to_string()];
+            fw::member(turn, judged, Some(item), &keys, ("message", true), &Shape::Text);
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! `FW-SYS-MSG-02`.
+
+use super::fw::{self, Shape, Tree, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-SYS-MSG-02",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "`severity` of an item is debug, info, warning, error or critical.",
+        source: fw::MESSAGES,
+        applies_to: "SYS-MSG",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[Mutant {
+        name: "a severity of its own",
+        make: || fw::notice("SYS-MSG", |body| body["items"][0]["severity"] = "loud".into()),
+        also: &[],
+    }],
+};
+
+const SEVERITY: Shape = Shape::Nullable(&Shape::OneOf(&["debug", "info", "warning", "error", "critical"]));
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let Some(Tree::List(items)) = turn.body_of("SYS-MSG").and_then(|body| body.get("items")) else { return };
+    for (at, item) in items.iter().enumerate() {
+        let keys = ["body", "items", &at.to_string()];
+        fw::member(turn, judged, Some(item), &keys, ("severity", false), &SEVERITY);
+    }
+}

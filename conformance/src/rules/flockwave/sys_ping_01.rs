@@ -1,0 +1,46 @@
+//! `FW-SYS-PING-01`.
+//!
+//! A server may refuse even this, as long as nobody has logged in. Whoever tries it has seen to that.
+
+use serde_json::json;
+
+use super::fw::{self, Role, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-SYS-PING-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "SYS-PING is answered with ACK-ACK.",
+        source: fw::MESSAGES,
+        applies_to: "SYS-PING",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant { name: "it is refused", make: || fw::refused("tcp#9", "FW-SYS-PING-01"), also: &[] },
+        Mutant { name: "it isn't answered", make: || fw::unanswered("tcp#9", "FW-SYS-PING-01"), also: &[] },
+        Mutant {
+            name: "it is answered with something else",
+            make: || fw::reply("ACK-ACK", |body| *body = json!({ "type": "CONN-LIST", "ids": [] })),
+            also: &["FW-ENV-16"],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let is_trial = turn.tried(&RULE.rule).is_some();
+    if is_trial && !fw::served(turn, judged) {
+        return;
+    }
+    let asked = turn.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
+    if turn.role != Role::Response || !turn.is_of_server() || asked != Some("SYS-PING") {
+        return;
+    }
+    if !is_trial {
+        judged.exercise();
+    }
+    if let Some(found) = turn.type_name.filter(|found| !["ACK-ACK", "ACK-NAK"].contains(found)) {
+        turn.breaks(judged, || Detail::differs("ACK-ACK", fw::quoted(found)).at("/body/type"));
+    }
+}

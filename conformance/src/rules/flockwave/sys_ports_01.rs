@@ -1,0 +1,38 @@
+//! `FW-SYS-PORTS-01`.
+
+use serde_json::json;
+
+use super::fw::{self, Shape, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-SYS-PORTS-01",
+        level: Level::Must,
+        status: Status::Disputed(
+            "A port is one of TCP or UDP by the text, hence from 1 to 65535; the published schema takes any number.",
+        ),
+        statement: "`ports` maps names to ports, 1 to 65535.",
+        source: fw::MESSAGES,
+        applies_to: "SYS-PORTS",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "port 0",
+            make: || fw::reply("SYS-PORTS", |body| body["ports"]["tcp"] = 0.into()),
+            also: &[],
+        },
+        Mutant {
+            name: "a list of ports",
+            make: || fw::reply("SYS-PORTS", |body| body["ports"] = json!([7001])),
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    if turn.body_of("SYS-PORTS").is_some() {
+        fw::field(turn, judged, "ports", true, &Shape::Map(&Shape::Integer(1, 65535)));
+    }
+}

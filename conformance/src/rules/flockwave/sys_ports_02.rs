@@ -1,0 +1,66 @@
+//! `FW-SYS-PORTS-02`.
+//!
+//! A port that is forwarded is another for the client than for the server, so this is only shown.
+
+use serde_json::json;
+
+use super::fw::{self, PerConnection, Role, Tree, Turn};
+use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use crate::flockwave::transport::endpoint::Endpoint;
+use crate::json::pointer;
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-SYS-PORTS-02",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "Where SYS-PORTS lists the transport that is in use, it is with the port that is in use.",
+        source: fw::DERIVED,
+        applies_to: "SYS-PORTS on connections whose URL is known",
+    },
+    check: Check::State(|| Box::new(Used::default())),
+    mutants: &[Mutant {
+        name: "another port",
+        make: || {
+            let ports = json!({ "ports": { "tcp": 7004, "udp": 7002 } });
+            fw::over("tcp#9", |talk| talk.asks(json!({ "type": "SYS-PORTS" }), ports))
+        },
+        also: &[],
+    }],
+};
+
+/// The transport and the port in use, connection by connection.
+#[derive(Default)]
+struct Used(PerConnection<Option<(&'static str, u16)>>);
+
+impl Checker for Used {
+    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+        if turn.role == Role::Event && turn.exchange.text == "connect" {
+            *self.0.of(turn) = turn.exchange.note.and_then(in_use);
+            return;
+        }
+        let Some(body) = turn.response("SYS-PORTS") else { return };
+        let Some((transport, port)) = *self.0.of(turn) else { return };
+        let Some(Tree::Int(listed)) = body.get("ports").and_then(|ports| ports.get(transport)) else {
+            return;
+        };
+        judged.exercise();
+        if *listed != i128::from(port) {
+            turn.breaks(judged, || Detail::differs(port, listed).at(pointer(&["body", "ports", transport])));
+        }
+    }
+
+    fn damage(&mut self, _: Place) {
+        self.0.clear();
+    }
+}
+
+/// The transport and the port of a URL.
+fn in_use(url: &str) -> Option<(&'static str, u16)> {
+    Some(match url.parse().ok()? {
+        Endpoint::Tcp(address) => ("tcp", address.port),
+        Endpoint::Udp(address) => ("udp", address.port),
+        Endpoint::Http { address, .. } => ("http", address.port),
+        Endpoint::SocketIo { address, .. } => ("socketio", address.port),
+    })
+}

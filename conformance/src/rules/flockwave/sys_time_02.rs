@@ -1,0 +1,58 @@
+//! `FW-SYS-TIME-02`.
+//!
+//! A request that sets the clock gives another offset, and nothing is known of it then. Of one that sets it by nothing
+//! another rule tells.
+
+use serde_json::json;
+
+use super::fw::{self, Conversation, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status, sys_time_03};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-SYS-TIME-02",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "The time that a server tells lies between sending the request and receiving the answer, but for an offset that stays the same.",
+        source: fw::DERIVED,
+        applies_to: "SYS-TIME over time",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "the second answer is ahead",
+            make: || {
+                let later = |talk: &mut Conversation| {
+                    talk.asks(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1_800_000_000_000_u64 }));
+                };
+                fw::then(later)
+            },
+            also: &[],
+        },
+        Mutant {
+            name: "the time goes back",
+            make: || {
+                let before = |talk: &mut Conversation| {
+                    talk.asks(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1_780_000_000_000_u64 }));
+                };
+                fw::then(before)
+            },
+            also: &[],
+        },
+    ],
+};
+
+/// How much clocks may drift apart from one answer to the next, in seconds.
+pub(super) const TOLERANCE: f64 = 1.0;
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let Some(found) = turn.clock_move else { return };
+    judged.exercise();
+    if found.by > TOLERANCE && !sys_time_03::is_adjusted(&found) {
+        turn.breaks(judged, || {
+            let by = found.by;
+            Detail::new(format!("the server's clock has moved by {by:.1} s against that of the recording"))
+                .at("/body/timestamp")
+        });
+    }
+}

@@ -1,0 +1,34 @@
+//! `FW-SYS-VER-01`.
+
+use super::fw::{self, Shape, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-SYS-VER-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "`software` is a string.",
+        source: fw::MESSAGES,
+        applies_to: "SYS-VER",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "a number",
+            make: || fw::reply("SYS-VER", |body| body["software"] = 7.into()),
+            also: &[],
+        },
+        Mutant {
+            name: "no software",
+            make: || fw::reply("SYS-VER", |body| fw::remove(body, "software")),
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    if turn.body_of("SYS-VER").is_some() {
+        fw::field(turn, judged, "software", true, &Shape::Text);
+    }
+}

@@ -1,0 +1,40 @@
+//! `FW-SYS-VER-02`.
+
+use super::fw::{self, Tree, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-SYS-VER-02",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "`version` is a string of one to three numbers with dots between them.",
+        source: fw::MESSAGES,
+        applies_to: "SYS-VER",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "a number",
+            make: || fw::reply("SYS-VER", |body| body["version"] = 3.1.into()),
+            also: &[],
+        },
+        Mutant {
+            name: "a word behind the numbers",
+            make: || fw::reply("SYS-VER", |body| body["version"] = "3.1-rc".into()),
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let Some(body) = turn.body_of("SYS-VER") else { return };
+    judged.exercise();
+    let version = body.get("version");
+    if !version.and_then(Tree::as_str).is_some_and(fw::is_version) {
+        turn.breaks(judged, || {
+            let found = version.map_or_else(|| "nothing".to_owned(), ToString::to_string);
+            Detail::differs("one to three numbers with dots between them", found).at("/body/version")
+        });
+    }
+}

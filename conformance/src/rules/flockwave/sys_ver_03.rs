@@ -1,0 +1,37 @@
+//! `FW-SYS-VER-03`.
+
+use serde_json::json;
+
+use super::fw::{self, Shape, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-SYS-VER-03",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "`name` and `revision`, where they are present, are strings.",
+        source: fw::MESSAGES,
+        applies_to: "SYS-VER",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "a revision that is a number",
+            make: || fw::reply("SYS-VER", |body| body["revision"] = 7.into()),
+            also: &[],
+        },
+        Mutant {
+            name: "a name that is a list",
+            make: || fw::reply("SYS-VER", |body| body["name"] = json!([])),
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    if turn.body_of("SYS-VER").is_some() {
+        fw::field(turn, judged, "name", false, &Shape::Nullable(&Shape::Text));
+        fw::field(turn, judged, "revision", false, &Shape::Nullable(&Shape::Text));
+    }
+}

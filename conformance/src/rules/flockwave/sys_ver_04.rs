@@ -1,0 +1,66 @@
+//! `FW-SYS-VER-04`.
+
+use serde_json::json;
+
+use super::fw::{self, PerConnection, Tree, Turn};
+use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use crate::json::pointer;
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-SYS-VER-04",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "SYS-VER says the same each time.",
+        source: fw::DERIVED,
+        applies_to: "SYS-VER over time",
+    },
+    check: Check::State(|| Box::new(Versions::default())),
+    mutants: &[Mutant {
+        name: "another revision",
+        make: || {
+            fw::over("tcp#9", |talk| {
+                for revision in ["b7", "b8"] {
+                    let version = json!({ "software": "Windward", "version": "3.1", "revision": revision });
+                    talk.asks(json!({ "type": "SYS-VER" }), version);
+                }
+            })
+        },
+        also: &[],
+    }],
+};
+
+/// What is said of a version.
+const FIELDS: [&str; 4] = ["software", "version", "name", "revision"];
+
+/// How much of it is compared, in characters.
+const MAX_TEXT: usize = 256;
+
+/// What was said last, connection by connection.
+#[derive(Default)]
+struct Versions(PerConnection<Option<[Option<String>; FIELDS.len()]>>);
+
+impl Checker for Versions {
+    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+        let Some(body) = turn.response("SYS-VER").filter(|_| turn.exchange.connection.is_told) else {
+            return;
+        };
+        let text = |value: &Tree<'_>| match value {
+            Tree::Text(text) => text.chars().take(MAX_TEXT).collect(),
+            other => other.to_string(),
+        };
+        let now = FIELDS.map(|field| body.get(field).map(text));
+        let Some(before) = self.0.of(turn).replace(now.clone()) else { return };
+        judged.exercise();
+        let changed = FIELDS.iter().zip(before).zip(now).find(|((_, before), now)| before != now);
+        if let Some(((field, before), now)) = changed {
+            let told =
+                |value: Option<String>| value.map_or_else(|| "nothing".to_owned(), |text| fw::quoted(&text));
+            turn.breaks(judged, || Detail::differs(told(before), told(now)).at(pointer(&["body", field])));
+        }
+    }
+
+    fn damage(&mut self, _: Place) {
+        self.0.clear();
+    }
+}

@@ -1,0 +1,80 @@
+//! `FW-TCP-01`.
+//!
+//! Lines that are no messages, but make up one together, are one that holds line breaks. What they make up no message
+//! with is no JSON at all, of which another rule tells.
+
+use super::fw::{self, Lines, Turn};
+use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-TCP-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Over TCP each message ends with a line break, and holds none.",
+        source: fw::TRANSPORT,
+        applies_to: "messages of the server on connections whose name begins with `tcp`",
+    },
+    check: Check::State(|| Box::new(Broken::default())),
+    mutants: &[
+        Mutant {
+            name: "a message in several lines",
+            make: || {
+                fw::over("tcp#9", |talk| {
+                    for line in [
+                        "{",
+                        "\"$fw.version\": \"1.0\", \"id\": \"{\\\"\",",
+                        "\"body\": { \"type\": \"OBJ-DEL\", \"ids\": [",
+                        "\"vane\"",
+                        "] } }",
+                    ] {
+                        talk.says_raw(line);
+                    }
+                })
+            },
+            also: &[],
+        },
+        Mutant {
+            name: "three messages in a line",
+            make: || {
+                let message = |id: &str| {
+                    format!(r#"{{"$fw.version":"1.0","id":"{id}","body":{{"type":"OBJ-DEL","ids":[]}}}}"#)
+                };
+                fw::over("tcp#9", |talk| talk.says_raw(&["a", "b", "c"].map(message).join(" ")))
+            },
+            also: &[],
+        },
+    ],
+};
+
+/// Messages that are broken into lines.
+#[derive(Default)]
+struct Broken(Lines);
+
+impl Checker for Broken {
+    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+        if turn.is_of_server() && fw::is_called(turn, "tcp") {
+            judged.exercise();
+        }
+        if fw::are_several(turn, "tcp") {
+            turn.breaks(judged, || {
+                Detail::new("several messages in a line").expected("one").actual("more than one")
+            });
+        } else {
+            self.0.follow(turn);
+        }
+        self.0.other.clear();
+        for (line, count) in self.0.whole.drain(..) {
+            judged.report("message", line.place, || {
+                Detail::new(format!("a message in {count} lines"))
+                    .expected("one line")
+                    .actual(format!("{count} lines"))
+                    .excerpt(line.excerpt)
+            });
+        }
+    }
+
+    fn damage(&mut self, _: Place) {
+        self.0.part_all();
+    }
+}

@@ -1,0 +1,32 @@
+//! `FW-UAV-INF-01`.
+
+use super::fw::{self, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-UAV-INF-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Each requested id stands in exactly one of `status` and `error`.",
+        source: fw::MESSAGES,
+        applies_to: "UAV-INF",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "a glider is missing",
+            make: || fw::reply("UAV-INF", |body| fw::remove(body, "error")),
+            also: &[],
+        },
+        Mutant {
+            name: "a glider is in both",
+            make: || fw::reply("UAV-INF", |body| body["error"]["kite"] = "Asleep".into()),
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fw::partition(turn, judged, &["UAV-INF"]);
+}

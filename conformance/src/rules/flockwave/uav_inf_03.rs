@@ -1,0 +1,25 @@
+//! `FW-UAV-INF-03`.
+
+use super::fw::{self, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-UAV-INF-03",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "The key of each state is the `id` in it.",
+        source: fw::MESSAGES,
+        applies_to: "UAV-INF",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[Mutant {
+        name: "another id",
+        make: || fw::state(|kite| kite["id"] = "hawk".into()),
+        also: &[],
+    }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fw::keyed(turn, judged, "UAV-INF");
+}

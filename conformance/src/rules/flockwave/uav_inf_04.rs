@@ -1,0 +1,27 @@
+//! `FW-UAV-INF-04`.
+
+use super::fw::{self, Shape, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-UAV-INF-04",
+        level: Level::Should,
+        status: Status::Advisory,
+        statement: "`error` maps ids to strings.",
+        source: fw::SCHEMA,
+        applies_to: "UAV-INF",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[Mutant {
+        name: "a number for the reason",
+        make: || fw::reply("UAV-INF", |body| body["error"]["owl"] = 7.into()),
+        also: &[],
+    }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    if turn.body_of("UAV-INF").is_some() {
+        fw::field(turn, judged, "error", false, &Shape::Nullable(&Shape::Map(&Shape::Text)));
+    }
+}

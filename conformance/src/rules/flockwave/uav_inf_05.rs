@@ -1,0 +1,34 @@
+//! `FW-UAV-INF-05`.
+
+use serde_json::json;
+
+use super::fw::{self, Tree, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use crate::json::pointer;
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-UAV-INF-05",
+        level: Level::Should,
+        status: Status::Normative,
+        statement: "A notification has nothing beside `type` but `status`.",
+        source: fw::MESSAGES,
+        applies_to: "UAV-INF",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[Mutant {
+        name: "errors in a notification",
+        make: || fw::notice("UAV-INF", |body| body["error"] = json!({ "owl": "Lost" })),
+        also: &[],
+    }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let Some(Tree::Object(members)) = turn.notification("UAV-INF") else { return };
+    judged.exercise();
+    if let Some((key, _)) = members.iter().find(|(key, _)| key != "type" && key != "status") {
+        turn.breaks(judged, || {
+            Detail::new(format!("it has {}, too", fw::quoted(key))).at(pointer(&["body", key]))
+        });
+    }
+}

@@ -1,0 +1,31 @@
+//! `FW-UAV-INF-06`.
+
+use serde_json::json;
+
+use super::fw;
+use super::{Check, FlockwaveRule, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-UAV-INF-06",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "The id of a UAV that nobody knows has an entry in `error`, and the request isn't refused.",
+        source: fw::DERIVED,
+        applies_to: "UAV-INF that tries it",
+    },
+    check: Check::Exchange(|turn, judged| fw::in_error(turn, judged, &["UAV-INF"])),
+    mutants: &[
+        Mutant { name: "the request is refused", make: || fw::refused("tcp#9", "FW-UAV-INF-06"), also: &[] },
+        Mutant {
+            name: "the UAV has a state",
+            make: || {
+                let asked = json!({ "type": "UAV-INF", "ids": ["nobody"] });
+                let status = json!({ "nobody": { "id": "nobody", "timestamp": 1_790_000_000_000_u64 } });
+                let told = json!({ "type": "UAV-INF", "status": status });
+                fw::over("tcp#9", |talk| talk.tries_and_hears("FW-UAV-INF-06", "", asked, told))
+            },
+            also: &[],
+        },
+    ],
+};

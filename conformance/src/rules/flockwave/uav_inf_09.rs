@@ -1,0 +1,47 @@
+//! `FW-UAV-INF-09`.
+//!
+//! The time of the server is known from SYS-TIME, as far as it can be: up to the time that its answer took.
+
+use super::fw::{self, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use crate::flockwave::session::seconds;
+use crate::json::pointer;
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-UAV-INF-09",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "The timestamp of a UAV isn't after the time of the server.",
+        source: fw::DERIVED,
+        applies_to: "UAV-INF over time",
+    },
+    check: Check::Context(judge),
+    mutants: &[Mutant {
+        name: "a state of tomorrow",
+        make: || fw::state(|kite| kite["timestamp"] = 1_790_086_400_000_u64.into()),
+        also: &[],
+    }],
+};
+
+/// How much clocks may have drifted apart since, in seconds.
+const TOLERANCE: f64 = 1.0;
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    let (Some(time), Some((_, ahead))) = (turn.time, turn.clock) else { return };
+    for (uav, state) in fw::states(turn, "UAV-INF") {
+        let Some(stamp) = state.get("timestamp").and_then(seconds) else { continue };
+        judged.exercise();
+        let early = stamp - time - ahead;
+        if early > TOLERANCE {
+            turn.breaks(judged, || {
+                Detail::new(format!("{early:.1} s after the time of the server")).at(pointer(&[
+                    "body",
+                    "status",
+                    uav,
+                    "timestamp",
+                ]))
+            });
+        }
+    }
+}

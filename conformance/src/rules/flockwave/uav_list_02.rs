@@ -1,0 +1,94 @@
+//! `FW-UAV-LIST-02`.
+//!
+//! UAVs come and go. So the lists differ only where those of UAV-LIST before and after that of OBJ-LIST are the same.
+
+use std::collections::BTreeSet;
+
+use serde_json::json;
+
+use super::fw::{self, PerConnection, Turn};
+use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-UAV-LIST-02",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "UAV-LIST has the objects that OBJ-LIST has for the type `uav`.",
+        source: fw::MESSAGES,
+        applies_to: "UAV-LIST and OBJ-LIST over time",
+    },
+    check: Check::State(|| Box::new(Uavs::default())),
+    mutants: &[
+        Mutant { name: "UAV-LIST lacks one", make: || listed(&["kite"], &["kite", "swift"]), also: &[] },
+        Mutant { name: "UAV-LIST has one more", make: || listed(&["kite", "owl"], &["kite"]), also: &[] },
+    ],
+};
+
+/// These are listed by UAV-LIST before and after those by OBJ-LIST.
+fn listed(uavs: &[&str], objects: &[&str]) -> Option<Vec<u8>> {
+    fw::over("tcp#9", |talk| {
+        talk.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
+        talk.asks(json!({ "type": "OBJ-LIST", "filter": ["uav"] }), json!({ "ids": objects }));
+        talk.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
+    })
+}
+
+/// How many lists of OBJ-LIST are kept until the next one of UAV-LIST.
+const MAX_LISTS: usize = 4;
+
+/// What was listed, connection by connection.
+#[derive(Default)]
+struct Uavs(PerConnection<Listed>);
+
+/// What was listed on a connection.
+#[derive(Default)]
+struct Listed {
+    /// The latest list of UAV-LIST.
+    uavs: Option<BTreeSet<String>>,
+    /// The lists of OBJ-LIST since.
+    objects: Vec<(BTreeSet<String>, Place)>,
+}
+
+impl Checker for Uavs {
+    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+        if !turn.is_of_server() || !turn.exchange.connection.is_told {
+            return;
+        }
+        if turn.notification("OBJ-DEL").is_some() {
+            return *self.0.of(turn) = Listed::default();
+        }
+        let Some(list) = fw::listed(turn) else { return };
+        let listed = self.0.of(turn);
+        if let Some(asked) = turn.response("OBJ-LIST").and(turn.asked_same()) {
+            let is_of_uavs = |filter: &BTreeSet<String>| filter.len() == 1 && filter.contains("uav");
+            if asked.filter.as_ref().is_some_and(is_of_uavs) && listed.objects.len() < MAX_LISTS {
+                listed.objects.push((list, turn.exchange.place));
+            }
+        } else if turn.response("UAV-LIST").is_some() {
+            let objects = std::mem::take(&mut listed.objects);
+            if listed.uavs.as_ref() == Some(&list) {
+                for (objects, place) in objects {
+                    compare(&list, &objects, place, judged);
+                }
+            }
+            listed.uavs = Some(list);
+        }
+    }
+
+    fn damage(&mut self, _: Place) {
+        self.0.clear();
+    }
+}
+
+fn compare(uavs: &BTreeSet<String>, objects: &BTreeSet<String>, place: Place, judged: &mut Judged<'_>) {
+    judged.exercise();
+    if let Some(id) = uavs.symmetric_difference(objects).next() {
+        judged.report("UAV-LIST", place, || {
+            let (has, lacks) =
+                if objects.contains(id) { ("OBJ-LIST", "UAV-LIST") } else { ("UAV-LIST", "OBJ-LIST") };
+            let id = fw::quoted(id);
+            Detail::new(format!("{has} has {id}, and {lacks} hasn't, before and after"))
+        });
+    }
+}

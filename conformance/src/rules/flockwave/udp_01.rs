@@ -1,0 +1,38 @@
+//! `FW-UDP-01`.
+
+use super::fw::{self, Turn};
+use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-UDP-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Over UDP each datagram holds one message.",
+        source: fw::TRANSPORT,
+        applies_to: "messages of the server on connections whose name begins with `udp`",
+    },
+    check: Check::Context(judge),
+    mutants: &[Mutant {
+        name: "two messages in a datagram",
+        make: || {
+            let message = |id: &str| {
+                format!(r#"{{"$fw.version":"1.0","id":"{id}","body":{{"type":"OBJ-DEL","ids":[]}}}}"#)
+            };
+            fw::over("udp#9", |talk| talk.says_raw(&["a", "b"].map(message).join("\n")))
+        },
+        also: &[],
+    }],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    if !turn.is_of_server() || !fw::is_called(turn, "udp") {
+        return;
+    }
+    judged.exercise();
+    if fw::are_several(turn, "udp") {
+        turn.breaks(judged, || {
+            Detail::new("several messages in a datagram").expected("one").actual("more than one")
+        });
+    }
+}

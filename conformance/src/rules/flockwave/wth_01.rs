@@ -1,0 +1,41 @@
+//! `FW-WTH-01`.
+
+use super::fw::{self, INTEGER, Turn};
+use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-WTH-01",
+        level: Level::Must,
+        status: Status::Disputed(
+            "The text counts whole milliseconds, as all its examples do; most schemas allow any number.",
+        ),
+        statement: "`timestamp` of a weather is an integer, in milliseconds.",
+        source: fw::TYPES,
+        applies_to: "WTH-AT, WTH-INF",
+    },
+    check: Check::Exchange(judge),
+    mutants: &[
+        Mutant {
+            name: "seconds with a fraction",
+            make: || {
+                fw::reply("WTH-INF", |body| body["status"]["ridge"]["timestamp"] = 1_790_000_000.25.into())
+            },
+            also: &[],
+        },
+        Mutant {
+            name: "the same, at a place",
+            make: || fw::reply("WTH-AT", |body| body["weather"]["timestamp"] = 1_790_000_000.25.into()),
+            also: &[],
+        },
+    ],
+};
+
+fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    for (key, weather) in fw::states(turn, "WTH-INF") {
+        fw::member(turn, judged, Some(weather), &["body", "status", key], ("timestamp", true), &INTEGER);
+    }
+    if let Some(weather) = turn.body_of("WTH-AT").and_then(|body| body.get("weather")) {
+        fw::member(turn, judged, Some(weather), &["body", "weather"], ("timestamp", true), &INTEGER);
+    }
+}

@@ -1,0 +1,197 @@
+//! The rules on messages of PX4 (`PX-…`), a file each, and the list of them.
+
+mod arr_01;
+mod bool_01;
+mod cdr_01;
+mod cdr_02;
+mod data_01;
+mod data_02;
+mod data_03;
+mod enum_01;
+mod ext;
+mod ext_01;
+mod ext_02;
+mod ext_03;
+mod ext_04;
+mod ext_05;
+mod fmt_01;
+mod fmt_02;
+mod fmt_03;
+mod fsf_03;
+mod hash_01;
+mod json_01;
+mod json_02;
+mod len_01;
+mod nan_01;
+mod queue_01;
+mod range_01;
+mod str_01;
+mod time_01;
+mod time_02;
+mod ver_01;
+
+use super::{Judged, sample::Flight};
+use crate::model::{Channel, Detail, Level, Message, Place, Rule, Status};
+use crate::px4::ValueRules;
+
+/// The rules that sources of messages report violations of while they read them.
+pub(crate) use self::{
+    bool_01::RULE as BOOL_01, cdr_01::RULE as CDR_01, cdr_02::RULE as CDR_02, data_01::RULE as DATA_01,
+    data_02::RULE as DATA_02, fmt_01::RULE as FMT_01, fmt_02::RULE as FMT_02, fmt_03::RULE as FMT_03,
+    hash_01::RULE as HASH_01,
+};
+
+/// The rules on messages of PX4, by id.
+pub static RULES: [&Px4Rule; 28] = [
+    &arr_01::RULE,
+    &bool_01::RULE,
+    &cdr_01::RULE,
+    &cdr_02::RULE,
+    &data_01::RULE,
+    &data_02::RULE,
+    &data_03::RULE,
+    &enum_01::RULE,
+    &ext_01::RULE,
+    &ext_02::RULE,
+    &ext_03::RULE,
+    &ext_04::RULE,
+    &ext_05::RULE,
+    &fmt_01::RULE,
+    &fmt_02::RULE,
+    &fmt_03::RULE,
+    &fsf_03::RULE,
+    &hash_01::RULE,
+    &json_01::RULE,
+    &json_02::RULE,
+    &len_01::RULE,
+    &nan_01::RULE,
+    &queue_01::RULE,
+    &range_01::RULE,
+    &str_01::RULE,
+    &time_01::RULE,
+    &time_02::RULE,
+    &ver_01::RULE,
+];
+
+/// The rules on single values.
+pub(crate) static VALUES: ValueRules = ValueRules {
+    bool: &bool_01::RULE.rule,
+    text: &str_01::RULE.rule,
+    count: &len_01::RULE.rule,
+    bound: &cdr_02::RULE.rule,
+    range: &range_01::RULE.rule,
+    documented: &enum_01::RULE.rule,
+    nan: &nan_01::RULE.rule,
+    members: &json_01::RULE.rule,
+    json_type: &json_02::RULE.rule,
+    length: &arr_01::RULE.rule,
+};
+
+/// A rule on messages of PX4.
+#[derive(Debug)]
+pub struct Px4Rule {
+    /// What it says.
+    pub rule: Rule,
+    /// Finds violations.
+    pub check: Check,
+    /// Captures that violate it.
+    pub mutants: &'static [Mutant],
+}
+
+/// The code of a rule.
+#[derive(Clone, Copy, Debug)]
+pub enum Check {
+    /// The plan of a format checks each value.
+    Value,
+    /// The reader of a capture finds violations, since nothing can be read there.
+    Source,
+    /// A state that follows the records of a capture.
+    State(fn() -> Box<dyn Checker>),
+}
+
+/// A capture that violates a rule: a small change of one that conforms.
+#[derive(Debug)]
+pub struct Mutant {
+    /// The change.
+    pub name: &'static str,
+    /// Makes it of a flight; none if the definitions have nothing that could be changed so.
+    pub make: fn(&Flight<'_>) -> Option<Vec<u8>>,
+    /// The ids of other rules that it violates too.
+    pub also: &'static [&'static str],
+}
+
+/// What a rule wants to know of a channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Interest {
+    /// No more than that it was opened.
+    #[default]
+    Nothing,
+    /// When messages come.
+    Times,
+    /// What they say.
+    Values,
+}
+
+/// Follows the records of one capture.
+pub trait Checker {
+    /// A channel is opened: a topic with its type. Only messages of channels that are of interest come.
+    fn opened(&mut self, _channel: &Channel<'_>, _judged: &mut Judged<'_>) -> Interest {
+        Interest::Nothing
+    }
+
+    /// A channel is closed, as it was unsubscribed or its place is given to another. That may be said twice.
+    fn closed(&mut self, _channel: &Channel<'_>) {}
+
+    /// When the source was begun, in µs since system start.
+    fn started(&mut self, _time: u64) {}
+
+    /// A message comes.
+    fn message(&mut self, _channel: &Channel<'_>, _message: &Message<'_>, _judged: &mut Judged<'_>) {}
+
+    /// Records were lost, for so many milliseconds.
+    fn dropout(&mut self, _milliseconds: u16, _place: Place) {}
+
+    /// Something can't be read, and records may be lost with it; or it is a message of a channel that is of interest.
+    fn damage(&mut self, _place: Place) {}
+
+    /// The source ends.
+    fn end(&mut self, _judged: &mut Judged<'_>) {}
+}
+
+/// A state for each channel.
+#[derive(Debug)]
+struct PerChannel<T>(Vec<T>);
+
+impl<T: Default + Clone> PerChannel<T> {
+    /// Starts anew with a channel.
+    fn open(&mut self, channel: &Channel<'_>, state: T) {
+        let count = self.0.len().max(channel.index + 1);
+        self.0.resize(count, T::default());
+        self.0[channel.index] = state;
+    }
+
+    /// The state of a channel that was opened.
+    fn of(&mut self, channel: &Channel<'_>) -> Option<&mut T> {
+        self.0.get_mut(channel.index)
+    }
+}
+
+impl<T> Default for PerChannel<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl Judged<'_> {
+    /// A field of the messages of a channel breaks the rule.
+    fn report_field(
+        &mut self,
+        channel: &Channel<'_>,
+        name: &str,
+        place: Place,
+        detail: impl FnOnce() -> Detail,
+    ) {
+        let definition = self.field(channel.definition, name);
+        self.report_defined(&format!("{}.{name}", channel.topic), place, definition, detail);
+    }
+}

@@ -1,0 +1,26 @@
+//! `PX-BOOL-01`.
+
+use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use uavspec_codegen::dynamic::{Placed, PlacedElement};
+use uavspec_runtime::Scalar;
+
+pub(crate) static RULE: Px4Rule = Px4Rule {
+    rule: Rule {
+        id: "PX-BOOL-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "A byte of a bool is 0 or 1.",
+        source: "`bool` of the definition; PX4 copies the byte from memory",
+        applies_to: "payloads in memory",
+    },
+    check: Check::Value,
+    mutants: &[Mutant {
+        name: "the byte of a bool is 153",
+        make: |flight| {
+            let is_bool = |field: &Placed<'_>| matches!(field.element, PlacedElement::Scalar(Scalar::Bool));
+            let (topic, at) = flight.place(is_bool)?;
+            Some(flight.log().with_payload(topic, |payload| payload[at] = 153)?.to_bytes())
+        },
+        also: &[],
+    }],
+};

@@ -1,0 +1,27 @@
+//! `PX-DATA-01`.
+
+use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+
+pub(crate) static RULE: Px4Rule = Px4Rule {
+    rule: Rule {
+        id: "PX-DATA-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "A payload has the full size of its format, or the full size less the padding at its end.",
+        source: "the format in the log, and PX4's logger",
+        applies_to: "logs",
+    },
+    check: Check::Source,
+    mutants: &[
+        Mutant {
+            name: "a payload of four bytes",
+            make: |flight| Some(flight.log().with_payload(0, |payload| payload.truncate(4))?.to_bytes()),
+            also: &[],
+        },
+        Mutant {
+            name: "a payload with a byte more",
+            make: |flight| Some(flight.log().with_payload(0, |payload| payload.push(0))?.to_bytes()),
+            also: &[],
+        },
+    ],
+};

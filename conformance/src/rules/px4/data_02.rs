@@ -1,0 +1,39 @@
+//! `PX-DATA-02`.
+
+use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use crate::rules::sample::Entry;
+
+pub(crate) static RULE: Px4Rule = Px4Rule {
+    rule: Rule {
+        id: "PX-DATA-02",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Each payload belongs to a subscription that was made before it.",
+        source: "ULog file format, section on data messages",
+        applies_to: "logs",
+    },
+    check: Check::Source,
+    mutants: &[
+        Mutant {
+            name: "data of an id that is never subscribed",
+            make: |flight| {
+                let mut log = flight.log();
+                log.entries.push(Entry::Data(u16::MAX, vec![0; 8]));
+                Some(log.to_bytes())
+            },
+            also: &[],
+        },
+        Mutant {
+            name: "a subscription that comes after its data",
+            make: |flight| {
+                let mut log = flight.log();
+                let is_first = |entry: &Entry| matches!(entry, Entry::Subscription(0, ..));
+                let at = log.entries.iter().position(is_first)?;
+                let late = log.entries.remove(at);
+                log.entries.push(late);
+                Some(log.to_bytes())
+            },
+            also: &[],
+        },
+    ],
+};

@@ -1,0 +1,59 @@
+//! `PX-DATA-03`.
+
+use std::collections::HashMap;
+
+use super::{Channel, Check, Checker, Detail, Interest, Judged, Level, Mutant, Px4Rule, Rule, Status};
+use crate::rules::sample::Entry;
+
+pub(super) static RULE: Px4Rule = Px4Rule {
+    rule: Rule {
+        id: "PX-DATA-03",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "No two subscriptions of a log have the same topic and the same instance at one time.",
+        source: "ULog file format, section on subscription messages",
+        applies_to: "logs",
+    },
+    check: Check::State(|| Box::new(Instances::default())),
+    mutants: &[Mutant {
+        name: "a second subscription of an instance",
+        make: |flight| {
+            let mut log = flight.log();
+            log.entries.push(Entry::Subscription(u16::MAX, 0, flight.topics.first()?.name.clone()));
+            Some(log.to_bytes())
+        },
+        also: &[],
+    }],
+};
+
+/// The channel of each topic and instance that is subscribed.
+#[derive(Default)]
+struct Instances {
+    known: HashMap<(String, u8), usize>,
+}
+
+impl Checker for Instances {
+    fn opened(&mut self, channel: &Channel<'_>, judged: &mut Judged<'_>) -> Interest {
+        let Some(multi_id) = channel.multi_id else { return Interest::Nothing };
+        judged.exercise();
+        let first = *self.known.entry((channel.topic.to_owned(), multi_id)).or_insert(channel.index);
+        if first != channel.index {
+            let definition = judged.defined(channel.definition);
+            judged.report_defined(channel.topic, channel.place, definition, || {
+                Detail::new(format!("a second subscription of instance {multi_id}"))
+                    .expected(format!("one subscription of instance {multi_id} at a time"))
+                    .actual("a second one")
+            });
+        }
+        Interest::Nothing
+    }
+
+    /// What was unsubscribed may be subscribed again, under any id.
+    fn closed(&mut self, channel: &Channel<'_>) {
+        let Some(multi_id) = channel.multi_id else { return };
+        let key = (channel.topic.to_owned(), multi_id);
+        if self.known.get(&key) == Some(&channel.index) {
+            self.known.remove(&key);
+        }
+    }
+}

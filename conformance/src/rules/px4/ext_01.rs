@@ -1,0 +1,108 @@
+//! `PX-EXT-01`.
+//!
+//! A request may be missing in the recording: a logger may take only some, and a file may end too early. So a
+//! reply that answers no known request waits for the next one. If that has the next number, none was missing, and
+//! the reply is wrong unless it answers that very request and stands before it only in the file. Of a reply that is
+//! older than all known requests nothing is said: a log begins with the latest message of each topic.
+
+use super::ext::{Listener, Reply, Request, Requests, Talk, Waiting};
+use super::{Check, Detail, Judged, Level, Mutant, Px4Rule, Rule, Status};
+use crate::rules::sample::Flight;
+
+pub(super) static RULE: Px4Rule = Px4Rule {
+    rule: Rule {
+        id: "PX-EXT-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "An ArmingCheckReply answers a request that was sent: its `request_id` is that of the latest \
+                ArmingCheckRequest, or of the one before.",
+        source: "`request_id` of ArmingCheckReply and ArmingCheckRequest",
+        applies_to: "messages over time",
+    },
+    check: Check::State(|| Box::new(Talk::<Answers>::default())),
+    mutants: &[
+        Mutant {
+            name: "a reply to a request of long ago, in a log",
+            make: |flight| Some(stray(flight, 7)?.log().to_bytes()),
+            also: &[],
+        },
+        Mutant {
+            name: "a reply to a request that wasn't sent yet, as JSON",
+            make: |flight| Some(stray(flight, 255)?.rosbridge().to_bytes()),
+            also: &[],
+        },
+        Mutant {
+            name: "a reply to a request of long ago, in MCAP",
+            make: |flight| Some(stray(flight, 7)?.bag().to_bytes()),
+            also: &[],
+        },
+    ],
+};
+
+#[derive(Default)]
+struct Answers {
+    requests: Requests,
+    waiting: Waiting,
+}
+
+impl Listener for Answers {
+    fn request(&mut self, _: &str, request: Request, judged: &mut Judged<'_>) {
+        let is_next = self.requests.push(request);
+        for reply in self.waiting.take().into_iter().filter(|_| is_next) {
+            judged.exercise();
+            if !is_answer(&reply, self.requests.latest_at(reply.time)) {
+                // When it came, this request wasn't there yet.
+                tell(&reply, request.id.wrapping_sub(1), judged);
+            }
+        }
+    }
+
+    fn reply(&mut self, reply: Reply, judged: &mut Judged<'_>) {
+        let then = self.requests.latest_at(reply.time);
+        if [self.requests.latest(), then].iter().any(|request| is_answer(&reply, *request)) {
+            judged.exercise();
+        } else if then.is_some() {
+            self.waiting.push(reply);
+        }
+    }
+
+    fn forget(&mut self) {
+        *self = Self::default();
+    }
+
+    /// The next request may be cut off. That of long ago isn't the next.
+    fn end(&mut self, judged: &mut Judged<'_>) {
+        let Some(latest) = self.requests.latest().map(|request| request.id) else { return };
+        for reply in self.waiting.take() {
+            let is_behind = latest.wrapping_sub(reply.request_id) < 128;
+            if is_behind && self.requests.len() > 1 {
+                tell(&reply, latest, judged);
+            }
+        }
+    }
+}
+
+/// Whether a reply answers this request, or the one before it.
+fn is_answer(reply: &Reply, request: Option<&Request>) -> bool {
+    request.is_some_and(|request| request.id.wrapping_sub(reply.request_id) < 2)
+}
+
+fn tell(reply: &Reply, latest: u8, judged: &mut Judged<'_>) {
+    let before = latest.wrapping_sub(1);
+    let definition = judged.field(reply.definition, "request_id");
+    judged.report_defined(&format!("{}.request_id", reply.topic), reply.place, definition, || {
+        let Reply { request_id, registration_id, .. } = reply;
+        let text = format!(
+            "registration {registration_id} answers request {request_id}, where {latest} is the latest"
+        );
+        Detail::new(text).expected(format!("{latest} or {before}")).actual(request_id.to_string())
+    });
+}
+
+/// A reply more, which answers the request so many before the latest.
+fn stray<'d>(flight: &Flight<'d>, behind: u8) -> Option<Flight<'d>> {
+    flight.with_reply(|reply| {
+        let id = reply["request_id"].as_u64().and_then(|id| u8::try_from(id).ok());
+        reply["request_id"] = id.unwrap_or_default().wrapping_sub(behind).into();
+    })
+}

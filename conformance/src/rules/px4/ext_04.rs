@@ -1,0 +1,72 @@
+//! `PX-EXT-04`.
+
+use uavspec_codegen::dynamic::Value;
+
+use super::ext::{is_reply, number};
+use super::{
+    Channel, Check, Checker, Detail, Interest, Judged, Level, Message, Mutant, Px4Rule, Rule, Status,
+};
+use crate::rules::sample::Flight;
+
+pub(super) static RULE: Px4Rule = Px4Rule {
+    rule: Rule {
+        id: "PX-EXT-04",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Of the `events` of an ArmingCheckReply, the first `num_events` have an `id` other than 0. Those behind \
+                are ignored.",
+        source: "`num_events` and `events` of ArmingCheckReply, `id` of Event",
+        applies_to: "values of messages",
+    },
+    check: Check::State(|| Box::new(Reasons)),
+    mutants: &[
+        Mutant {
+            name: "an event without an id, in a log",
+            make: |flight| Some(nameless(flight)?.log().to_bytes()),
+            also: &[],
+        },
+        Mutant {
+            name: "an event without an id, as JSON",
+            make: |flight| Some(nameless(flight)?.lines().to_bytes()),
+            also: &[],
+        },
+        Mutant {
+            name: "an event without an id, in MCAP",
+            make: |flight| Some(nameless(flight)?.bag().to_bytes()),
+            also: &[],
+        },
+    ],
+};
+
+struct Reasons;
+
+impl Checker for Reasons {
+    fn opened(&mut self, channel: &Channel<'_>, judged: &mut Judged<'_>) -> Interest {
+        if is_reply(channel, judged) { Interest::Values } else { Interest::Nothing }
+    }
+
+    fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, judged: &mut Judged<'_>) {
+        let Some(values) = message.values else { return };
+        let in_use: Option<usize> = number(values, "num_events");
+        let (Some(in_use), Some(Value::Array(events))) = (in_use, values.get("events")) else { return };
+        // A count beyond the array breaks another rule, and nobody knows what it means.
+        for (index, event) in events.iter().take(in_use).enumerate().filter(|_| in_use <= events.len()) {
+            let Value::Message(event) = event else { return };
+            let Some(id) = number::<u32>(event, "id") else { return };
+            judged.exercise();
+            if id == 0 {
+                judged.report_field(channel, "events", message.place, || {
+                    Detail::new(format!("an event without an id, where {in_use} are in use"))
+                        .at(format!("events[{index}].id"))
+                        .expected("an id other than 0")
+                        .actual("0")
+                });
+            }
+        }
+    }
+}
+
+/// The last refusal says nothing that anybody could look up.
+fn nameless<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
+    flight.with_refusal(|reply| reply["events"][0]["id"] = 0.into())
+}

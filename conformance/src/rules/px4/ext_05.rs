@@ -1,0 +1,63 @@
+//! `PX-EXT-05`.
+
+use super::ext::{is_reply, number};
+use super::{
+    Channel, Check, Checker, Detail, Interest, Judged, Level, Message, Mutant, Px4Rule, Rule, Status,
+};
+use crate::rules::sample::Flight;
+
+pub(super) static RULE: Px4Rule = Px4Rule {
+    rule: Rule {
+        id: "PX-EXT-05",
+        level: Level::Should,
+        status: Status::Normative,
+        statement: "An ArmingCheckReply whose `can_arm_and_run` is false has at least one event that says why.",
+        source: "`can_arm_and_run` and `events` of ArmingCheckReply",
+        applies_to: "values of messages",
+    },
+    check: Check::State(|| Box::new(Refusals)),
+    mutants: &[
+        Mutant {
+            name: "a refusal without a reason, in a log",
+            make: |flight| Some(without_reason(flight)?.log().to_bytes()),
+            also: &[],
+        },
+        Mutant {
+            name: "a refusal without a reason, as JSON",
+            make: |flight| Some(without_reason(flight)?.rosbridge().to_bytes()),
+            also: &[],
+        },
+        Mutant {
+            name: "a refusal without a reason, in MCAP",
+            make: |flight| Some(without_reason(flight)?.bag().to_bytes()),
+            also: &[],
+        },
+    ],
+};
+
+struct Refusals;
+
+impl Checker for Refusals {
+    fn opened(&mut self, channel: &Channel<'_>, judged: &mut Judged<'_>) -> Interest {
+        if is_reply(channel, judged) { Interest::Values } else { Interest::Nothing }
+    }
+
+    fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, judged: &mut Judged<'_>) {
+        let Some(values) = message.values else { return };
+        let is_agreed = number::<u8>(values, "can_arm_and_run").map(|agreed| agreed != 0);
+        let (Some(false), Some(events)) = (is_agreed, number::<u64>(values, "num_events")) else { return };
+        judged.exercise();
+        if events == 0 {
+            judged.report_field(channel, "num_events", message.place, || {
+                Detail::new("can_arm_and_run is false, and no event says why")
+                    .expected("1 or more")
+                    .actual("0")
+            });
+        }
+    }
+}
+
+/// The last refusal gives no reason.
+fn without_reason<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
+    flight.with_refusal(|reply| reply["num_events"] = 0.into())
+}

@@ -1,0 +1,26 @@
+//! `PX-FMT-02`.
+
+use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use crate::rules::sample::Entry;
+
+pub(crate) static RULE: Px4Rule = Px4Rule {
+    rule: Rule {
+        id: "PX-FMT-02",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Each type that a format nests has a format in the same log.",
+        source: "ULog file format, section on format messages",
+        applies_to: "logs",
+    },
+    check: Check::Source,
+    mutants: &[Mutant {
+        name: "a type that the log doesn't have",
+        make: |flight| {
+            let mut log = flight.log();
+            log.entries
+                .insert(1, Entry::Format("tow".to_owned(), "uint64_t timestamp;rope[2] ropes;".to_owned()));
+            Some(log.to_bytes())
+        },
+        also: &[],
+    }],
+};

@@ -1,0 +1,26 @@
+//! `PX-FMT-03`.
+
+use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+
+pub(crate) static RULE: Px4Rule = Px4Rule {
+    rule: Rule {
+        id: "PX-FMT-03",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Each message has a field `timestamp` of type uint64.",
+        source: "ULog file format, section on format messages",
+        applies_to: "logs",
+    },
+    check: Check::Source,
+    mutants: &[Mutant {
+        name: "`timestamp` has another name",
+        make: |flight| {
+            let topic = flight.regular(|_| true)?;
+            let mut log = flight.log();
+            let fields = log.format_mut(&flight.topics[topic].name)?;
+            *fields = fields.replace("uint64_t timestamp;", "uint64_t time;");
+            Some(log.to_bytes())
+        },
+        also: &["PX-FMT-01"],
+    }],
+};

@@ -1,0 +1,45 @@
+//! `PX-JSON-01`.
+
+use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use crate::rules::sample::{PERIOD, ROUNDS, START};
+use serde_json::Value;
+
+pub(super) static RULE: Px4Rule = Px4Rule {
+    rule: Rule {
+        id: "PX-JSON-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "A message in JSON has exactly the fields of its definition: none is missing, unknown or there twice.",
+        source: "the fields of the definition; the published JSON Schema",
+        applies_to: "messages as JSON",
+    },
+    check: Check::Value,
+    mutants: &[
+        Mutant {
+            name: "a field is missing",
+            make: |flight| {
+                let remove = |message: &mut Value| {
+                    if let Some(fields) = message.as_object_mut() {
+                        let last = fields.keys().next_back().cloned();
+                        last.and_then(|last| fields.remove(&last));
+                    }
+                };
+                Some(flight.with_last(0, remove)?.lines().to_bytes())
+            },
+            also: &[],
+        },
+        Mutant {
+            name: "a field that the definition doesn't have",
+            make: |flight| Some(flight.with_last(0, |message| message["tow"] = 1.into())?.lines().to_bytes()),
+            also: &[],
+        },
+        Mutant {
+            name: "a field stands twice",
+            make: |flight| {
+                let time = format!("\"timestamp\":{}", START + (ROUNDS - 1) * PERIOD);
+                Some(flight.lines().with_text(&time, &format!("{time},{time}"))?.to_bytes())
+            },
+            also: &[],
+        },
+    ],
+};

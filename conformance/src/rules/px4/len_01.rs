@@ -1,0 +1,33 @@
+//! `PX-LEN-01`.
+
+use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use uavspec_runtime::Rule as Broken;
+
+pub(super) static RULE: Px4Rule = Px4Rule {
+    rule: Rule {
+        id: "PX-LEN-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "A count of entries in use is at most the length of the array that it counts.",
+        source: "`@count` of the definition, or the names `num_x` and `x_count`",
+        applies_to: "values of messages",
+    },
+    check: Check::Value,
+    mutants: &[
+        Mutant {
+            name: "one entry more in use than the array has, in a log",
+            make: |flight| Some(flight.breaking(Broken::Count)?.log().to_bytes()),
+            also: &[],
+        },
+        Mutant {
+            name: "one entry more in use than the array has, as JSON",
+            make: |flight| Some(flight.breaking(Broken::Count)?.lines().to_bytes()),
+            also: &[],
+        },
+        Mutant {
+            name: "one entry more in use than the array has, in MCAP",
+            make: |flight| Some(flight.breaking(Broken::Count)?.bag().to_bytes()),
+            also: &[],
+        },
+    ],
+};

@@ -1,0 +1,37 @@
+//! `PX-STR-01`.
+
+use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use uavspec_codegen::dynamic::{Placed, PlacedElement};
+
+pub(super) static RULE: Px4Rule = Px4Rule {
+    rule: Rule {
+        id: "PX-STR-01",
+        level: Level::Should,
+        status: Status::Normative,
+        statement: "Text in a `char` array is UTF-8 up to its first NUL.",
+        source: "`char[N]` of the definition",
+        applies_to: "values of messages",
+    },
+    check: Check::Value,
+    mutants: &[
+        Mutant {
+            name: "text that is no UTF-8, in a log",
+            make: |flight| {
+                let is_text = |field: &Placed<'_>| matches!(field.element, PlacedElement::Text(_));
+                let (topic, at) = flight.place(is_text)?;
+                Some(flight.log().with_payload(topic, |payload| payload[at] = 0xff)?.to_bytes())
+            },
+            also: &[],
+        },
+        Mutant {
+            name: "text with a NUL, as JSON",
+            make: |flight| {
+                let is_text = |field: &Placed<'_>| matches!(field.element, PlacedElement::Text(_));
+                let (topic, _) = flight.place(is_text)?;
+                let name = flight.type_of(topic).layout().find(is_text)?.name;
+                Some(flight.with_last(topic, |message| message[name] = "D\0".into())?.lines().to_bytes())
+            },
+            also: &[],
+        },
+    ],
+};

@@ -1,0 +1,146 @@
+//! Flights as MCAP, as rosbag2 writes it: CDR with schemas as `ros2msg`.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+use uavspec_codegen::schema::fingerprint::ros_name;
+use uavspec_codegen::schema::{Element, Message, MessageId, Schema, shape_text};
+use uavspec_runtime::cdr::ByteOrder;
+
+use super::Flight;
+use crate::capture::MCAP_MAGIC;
+
+/// What stands between the definitions of a schema.
+const RULER: &str = "================================================================================";
+
+/// A file of MCAP without chunks.
+#[derive(Clone, Debug)]
+pub struct Bag {
+    /// Its channels; the id of each is its index.
+    pub channels: Vec<BagChannel>,
+    /// Index of the channel, time in ns, and payload of each message.
+    pub messages: Vec<(u16, u64, Vec<u8>)>,
+}
+
+/// A channel with its schema.
+#[derive(Clone, Debug)]
+pub struct BagChannel {
+    /// Its topic.
+    pub topic: String,
+    /// The name of its type.
+    pub schema: String,
+    /// The definition of its type, with those that it nests.
+    pub text: String,
+    /// The hash of its type.
+    pub hash: String,
+}
+
+impl Bag {
+    /// The file of a flight.
+    pub(super) fn of(flight: &Flight<'_>) -> Self {
+        let schema = &flight.definitions.schema;
+        let channels = flight.topics.iter().map(|topic| {
+            let message = schema.message(topic.message);
+            BagChannel {
+                topic: format!("/fmu/out/{}", topic.name),
+                schema: ros_name(schema, message),
+                text: text_of(schema, topic.message),
+                hash: message.type_hash.clone(),
+            }
+        });
+        let messages = flight.messages.iter().filter_map(|sent| {
+            let time = sent.value["timestamp"].as_u64()? * 1_000;
+            let payload = flight.message(sent)?.to_cdr(ByteOrder::LittleEndian).ok()?;
+            Some((u16::try_from(sent.topic).ok()?, time, payload))
+        });
+        Self { channels: channels.collect(), messages: messages.collect() }
+    }
+
+    /// Changes the last payload.
+    #[must_use]
+    pub fn with_payload(mut self, change: impl FnOnce(&mut Vec<u8>)) -> Option<Self> {
+        change(&mut self.messages.last_mut()?.2);
+        Some(self)
+    }
+
+    /// The bytes of the file.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = MCAP_MAGIC.to_vec();
+        record(&mut bytes, 0x01, &[&text("ros2"), &text("uavspec")]);
+        for (id, channel) in (0_u16..).zip(&self.channels) {
+            // 0 is no schema.
+            let schema = (id + 1).to_le_bytes();
+            let definition = sized(channel.text.as_bytes());
+            record(&mut bytes, 0x03, &[&schema, &text(&channel.schema), &text("ros2msg"), &definition]);
+            let metadata = [text("topic_type_hash"), text(&channel.hash)].concat();
+            let id = id.to_le_bytes();
+            record(&mut bytes, 0x04, &[&id, &schema, &text(&channel.topic), &text("cdr"), &sized(&metadata)]);
+        }
+        for (sequence, (channel, time, payload)) in (0_u32..).zip(&self.messages) {
+            let time = time.to_le_bytes();
+            record(
+                &mut bytes,
+                0x05,
+                &[&channel.to_le_bytes(), &sequence.to_le_bytes(), &time, &time, payload],
+            );
+        }
+        record(&mut bytes, 0x0f, &[&[0; 4]]);
+        record(&mut bytes, 0x02, &[&[0; 20]]);
+        bytes.extend(MCAP_MAGIC);
+        bytes
+    }
+}
+
+fn record(bytes: &mut Vec<u8>, kind: u8, parts: &[&[u8]]) {
+    let body = parts.concat();
+    bytes.push(kind);
+    bytes.extend((body.len() as u64).to_le_bytes());
+    bytes.extend(body);
+}
+
+/// Bytes behind their length.
+fn sized(bytes: &[u8]) -> Vec<u8> {
+    // No definition is longer than that.
+    [&u32::try_from(bytes.len()).unwrap_or(u32::MAX).to_le_bytes(), bytes].concat()
+}
+
+fn text(text: &str) -> Vec<u8> {
+    sized(text.as_bytes())
+}
+
+/// The definition of a message as ROS 2 has it, and those of the messages that it nests.
+fn text_of(schema: &Schema, of: MessageId) -> String {
+    let mut text = String::new();
+    let mut told = BTreeSet::from([of.0]);
+    let mut waiting = vec![of];
+    while let Some(id) = waiting.pop() {
+        let message = schema.message(id);
+        if id != of {
+            let name = ros_name(schema, message).replace("/msg/", "/");
+            // Writing to a string can't fail.
+            let _ = write!(text, "{RULER}\nMSG: {name}\n");
+        }
+        text += &fields(schema, message);
+        for field in &message.fields {
+            if let Element::Message(nested) = field.ty.element
+                && told.insert(nested.0)
+            {
+                waiting.push(nested);
+            }
+        }
+    }
+    text
+}
+
+fn fields(schema: &Schema, message: &Message) -> String {
+    let mut text = String::new();
+    for field in &message.fields {
+        let ty = match field.ty.element {
+            Element::Scalar(scalar) => scalar.name().to_owned(),
+            Element::String { .. } => "string".to_owned(),
+            Element::Message(id) => ros_name(schema, schema.message(id)).replace("/msg/", "/"),
+        };
+        let _ = writeln!(text, "{ty}{} {}", shape_text(field.ty.shape), field.name);
+    }
+    text
+}

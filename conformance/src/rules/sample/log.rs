@@ -1,0 +1,175 @@
+//! Flights as logs of PX4.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
+use uavspec_codegen::schema::Shape;
+use uavspec_runtime::Scalar;
+
+use super::{Flight, START};
+use crate::capture::ULOG_MAGIC;
+
+/// A log of PX4, entry by entry.
+#[derive(Clone, Debug)]
+pub struct Log {
+    /// All that follows its header.
+    pub entries: Vec<Entry>,
+}
+
+/// An entry of a log.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Entry {
+    /// Flag bits: none is set.
+    FlagBits,
+    /// A key with its type, and its value.
+    Information(&'static str, Vec<u8>),
+    /// The name of a format, and its fields.
+    Format(String, String),
+    /// An id, an instance and a topic.
+    Subscription(u16, u8, String),
+    /// An id and a payload.
+    Data(u16, Vec<u8>),
+    /// How long records were lost, in ms.
+    Dropout(u16),
+}
+
+impl Log {
+    /// The log of a flight: the id of a topic is its index.
+    pub(super) fn of(flight: &Flight<'_>) -> Self {
+        let mut log =
+            Self { entries: vec![Entry::FlagBits, Entry::Information("char[3] sys_name", b"PX4".to_vec())] };
+        let mut named = BTreeSet::new();
+        for (index, topic) in flight.topics.iter().enumerate() {
+            log.format(&topic.name, flight.type_of(index), &mut named);
+        }
+        for (id, topic) in (0..).zip(&flight.topics) {
+            log.entries.push(Entry::Subscription(id, 0, topic.name.clone()));
+        }
+        for sent in &flight.messages {
+            let payload = flight.message(sent).and_then(|message| message.to_uorb().ok());
+            let id = u16::try_from(sent.topic).ok();
+            log.entries.extend(id.zip(payload).map(|(id, payload)| Entry::Data(id, payload)));
+        }
+        log
+    }
+
+    /// The format of a type, and those of the types that it nests.
+    fn format(&mut self, name: &str, of: MessageType<'_>, named: &mut BTreeSet<String>) {
+        if !named.insert(name.to_owned()) {
+            return;
+        }
+        self.entries.push(Entry::Format(name.to_owned(), fields(of)));
+        for field in of.layout() {
+            if let PlacedElement::Message(nested) = field.element {
+                self.format(&snake_case(nested.name()), nested, named);
+            }
+        }
+    }
+
+    /// Changes the last payload of a topic.
+    #[must_use]
+    pub fn with_payload(mut self, topic: usize, change: impl FnOnce(&mut Vec<u8>)) -> Option<Self> {
+        let payload = self.entries.iter_mut().rev().find_map(|entry| match entry {
+            Entry::Data(id, payload) if usize::from(*id) == topic => Some(payload),
+            _ => None,
+        })?;
+        change(payload);
+        Some(self)
+    }
+
+    /// The fields of the format of a name.
+    pub fn format_mut(&mut self, name: &str) -> Option<&mut String> {
+        self.entries.iter_mut().find_map(|entry| match entry {
+            Entry::Format(known, fields) if known == name => Some(fields),
+            _ => None,
+        })
+    }
+
+    /// The bytes of the file.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = [&ULOG_MAGIC[..], &[1], &START.to_le_bytes()].concat();
+        for entry in &self.entries {
+            let (kind, payload) = entry.to_bytes();
+            // Longer ones than the format allows don't come of definitions.
+            bytes.extend(u16::try_from(payload.len()).unwrap_or(u16::MAX).to_le_bytes());
+            bytes.push(kind);
+            bytes.extend(payload);
+        }
+        bytes
+    }
+}
+
+impl Entry {
+    fn to_bytes(&self) -> (u8, Vec<u8>) {
+        match self {
+            Self::FlagBits => (b'B', vec![0; 40]),
+            Self::Information(key, value) => {
+                let length = u8::try_from(key.len()).unwrap_or(u8::MAX);
+                (b'I', [&[length], key.as_bytes(), value].concat())
+            }
+            Self::Format(name, fields) => (b'F', format!("{name}:{fields}").into_bytes()),
+            Self::Subscription(id, multi_id, topic) => {
+                (b'A', [&[*multi_id], &id.to_le_bytes()[..], topic.as_bytes()].concat())
+            }
+            Self::Data(id, payload) => (b'D', [&id.to_le_bytes()[..], payload].concat()),
+            Self::Dropout(milliseconds) => (b'O', milliseconds.to_le_bytes().to_vec()),
+        }
+    }
+}
+
+/// The fields of a format, with the padding that memory has.
+fn fields(of: MessageType<'_>) -> String {
+    let mut placed: Vec<Placed<'_>> = of.layout().collect();
+    placed.sort_by_key(|field| field.offset);
+    let (mut text, mut end, mut paddings) = (String::new(), 0, 0);
+    // Writing to a string can't fail.
+    let mut pad = |text: &mut String, from: usize, to: usize| {
+        if to > from {
+            let _ = write!(text, "uint8_t[{}] _padding{paddings};", to - from);
+            paddings += 1;
+        }
+    };
+    for field in placed {
+        pad(&mut text, end, field.offset);
+        let (length, elements) = match (field.element, field.shape) {
+            (PlacedElement::Text(length), _) => (Some(length), 1),
+            (_, Shape::Array(length)) => (Some(length), length as usize),
+            _ => (None, 1),
+        };
+        let array = length.map(|length| format!("[{length}]")).unwrap_or_default();
+        let _ = write!(text, "{}{array} {};", type_of(field.element), field.name);
+        end = field.offset + field.stride * elements;
+    }
+    pad(&mut text, end, of.size().map_or(end, |size| size.padded));
+    text
+}
+
+/// A type as formats name it.
+fn type_of(element: PlacedElement<'_>) -> String {
+    match element {
+        PlacedElement::Scalar(scalar) => match scalar {
+            Scalar::Float32 => "float".to_owned(),
+            Scalar::Float64 => "double".to_owned(),
+            Scalar::Bool | Scalar::Char => scalar.name().to_owned(),
+            Scalar::Byte => "uint8_t".to_owned(),
+            _ => format!("{}_t", scalar.name()),
+        },
+        PlacedElement::Text(_) => "char".to_owned(),
+        // No message of fixed size has one.
+        PlacedElement::String => String::new(),
+        PlacedElement::Message(nested) => snake_case(nested.name()),
+    }
+}
+
+/// The name of a message as topics write it.
+fn snake_case(name: &str) -> String {
+    let mut text = String::new();
+    for (at, letter) in name.char_indices() {
+        if letter.is_ascii_uppercase() && at > 0 {
+            text.push('_');
+        }
+        text.push(letter.to_ascii_lowercase());
+    }
+    text
+}

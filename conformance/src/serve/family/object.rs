@@ -1,0 +1,88 @@
+//! OBJ: whatever the server keeps track of (`definitions/flockwave/obj.md`).
+
+use serde_json::{Value, json};
+use uavspec::flockwave::ErrorCode;
+use uavspec::flockwave::json::obj_cmd::ResponseResult;
+use uavspec::flockwave::json::{
+    CommandResponse, CommandResponseType, ObjectId, ObjectType, Request, obj_cmd, obj_list,
+};
+
+use super::unknown;
+use crate::serve::error_code::settable;
+use crate::serve::hub::{Answer, Hub, SessionId};
+use crate::serve::message::{Outcome, Outcomes};
+use crate::serve::request::limited;
+use crate::serve::uav::Uav;
+use crate::serve::world::FIXTURES;
+
+pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> Answer {
+    match request {
+        Request::ObjCmd(request) => command(hub, request),
+        Request::ObjList(request) => list(hub, request.filter.map(limited).transpose()?.as_deref()),
+        other => Err(unknown(&other)),
+    }
+}
+
+fn list(hub: &Hub, filter: Option<&[ObjectType]>) -> Answer {
+    let has_unknown = filter.is_some_and(|kinds| kinds.iter().any(|kind| !kind.is_known()));
+    if has_unknown && hub.breaks("FW-OBJ-LIST-03") {
+        return Err("there is no such type".to_owned());
+    }
+    let is_wanted = |kind: &ObjectType| match filter {
+        None => *kind == ObjectType::Uav || !hub.breaks("FW-OBJ-LIST-04"),
+        Some(_) if hub.breaks("FW-OBJ-LIST-02") => true,
+        Some(kinds) => kinds.contains(kind),
+    };
+    let wanted = hub.world.objects().filter(|(_, kind)| is_wanted(kind));
+    Ok(obj_list::Response { ids: wanted.map(|(id, _)| ObjectId::from(id)).collect() }.into())
+}
+
+fn command(hub: &mut Hub, request: obj_cmd::Request) -> Answer {
+    let command = request.command.as_str();
+    let arguments = limited(request.args.unwrap_or_default())?;
+    let mut lost = Vec::new();
+    let outcomes = Outcomes::of(request.ids, |id| {
+        let is_fixture = FIXTURES.iter().any(|fixture| fixture.id == id);
+        let said = match hub.uav(id) {
+            Some(_) if command == "lose" => {
+                lost.push(id.to_owned());
+                "nothing will be heard of it".to_owned()
+            }
+            Some(uav) => obey(uav, command, &arguments)?,
+            None if is_fixture => return Err("it takes no commands".to_owned()),
+            None => return Err("there is no such object".to_owned()),
+        };
+        Ok(Outcome::Value(ResponseResult::CommandResponse(CommandResponse {
+            r#type: CommandResponseType::Plain,
+            data: json!(said),
+        })))
+    })?;
+    hub.lose(&lost);
+    let (result, error, receipt) = outcomes.into_maps_with_receipts();
+    Ok(obj_cmd::Response { result, error, receipt }.into())
+}
+
+fn obey(uav: &mut Uav, command: &str, arguments: &[Value]) -> Result<String, String> {
+    match command {
+        "error" if arguments.is_empty() => {
+            uav.clear_errors();
+            Ok("no error codes".to_owned())
+        }
+        "error" => {
+            let code = |value: &Value| value.as_u64().and_then(|code| u16::try_from(code).ok());
+            let codes =
+                arguments.iter().map(|value| code(value).ok_or("an error code is a number up to 65535"));
+            let codes: Vec<u16> = codes.collect::<Result<_, _>>()?;
+            let codes: Vec<ErrorCode> = codes.into_iter().map(settable).collect::<Result<_, _>>()?;
+            uav.set_errors(&codes);
+            let codes: Vec<String> = uav.codes().iter().map(ErrorCode::to_string).collect();
+            Ok(format!("error codes: {}", codes.join(", ")))
+        }
+        "battery" => {
+            let percent = arguments.first().and_then(Value::as_f64).ok_or("say the charge in percent")?;
+            uav.set_charge(percent);
+            Ok(format!("charged to {} %", uav.percentage()))
+        }
+        _ => Err("there are the commands error, battery and lose".to_owned()),
+    }
+}

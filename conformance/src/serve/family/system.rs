@@ -1,0 +1,58 @@
+//! SYS: the server itself (`definitions/flockwave/sys.md`).
+
+use std::collections::BTreeMap;
+
+use uavspec::flockwave::json::{PortNumber, Request, clk_inf, sys_ports, sys_time, sys_ver};
+
+use super::{clock, unknown};
+use crate::serve::hub::{Answer, Hub, SessionId};
+use crate::serve::message::acknowledgment;
+
+/// The furthest that the clock can be put forward in all, in milliseconds: a hundred years.
+const ADJUSTMENT_LIMIT: u64 = 100 * 365 * 86_400_000;
+
+pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> Answer {
+    match request {
+        Request::SysPing(_) => Ok(acknowledgment()),
+        Request::SysPorts(_) => {
+            let ports = hub.ports.iter().map(|(name, port)| ((*name).to_owned(), PortNumber((*port).into())));
+            Ok(sys_ports::Response { ports: ports.collect() }.into())
+        }
+        Request::SysTime(request) => {
+            request.adjustment.map(|adjustment| adjust(hub, adjustment)).transpose()?;
+            Ok(sys_time::Response { timestamp: hub.timestamp() }.into())
+        }
+        Request::SysVer(_) => Ok(sys_ver::Response {
+            software: "uavspec".to_owned(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            ..sys_ver::Response::default()
+        }
+        .into()),
+        other => Err(unknown(&other)),
+    }
+}
+
+fn adjust(hub: &mut Hub, adjustment: f64) -> Result<(), String> {
+    if hub.breaks("FW-SYS-TIME-03") && adjustment == 0.0 {
+        hub.adjustment += 3_600_000;
+    }
+    if adjustment < 0.0 {
+        // Timestamps of UAVs would lie in the future, or go back.
+        return Err("the clock is put forward only".to_owned());
+    }
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a cast takes the closest there is"
+    )]
+    let adjusted = hub.adjustment.saturating_add(adjustment.round() as u64);
+    if adjusted > ADJUSTMENT_LIMIT {
+        return Err("that is too far".to_owned());
+    }
+    if adjusted != hub.adjustment {
+        hub.adjustment = adjusted;
+        let status = BTreeMap::from([(clock::SYSTEM.to_owned(), clock::system(hub))]);
+        hub.notify_all(&clk_inf::Notification { status: Some(status) }.into());
+    }
+    Ok(())
+}

@@ -1,0 +1,242 @@
+//! UAV: the fleet (`definitions/flockwave/uav.md`).
+
+use std::collections::BTreeMap;
+
+use serde_json::json;
+use uavspec::flockwave::json::{
+    CalibrationComponent, GPSCoordinate, ObjectId, PreflightCheckInfo, PreflightCheckItem,
+    PreflightCheckResult, Request, uav_calib, uav_fly, uav_halt, uav_hover, uav_inf, uav_land, uav_list,
+    uav_motor, uav_preflt, uav_rst, uav_rth, uav_signal, uav_sleep, uav_takeoff, uav_test, uav_ver,
+    uav_wakeup,
+};
+use uavspec_runtime::ErrorClass;
+
+use super::unknown;
+use crate::serve::hub::{Answer, Hub, SessionId};
+use crate::serve::message::{Outcome, Outcomes};
+use crate::serve::operation::Operation;
+use crate::serve::request::each_once;
+use crate::serve::uav::{Altitude, Command, Target, Uav};
+
+/// How long operations take, in seconds.
+const CALIBRATION: f64 = 4.0;
+const TEST: f64 = 2.0;
+const RESTART: f64 = 3.0;
+
+/// How long a UAV draws attention where nobody says it, in seconds.
+const USUAL_SIGNAL: f64 = 5.0;
+
+/// What becomes of a request for each UAV; mostly whether it has done what it was told.
+type Obeyed<T = bool> = Result<Outcomes<Outcome<T>>, String>;
+
+/// The response to a command: all have the same three maps.
+macro_rules! respond {
+    ($body:ident, $outcomes:expr) => {{
+        let (result, error, receipt) = $outcomes?.into_maps_with_receipts();
+        Ok($body::Response { result, error, receipt }.into())
+    }};
+}
+
+pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Answer {
+    match request {
+        Request::UavTakeoff(asked) => respond!(uav_takeoff, obey(hub, session, asked.ids, Command::TakeOff)),
+        Request::UavLand(asked) => respond!(uav_land, obey(hub, session, asked.ids, Command::Land)),
+        Request::UavRth(asked) => respond!(uav_rth, obey(hub, session, asked.ids, Command::ReturnHome)),
+        Request::UavHover(asked) => respond!(uav_hover, obey(hub, session, asked.ids, Command::Hover)),
+        Request::UavHalt(asked) => respond!(uav_halt, obey(hub, session, asked.ids, Command::Halt)),
+        Request::UavSleep(asked) => respond!(uav_sleep, obey(hub, session, asked.ids, Command::Sleep)),
+        Request::UavWakeup(asked) => respond!(uav_wakeup, obey(hub, session, asked.ids, Command::WakeUp)),
+        Request::UavFly(asked) => {
+            respond!(uav_fly, obey(hub, session, asked.ids, Command::FlyTo(target(&asked.target)?)))
+        }
+        Request::UavMotor(asked) => {
+            let is_forced = asked.force.unwrap_or_default();
+            respond!(
+                uav_motor,
+                obey(hub, session, asked.ids, Command::Motors { is_start: asked.start, is_forced })
+            )
+        }
+        Request::UavSignal(asked) => {
+            respond!(
+                uav_signal,
+                obey(hub, session, asked.ids, Command::Signal { seconds: signal(asked.duration)? })
+            )
+        }
+        Request::UavCalib(asked) => {
+            let component = asked.component.as_ref();
+            let is_there = component.is_none_or(CalibrationComponent::is_known);
+            // Somebody has to turn the UAV while its compass is calibrated.
+            let is_suspending = component == Some(&CalibrationComponent::Compass);
+            let kind = if is_suspending { Operation::suspending } else { Operation::lasting };
+            respond!(
+                uav_calib,
+                examine(hub, session, asked.ids, is_there, |receipt| {
+                    kind(receipt, CALIBRATION, json!(true))
+                })
+            )
+        }
+        Request::UavTest(asked) => {
+            let is_there = asked.component.is_none_or(|component| component.is_known());
+            respond!(
+                uav_test,
+                examine(hub, session, asked.ids, is_there, |receipt| {
+                    Operation::lasting(receipt, TEST, json!(true))
+                })
+            )
+        }
+        Request::UavRst(asked) => {
+            let is_whole = asked.component.is_none_or(|component| component.is_empty());
+            respond!(uav_rst, restart(hub, session, asked.ids, is_whole))
+        }
+        Request::UavVer(asked) => respond!(uav_ver, versions(hub, session, asked.ids)),
+        Request::UavInf(asked) => state(hub, asked.ids),
+        Request::UavList(_) => Ok(list(hub).into()),
+        Request::UavPreflt(asked) => {
+            let outcomes =
+                Outcomes::of(asked.ids, |id| hub.uav(id).map(|uav| checks(uav)).ok_or_else(no_such))?;
+            let (status, error) = outcomes.into_maps();
+            Ok(uav_preflt::Response { status, error }.into())
+        }
+        other => Err(unknown(&other)),
+    }
+}
+
+fn list(hub: &Hub) -> uav_list::Response {
+    uav_list::Response { ids: hub.world.uavs.iter().map(|uav| ObjectId::from(uav.id.as_str())).collect() }
+}
+
+fn no_such() -> String {
+    "there is no such UAV".to_owned()
+}
+
+fn state(hub: &mut Hub, ids: Vec<ObjectId>) -> Answer {
+    if hub.breaks("FW-UAV-INF-07") && (ids.is_empty() || each_once(ids.clone())?.len() != ids.len()) {
+        return Err("the ids are empty or not unique".to_owned());
+    }
+    if hub.breaks("FW-UAV-INF-06") && ids.iter().any(|id| hub.uav(&id.0).is_none()) {
+        return Err(no_such());
+    }
+    let outcomes = Outcomes::of(ids, |id| hub.uav(id).map(|uav| uav.status()).ok_or_else(no_such))?;
+    let (status, error) = outcomes.into_maps();
+    Ok(uav_inf::Response { status, error }.into())
+}
+
+/// The checks of a UAV before flight.
+fn checks(uav: &Uav) -> PreflightCheckInfo {
+    use PreflightCheckResult::{Failure, Pass, Warning};
+    let has_code = |class| uav.codes().iter().any(|code| code.class() == class);
+    let battery = match uav.percentage() {
+        ..20 => Failure,
+        20..30 => Warning,
+        _ => Pass,
+    };
+    let errors = match () {
+        () if has_code(ErrorClass::Error) || has_code(ErrorClass::Fatal) => Failure,
+        () if has_code(ErrorClass::Warning) => Warning,
+        () => Pass,
+    };
+    let item = |id: &str, label: &str, result| PreflightCheckItem {
+        id: id.into(),
+        result,
+        label: Some(label.to_owned()),
+        message: None,
+    };
+    let worst = [Failure, Warning].into_iter().find(|result| [battery, errors].contains(result));
+    PreflightCheckInfo {
+        result: worst.unwrap_or(Pass),
+        items: vec![item("battery", "Battery", battery), item("errors", "Error codes", errors)],
+        message: None,
+    }
+}
+
+fn versions(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>) -> Obeyed<BTreeMap<String, String>> {
+    let version = BTreeMap::from([("simulation".to_owned(), env!("CARGO_PKG_VERSION").to_owned())]);
+    Outcomes::of(ids, |id| reach(hub, session, id, |_| Ok(version.clone())))
+}
+
+/// Tells a UAV something, or asks it. Nothing is heard of one that sleeps: then this is the receipt under which that
+/// will show.
+fn reach<T>(
+    hub: &mut Hub,
+    session: SessionId,
+    id: &str,
+    tell: impl FnOnce(&mut Uav) -> Result<T, String>,
+) -> Result<Outcome<T>, String> {
+    let uav = hub.uav(id).ok_or_else(no_such)?;
+    if uav.is_sleeping() {
+        return hub.start(session, Operation::unanswered).map(Outcome::Receipt);
+    }
+    tell(uav).map(Outcome::Value)
+}
+
+/// Starts an operation of each UAV that can be told to.
+fn start_each(
+    hub: &mut Hub,
+    session: SessionId,
+    ids: Vec<ObjectId>,
+    tell: impl Fn(&mut Uav) -> Result<(), String>,
+    operation: impl Fn(String) -> Operation,
+) -> Obeyed {
+    Outcomes::of(ids, |id| match reach(hub, session, id, &tell)? {
+        Outcome::Value(()) => hub.start(session, &operation).map(Outcome::Receipt),
+        Outcome::Receipt(receipt) => Ok(Outcome::Receipt(receipt)),
+    })
+}
+
+/// Calibrates or tests a component.
+fn examine(
+    hub: &mut Hub,
+    session: SessionId,
+    ids: Vec<ObjectId>,
+    is_there: bool,
+    operation: impl Fn(String) -> Operation,
+) -> Obeyed {
+    let can = |_: &mut Uav| if is_there { Ok(()) } else { Err("it has no such component".to_owned()) };
+    start_each(hub, session, ids, can, operation)
+}
+
+fn restart(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>, is_whole: bool) -> Obeyed {
+    let tell = |uav: &mut Uav| {
+        if is_whole {
+            uav.command(Command::Restart)
+        } else {
+            Err("it has no components that can be restarted".to_owned())
+        }
+    };
+    start_each(hub, session, ids, tell, |receipt| Operation::lasting(receipt, RESTART, json!(true)))
+}
+
+/// Gives a command that UAVs confirm at once.
+fn obey(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>, command: Command) -> Obeyed {
+    // A UAV that sleeps hears these all the same.
+    let is_always_heard = matches!(command, Command::Sleep | Command::WakeUp);
+    let tell = |uav: &mut Uav| uav.command(command).map(|()| true);
+    Outcomes::of(ids, |id| match hub.uav(id) {
+        Some(uav) if is_always_heard => tell(uav).map(Outcome::Value),
+        _ => reach(hub, session, id, tell),
+    })
+}
+
+/// How many seconds a UAV is to draw attention for.
+fn signal(milliseconds: Option<f64>) -> Result<f64, String> {
+    let Some(duration) = milliseconds else { return Ok(USUAL_SIGNAL) };
+    let is_possible = (0.0..=3_600_000.0).contains(&duration);
+    if is_possible {
+        Ok(duration / 1000.0)
+    } else {
+        Err("duration is no number from 0 to 3600000".to_owned())
+    }
+}
+
+fn target(target: &GPSCoordinate) -> Result<Target, String> {
+    if !target.latitude.is_in_range() || !target.longitude.is_in_range() {
+        return Err("target is no place on Earth".to_owned());
+    }
+    // The ground is flat where the fleet flies.
+    let above_home = target.ahl.or(target.agl).map(Altitude::AboveHome);
+    Ok(Target {
+        latitude: target.latitude.0,
+        longitude: target.longitude.0,
+        altitude: above_home.or(target.amsl.map(Altitude::AboveSeaLevel)),
+    })
+}

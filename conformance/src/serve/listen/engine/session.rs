@@ -1,0 +1,216 @@
+//! A session of Engine.IO, with a client of Socket.IO in it.
+
+use std::hash::{BuildHasher as _, RandomState};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use serde_json::json;
+
+use crate::flockwave::transport::engine::{Kind, Packet, Revision};
+use crate::flockwave::transport::{MESSAGE_LIMIT, socketio};
+use crate::serve::hub::{Manner, SessionId, Sink};
+use crate::serve::listen::Shared;
+use crate::serve::outbox::Outbox;
+
+/// How often signs of life are asked for. These are the times that the libraries of Socket.IO have.
+const PING_INTERVAL: Duration = Duration::from_secs(25);
+
+/// How much longer a client may be silent.
+const PING_TIMEOUT: Duration = Duration::from_secs(20);
+
+/// A session.
+pub(super) struct Session {
+    revision: Revision,
+    sid: String,
+    outbox: Arc<Outbox>,
+    is_upgraded: AtomicBool,
+    is_polled: AtomicBool,
+    state: Mutex<State>,
+}
+
+struct State {
+    /// The session in the hub, once the client has joined the namespace.
+    joined: Option<SessionId>,
+    /// Whether it takes no more messages: where it has that bug.
+    is_deaf: bool,
+    heard: Instant,
+    asked: Instant,
+}
+
+/// Puts messages into packets.
+struct PacketSink {
+    outbox: Arc<Outbox>,
+    event: &'static str,
+}
+
+impl Sink for PacketSink {
+    fn send(&self, text: &str) {
+        push(&self.outbox, Kind::Message, socketio::message_as(self.event, text));
+    }
+
+    fn close(&self) {
+        push(&self.outbox, Kind::Message, "1".to_owned());
+        push(&self.outbox, Kind::Close, String::new());
+        self.outbox.close();
+    }
+}
+
+fn push(outbox: &Outbox, kind: Kind, data: String) {
+    outbox.push(Packet::new(kind, data).to_text());
+}
+
+/// A poll that is open. Dropping it lets the next one in.
+pub(super) struct Poll<'s>(&'s Session);
+
+impl Drop for Poll<'_> {
+    fn drop(&mut self) {
+        self.0.is_polled.store(false, Ordering::Release);
+        // While it was open, the client could not have asked for anything else.
+        self.0.state().heard = Instant::now();
+    }
+}
+
+impl Session {
+    /// Opens a session; its id.
+    pub(super) fn open(shared: &Shared, revision: Revision) -> (String, Arc<Self>) {
+        // The keys of the hash are random.
+        let sid = format!("{:016x}{:016x}", RandomState::new().hash_one(0), RandomState::new().hash_one(1));
+        let now = Instant::now();
+        let session = Self {
+            revision,
+            sid: sid.clone(),
+            outbox: Arc::default(),
+            is_upgraded: AtomicBool::new(false),
+            is_polled: AtomicBool::new(false),
+            state: Mutex::new(State { joined: None, is_deaf: false, heard: now, asked: now }),
+        };
+        let opening = json!({
+            "sid": sid,
+            "upgrades": ["websocket"],
+            "pingInterval": PING_INTERVAL.as_millis(),
+            "pingTimeout": PING_TIMEOUT.as_millis(),
+            "maxPayload": MESSAGE_LIMIT,
+        });
+        push(&session.outbox, Kind::Open, opening.to_string());
+        if revision == Revision::Three {
+            // In that revision nobody asks to join the namespace that is always there.
+            push(&session.outbox, Kind::Message, "0".to_owned());
+            session.join(shared);
+        }
+        (sid, Arc::new(session))
+    }
+
+    pub(super) fn revision(&self) -> Revision {
+        self.revision
+    }
+
+    pub(super) fn outbox(&self) -> &Outbox {
+        &self.outbox
+    }
+
+    /// Whether packets travel over a WebSocket.
+    pub(super) fn is_upgraded(&self) -> bool {
+        self.is_upgraded.load(Ordering::Acquire)
+    }
+
+    /// From now on they do.
+    pub(super) fn upgrade(&self) {
+        self.is_upgraded.store(true, Ordering::Release);
+    }
+
+    /// Takes the place of the one poll that may be open.
+    pub(super) fn start_poll(&self) -> Option<Poll<'_>> {
+        self.state().heard = Instant::now();
+        (!self.is_polled.swap(true, Ordering::AcqRel)).then(|| Poll(self))
+    }
+
+    /// Lets the poll end that is open, so that the client can move to a WebSocket.
+    pub(super) fn release_poll(&self) {
+        push(&self.outbox, Kind::Noop, String::new());
+    }
+
+    /// Asks for a sign of life where it is time; whether the session is still there.
+    pub(super) fn tend(&self) -> bool {
+        let mut state = self.state();
+        if self.revision == Revision::Four && state.asked.elapsed() >= PING_INTERVAL {
+            state.asked = Instant::now();
+            push(&self.outbox, Kind::Ping, String::new());
+        }
+        state.heard.elapsed() < PING_INTERVAL + PING_TIMEOUT
+    }
+
+    /// Takes a packet of the client.
+    pub(super) fn take(&self, shared: &Shared, packet: Packet) {
+        self.state().heard = Instant::now();
+        match packet.kind {
+            Kind::Ping => push(&self.outbox, Kind::Pong, packet.data),
+            Kind::Close => self.end(shared),
+            Kind::Message => self.take_message(shared, &packet.data),
+            Kind::Open | Kind::Pong | Kind::Upgrade | Kind::Noop => {}
+        }
+    }
+
+    /// Ends the session.
+    pub(super) fn end(&self, shared: &Shared) {
+        let joined = self.state().joined.take();
+        if let Some(joined) = joined {
+            shared.close(joined);
+        }
+        shared.sessions.all().remove(&self.sid);
+        push(&self.outbox, Kind::Close, String::new());
+        self.outbox.close();
+    }
+
+    fn take_message(&self, shared: &Shared, text: &str) {
+        let packet = socketio::Packet::parse(text);
+        if shared.breaks("FW-SIO-03") && matches!(packet, None | Some(socketio::Packet::Other)) {
+            self.state().is_deaf = true;
+        }
+        match packet {
+            Some(socketio::Packet::Connect { namespace }) if namespace == "/" => {
+                let answer = match self.revision {
+                    Revision::Three => "0".to_owned(),
+                    // The client gets another id than the session has, which not everybody shall know.
+                    Revision::Four => {
+                        format!("0{}", json!({ "sid": format!("{:016x}", RandomState::new().hash_one(2)) }))
+                    }
+                };
+                push(&self.outbox, Kind::Message, answer);
+                self.join(shared);
+            }
+            Some(socketio::Packet::Connect { namespace }) => {
+                let reason = match self.revision {
+                    Revision::Three => json!("Invalid namespace"),
+                    Revision::Four => json!({ "message": "Invalid namespace" }),
+                };
+                push(&self.outbox, Kind::Message, format!("4{namespace},{reason}"));
+            }
+            Some(socketio::Packet::Message { text, receipt }) => {
+                if let Some(number) = receipt {
+                    push(&self.outbox, Kind::Message, socketio::receipt(number));
+                }
+                let State { joined, is_deaf, .. } = *self.state();
+                if let Some(joined) = joined.filter(|_| !is_deaf) {
+                    shared.receive(joined, text.as_bytes());
+                }
+            }
+            Some(socketio::Packet::Disconnect) => self.end(shared),
+            Some(socketio::Packet::Refusal(_) | socketio::Packet::Other) | None => {}
+        }
+    }
+
+    /// Lets the client into the hub, unless it is there.
+    fn join(&self, shared: &Shared) {
+        let mut state = self.state();
+        if state.joined.is_none() {
+            let event = if shared.breaks("FW-SIO-01") { "flockwave" } else { socketio::EVENT };
+            let sink = PacketSink { outbox: Arc::clone(&self.outbox), event };
+            state.joined = Some(shared.open(Manner::Standing, Arc::new(sink)));
+        }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

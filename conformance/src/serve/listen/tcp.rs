@@ -1,0 +1,118 @@
+//! TCP: a message a line.
+
+use std::io::{self, Read as _, Write as _};
+use std::net::{Shutdown, TcpStream};
+use std::sync::Arc;
+use std::thread;
+use std::time::Instant;
+
+use serde::de::IgnoredAny;
+use serde_json::Value;
+
+use super::{LOOK, SEND_LIMIT, Shared};
+use crate::flockwave::transport::http::is_silence;
+use crate::flockwave::transport::lines::{Line, Lines};
+use crate::serve::hub::{Manner, SessionId, Sink};
+use crate::serve::outbox::{Outbox, Taken};
+
+/// How many messages are written at once.
+const BATCH: usize = 64;
+
+/// Puts messages into lines.
+struct LineSink {
+    outbox: Arc<Outbox>,
+    /// FW-TCP-01: notifications take several lines.
+    is_spread: bool,
+}
+
+impl Sink for LineSink {
+    fn send(&self, text: &str) {
+        let spread = if self.is_spread { spread(text) } else { None };
+        self.outbox.push(spread.unwrap_or_else(|| text.to_owned()) + "\n");
+    }
+
+    fn close(&self) {
+        self.outbox.close();
+    }
+}
+
+/// A notification in several lines.
+fn spread(text: &str) -> Option<String> {
+    let message: Value = serde_json::from_str(text).ok()?;
+    if message.get("refs").is_some() { None } else { serde_json::to_string_pretty(&message).ok() }
+}
+
+/// Serves a connection to its end.
+pub(super) fn converse(shared: &Arc<Shared>, mut stream: TcpStream) -> io::Result<()> {
+    stream.set_nodelay(true)?;
+    stream.set_read_timeout(Some(LOOK))?;
+    stream.set_write_timeout(Some(SEND_LIMIT))?;
+    let outbox = Arc::new(Outbox::default());
+    let own = stream.try_clone()?;
+    let taken = Arc::clone(&outbox);
+    let writer = thread::spawn(move || write(own, &taken));
+    let sink = LineSink { outbox: Arc::clone(&outbox), is_spread: shared.breaks("FW-TCP-01") };
+    let id = shared.open(Manner::Standing, Arc::new(sink));
+    let ending = read(shared, id, &mut stream, &writer);
+    shared.close(id);
+    // What was asked before the client had said all is still answered.
+    outbox.close();
+    let _ = writer.join();
+    ending
+}
+
+/// Writes until the box is closed and empty, and ends the connection then.
+fn write(mut stream: TcpStream, outbox: &Outbox) {
+    loop {
+        match outbox.take(BATCH, Instant::now() + SEND_LIMIT) {
+            Taken::Texts(texts) => {
+                if stream.write_all(texts.concat().as_bytes()).is_err() {
+                    break;
+                }
+            }
+            Taken::Nothing => {}
+            Taken::End => break,
+        }
+    }
+    outbox.close();
+    // It may have ended by itself.
+    let _ = stream.shutdown(Shutdown::Both);
+}
+
+/// Reads until the client has said all, or nothing more can be sent to it.
+fn read(
+    shared: &Shared,
+    id: SessionId,
+    stream: &mut TcpStream,
+    writer: &thread::JoinHandle<()>,
+) -> io::Result<()> {
+    let (mut lines, mut piece) = (Lines::default(), [0; 16 << 10]);
+    while !writer.is_finished() {
+        let length = match stream.read(&mut piece) {
+            Ok(0) => return Ok(()),
+            Ok(length) => length,
+            Err(error) if is_silence(&error) => continue,
+            Err(error) => return Err(error),
+        };
+        lines.feed(&piece[..length]);
+        let mut taken = lines.taken();
+        if shared.breaks("FW-ENV-25") {
+            taken.reverse();
+        }
+        for line in taken {
+            // Of a line that is too long nobody knows what it asked.
+            let Line::Whole(line) = line else { continue };
+            if shared.breaks("FW-TCP-03") && serde_json::from_slice::<IgnoredAny>(&line).is_err() {
+                return Ok(());
+            }
+            shared.receive(id, &line);
+            if shared.breaks("FW-TCP-02") {
+                break;
+            }
+        }
+        if shared.breaks("FW-TCP-04") {
+            lines.drop_rest();
+        }
+    }
+    Ok(())
+}

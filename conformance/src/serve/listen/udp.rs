@@ -1,0 +1,123 @@
+//! UDP: a message a datagram. Whoever sent one hears notifications for a minute.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::net::{SocketAddr, UdpSocket};
+use std::sync::Arc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use serde::de::IgnoredAny;
+use serde_json::Value;
+
+use super::{LOOK, Shared};
+use crate::flockwave::transport::http::is_silence;
+use crate::serve::hub::{Manner, SessionId, Sink};
+use crate::serve::message::{enveloped, refusal, text};
+
+/// The longest message that fits into a datagram.
+const DATAGRAM_LIMIT: usize = 65_507;
+
+/// How long a client counts as there after its last datagram: the time that the specification advises.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// How many clients there may be at a time.
+const CLIENT_LIMIT: usize = 1024;
+
+/// Sends datagrams to a client.
+struct DatagramSink {
+    socket: UdpSocket,
+    client: SocketAddr,
+    /// FW-UDP-01: notifications are twice in their datagrams.
+    is_doubling: bool,
+}
+
+impl Sink for DatagramSink {
+    fn send(&self, text: &str) {
+        let is_doubled =
+            self.is_doubling && serde_json::from_str(text).is_ok_and(|m: Value| m.get("refs").is_none());
+        let text = if is_doubled { format!("{text}\n{text}") } else { text.to_owned() };
+        let text = if text.len() <= DATAGRAM_LIMIT { Some(text) } else { shortened(&text) };
+        if let Some(text) = text {
+            // Nobody knows whether datagrams arrive.
+            let _ = self.socket.send_to(text.as_bytes(), self.client);
+        }
+    }
+
+    fn close(&self) {}
+}
+
+/// What is said instead of an answer that doesn't fit into a datagram.
+fn shortened(long: &str) -> Option<String> {
+    let message: Value = serde_json::from_str(long).ok()?;
+    let (id, refs) = (message["id"].as_str()?, message["refs"].as_str()?);
+    let why = "the answer doesn't fit into a datagram: ask for less at once";
+    let answer = enveloped(id, Some(refs), &text(&refusal(why.to_owned())));
+    Some(answer).filter(|text| text.len() <= DATAGRAM_LIMIT)
+}
+
+struct Peer {
+    session: SessionId,
+    heard: Instant,
+}
+
+/// Serves all clients until the server ends.
+pub(super) fn serve(shared: &Arc<Shared>, socket: &UdpSocket) {
+    let mut peers: BTreeMap<SocketAddr, Peer> = BTreeMap::new();
+    let mut datagram = vec![0; DATAGRAM_LIMIT + 1];
+    while !shared.is_ending() {
+        let received = socket.set_read_timeout(Some(LOOK)).and_then(|()| socket.recv_from(&mut datagram));
+        drop_silent(shared, &mut peers);
+        let (length, client) = match received {
+            Ok(received) => received,
+            // Some systems say here that an earlier datagram didn't arrive.
+            Err(error) if is_silence(&error) || error.kind() == io::ErrorKind::ConnectionReset => continue,
+            Err(_) => {
+                thread::sleep(LOOK);
+                continue;
+            }
+        };
+        let datagram = &datagram[..length];
+        if shared.breaks("FW-UDP-03") && serde_json::from_slice::<IgnoredAny>(datagram).is_err() {
+            return;
+        }
+        if let Some(session) = session(shared, socket, &mut peers, client) {
+            shared.receive(session, datagram);
+        }
+    }
+}
+
+/// The session of a client, which is a new one where it wasn't heard of for long.
+fn session(
+    shared: &Shared,
+    socket: &UdpSocket,
+    peers: &mut BTreeMap<SocketAddr, Peer>,
+    client: SocketAddr,
+) -> Option<SessionId> {
+    if let Some(peer) = peers.get_mut(&client) {
+        peer.heard = Instant::now();
+        return Some(peer.session);
+    }
+    if peers.len() >= CLIENT_LIMIT {
+        return None;
+    }
+    let mut answered = client;
+    if shared.breaks("FW-UDP-02") {
+        answered.set_port(client.port() ^ 1);
+    }
+    let is_doubling = shared.breaks("FW-UDP-01");
+    let sink = DatagramSink { socket: socket.try_clone().ok()?, client: answered, is_doubling };
+    let session = shared.open(Manner::Datagrams, Arc::new(sink));
+    peers.insert(client, Peer { session, heard: Instant::now() });
+    Some(session)
+}
+
+fn drop_silent(shared: &Shared, peers: &mut BTreeMap<SocketAddr, Peer>) {
+    peers.retain(|_, peer| {
+        let is_there = peer.heard.elapsed() < PATIENCE;
+        if !is_there {
+            shared.close(peer.session);
+        }
+        is_there
+    });
+}

@@ -1,0 +1,63 @@
+//! HTTP: which request goes where, and what browsers want to hear before they let a page read the answer.
+
+use std::io;
+use std::net::TcpStream;
+use std::sync::Arc;
+
+use super::{Shared, engine, one_shot};
+use crate::flockwave::transport::http::{Came, Connection, Request, Response};
+use crate::flockwave::transport::{ONE_SHOT_PATH, SOCKET_IO_PATH};
+
+/// Serves a connection. One-shots and Socket.IO have the same port, where a client expects them so.
+pub(super) fn converse(shared: &Arc<Shared>, stream: TcpStream) -> io::Result<()> {
+    let mut connection = Connection::new(stream)?;
+    let is_wanted = || !shared.has_ended();
+    loop {
+        let request = match connection.next(&is_wanted)? {
+            Came::Request(request) => request,
+            Came::Refused(response) => {
+                connection.respond(None, &response)?;
+                return Ok(());
+            }
+            Came::Nothing => return Ok(()),
+        };
+        let is_socket_io = is_at(&request, SOCKET_IO_PATH);
+        if is_socket_io && request.has_word("upgrade", "websocket") {
+            return engine::over_web_socket(shared, connection, &request);
+        }
+        let response = match request.method.as_str() {
+            // Browsers ask so whether a page may ask.
+            "OPTIONS" => Response::new("200 OK", "text/plain", ""),
+            _ if is_socket_io => engine::by_polling(shared, &request),
+            "POST" if is_at(&request, ONE_SHOT_PATH) => one_shot::answer(shared, &request),
+            _ if is_at(&request, ONE_SHOT_PATH) => {
+                Response::refusal("405 Method Not Allowed", "messages are sent with POST")
+                    .with("Allow", "POST")
+            }
+            _ => {
+                let places =
+                    format!("messages go to {ONE_SHOT_PATH}, and Socket.IO is served at {SOCKET_IO_PATH}");
+                Response::refusal("404 Not Found", places)
+            }
+        };
+        if !connection.respond(Some(&request), &for_browsers(&request, response))? {
+            return Ok(());
+        }
+    }
+}
+
+/// Whether a request is for a path, with or without a slash at its end.
+fn is_at(request: &Request, path: &str) -> bool {
+    request.path.trim_end_matches('/') == path.trim_end_matches('/')
+}
+
+/// Lets pages of any origin read the response, as clients in browsers are mostly served from elsewhere.
+fn for_browsers(request: &Request, response: Response) -> Response {
+    let Some(origin) = request.header("origin") else { return response };
+    response
+        .with("Access-Control-Allow-Origin", origin)
+        .with("Access-Control-Allow-Credentials", "true")
+        .with("Access-Control-Allow-Headers", "Authorization, Content-Type")
+        .with("Access-Control-Allow-Methods", "GET, POST, OPTIONS")
+        .with("Vary", "Origin")
+}

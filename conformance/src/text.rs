@@ -1,0 +1,23 @@
+//! Text for people.
+
+mod shown;
+
+use std::fmt;
+
+pub(crate) use self::shown::{command_line, shown};
+
+/// A number with its thousands apart: 1,234,567.
+pub(crate) struct Grouped(pub(crate) u64);
+
+impl fmt::Display for Grouped {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let digits = self.0.to_string();
+        for (at, digit) in digits.chars().enumerate() {
+            if at > 0 && (digits.len() - at).is_multiple_of(3) {
+                formatter.write_str(",")?;
+            }
+            write!(formatter, "{digit}")?;
+        }
+        Ok(())
+    }
+}

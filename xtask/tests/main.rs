@@ -1,0 +1,11 @@
+//! The tests of the chores, in one program: each file is a module.
+
+mod breaking;
+mod cli;
+mod compile;
+mod downstream;
+mod lint;
+mod modules;
+mod packages;
+mod support;
+mod translate;
