@@ -9,7 +9,7 @@
 //!
 //! A stage can't see the types of the stage before the last. Reading never stops at the first
 //! mistake: every stage returns what it could make out and a list of [`Diagnostic`]s. After
-//! `resolve` no name is looked up and no text is parsed. Only [`cli`] touches files.
+//! `resolve` no name is looked up and no text is parsed. Only `load`, `generate` and `cli` touch files.
 //!
 //! # Choices
 //!
@@ -77,9 +77,15 @@ pub mod directive;
 pub mod dynamic;
 pub mod emit;
 pub mod example;
+#[cfg(feature = "files")]
+mod failure;
 pub mod finding;
 pub mod format;
+#[cfg(feature = "files")]
+mod generate;
 pub mod lint;
+#[cfg(feature = "files")]
+pub mod load;
 pub mod msg;
 mod pattern;
 mod prose;
@@ -87,6 +93,8 @@ mod read;
 pub mod render;
 pub mod report;
 mod resolve;
+#[cfg(feature = "files")]
+pub mod rewrite;
 pub mod schema;
 pub mod source;
 mod span;
@@ -96,6 +104,10 @@ pub mod unit;
 pub mod value;
 
 pub use diagnostic::Diagnostic;
+#[cfg(feature = "files")]
+pub use failure::Failure;
+#[cfg(feature = "files")]
+pub use generate::{Generated, generate};
 pub use read::{PackageInput, read};
 pub use schema::Schema;
 pub use source::{SourceId, SourceMap};

@@ -50,7 +50,7 @@ pub fn findings(findings: &[Finding], sources: &SourceMap, styled: bool) -> Stri
 }
 
 /// An error of another tool at a place, in the same form.
-#[cfg(feature = "cli")]
+#[cfg(feature = "files")]
 pub(crate) fn plain(message: &str, span: Span, sources: &SourceMap) -> String {
     let snippet = quote(span, AnnotationKind::Primary, String::new(), sources);
     let text = Renderer::plain().render(&[Title::ERROR.primary_title(message).element(snippet)]);

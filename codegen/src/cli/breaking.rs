@@ -6,14 +6,16 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 
-use super::config::{Config, Inputs, Plan};
-use super::load::{load, load_beside};
+use super::arguments::{DefinitionsArgs, PackageArgs};
+use super::print::plural;
 use super::report::ReportArgs;
 use super::revision::Checkout;
-use super::{DefinitionsArgs, Failure, PackageArgs, plural};
 use crate::breaking::{Between, Category, RULES, breaking};
 use crate::diagnostic::{Diagnostic, Level, has_errors};
+use crate::failure::Failure;
 use crate::finding::Finding;
+use crate::load::{Config, Inputs, Plan};
+use crate::load::{load, load_beside};
 use crate::read::read;
 use crate::render;
 use crate::report::RuleInfo;

@@ -8,11 +8,13 @@ use std::time::Instant;
 
 use clap::Args;
 
-use super::config::{Config, Plan, normalise};
-use super::load::{Loaded, literal_base};
-use super::rewrite::{self, Change};
-use super::{Failure, plural, read_translated, report};
+use super::print::{plural, report};
 use crate::diagnostic::Level;
+use crate::failure::Failure;
+use crate::load::read_translated;
+use crate::load::{Config, Plan, normalise};
+use crate::load::{Loaded, literal_base};
+use crate::rewrite::{self, Change};
 use crate::schema::Schema;
 use crate::source::stem;
 use crate::translation::catalogue::{Catalogue, parse, print};

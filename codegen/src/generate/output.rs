@@ -10,8 +10,9 @@ use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Component, Path, PathBuf};
 
-use super::{Failure, side_by_side};
+use super::parallel::side_by_side;
 use crate::emit::{GENERATED_BY, OutputFile};
+use crate::failure::Failure;
 
 /// The list of generated files, beside them.
 const MANIFEST: &str = ".uavspec-manifest";
@@ -21,21 +22,21 @@ const MARK_WITHIN: usize = 1_000;
 
 /// An output folder and what belongs into it.
 #[derive(Debug)]
-pub(super) struct Folder {
-    pub(super) path: PathBuf,
-    pub(super) files: Vec<OutputFile>,
+pub(crate) struct Folder {
+    pub(crate) path: PathBuf,
+    pub(crate) files: Vec<OutputFile>,
 }
 
 /// A file that is not as it should be.
 #[derive(Debug)]
-pub(super) enum Difference {
+pub(crate) enum Difference {
     Missing(PathBuf),
     Changed(PathBuf),
     Orphaned(PathBuf),
 }
 
 impl Difference {
-    pub(super) fn into_path(self) -> PathBuf {
+    pub(crate) fn into_path(self) -> PathBuf {
         match self {
             Self::Missing(path) | Self::Changed(path) | Self::Orphaned(path) => path,
         }
@@ -69,13 +70,13 @@ impl Changes<'_> {
 }
 
 /// Lists what differs between the folders and what belongs into them.
-pub(super) fn compare(folders: &[Folder]) -> Result<Vec<Difference>, Failure> {
+pub(crate) fn compare(folders: &[Folder]) -> Result<Vec<Difference>, Failure> {
     let changes = changes_of_all(folders)?;
     Ok(differences(&changes))
 }
 
 /// Makes the folders hold what belongs into them, and lists what was different.
-pub(super) fn write(folders: &[Folder]) -> Result<Vec<Difference>, Failure> {
+pub(crate) fn write(folders: &[Folder]) -> Result<Vec<Difference>, Failure> {
     let changes = changes_of_all(folders)?;
     // All is staged before anything is put in place, so that a full disk leaves all as it was.
     let stale: Vec<&Changes<'_>> = changes.iter().filter(|change| change.is_any()).collect();

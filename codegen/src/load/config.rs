@@ -1,28 +1,24 @@
 //! What to read and what to write: from `uavspec.toml`, or from the command line.
 
-mod lint;
+use std::path::{Path, PathBuf};
 
-use std::path::{Component, Path, PathBuf};
-
-use clap::ValueEnum;
 use serde::Deserialize;
 use toml::Spanned;
 
-pub(super) use self::lint::PresetName;
-use self::lint::{Lint, PlannedLint};
-use super::Failure;
+use super::lint::{Lint, PlannedLint};
+use super::mistake::misplaced;
+use super::path::normalise;
 use crate::emit::{docs, json_schema, typescript, vectors};
-use crate::render;
+use crate::failure::Failure;
 use crate::schema::Form;
-use crate::source::SourceMap;
 
 /// Names of the file, in the order in which they are looked for in a folder.
 const FILE_NAMES: [&str; 2] = ["uavspec.toml", "definitions/uavspec.toml"];
 
 /// A kind of output.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub(super) enum Emitter {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum), value(rename_all = "snake_case"))]
+pub(crate) enum Emitter {
     /// Rust modules.
     Rust,
     /// JSON Schemas.
@@ -32,7 +28,7 @@ pub(super) enum Emitter {
     /// Test vectors, as JSON.
     Vectors,
     /// TypeScript modules.
-    #[value(name = "typescript")]
+    #[cfg_attr(feature = "cli", value(name = "typescript"))]
     TypeScript,
     /// Python modules.
     Python,
@@ -40,7 +36,7 @@ pub(super) enum Emitter {
 
 /// A `uavspec.toml` that has been read.
 #[derive(Debug)]
-pub(super) struct Config {
+pub(crate) struct Config {
     /// Its folder: paths in it are relative to this.
     folder: PathBuf,
     /// Its own path, as it is shown.
@@ -179,39 +175,39 @@ enum DialectName {
 
 /// What to read, and what to write where.
 #[derive(Debug)]
-pub(super) struct Plan {
+pub(crate) struct Plan {
     /// Folder that the paths of sources are shown relative to; empty for that of the process.
-    pub(super) root: PathBuf,
+    pub(crate) root: PathBuf,
     /// Packages.
-    pub(super) packages: Vec<PlannedPackage>,
+    pub(crate) packages: Vec<PlannedPackage>,
     /// Outputs.
-    pub(super) outputs: Vec<PlannedOutput>,
+    pub(crate) outputs: Vec<PlannedOutput>,
     /// The configuration file, which diagnostics may point into: path and text.
-    pub(super) config: Option<(String, String)>,
+    pub(crate) config: Option<(String, String)>,
     /// Rules and what is let stand.
-    pub(super) lint: PlannedLint,
+    pub(crate) lint: PlannedLint,
     /// Patterns of catalogues of translations, and the folder that they are relative to.
-    pub(super) catalogues: (PathBuf, Vec<String>),
+    pub(crate) catalogues: (PathBuf, Vec<String>),
     /// The revision that its sources come from; that of the working tree, where absent.
-    pub(super) revision: Option<String>,
+    pub(crate) revision: Option<String>,
 }
 
 /// A package to be read.
 #[derive(Debug)]
-pub(super) struct PlannedPackage {
-    pub(super) name: String,
-    pub(super) form: Form,
-    pub(super) inputs: Inputs,
+pub(crate) struct PlannedPackage {
+    pub(crate) name: String,
+    pub(crate) form: Form,
+    pub(crate) inputs: Inputs,
     /// Wanted messages with their places in the configuration file.
-    pub(super) select: Option<Vec<(String, std::ops::Range<usize>)>>,
-    pub(super) ros_package: Option<String>,
-    pub(super) origin: Option<String>,
-    pub(super) revision: Option<String>,
+    pub(crate) select: Option<Vec<(String, std::ops::Range<usize>)>>,
+    pub(crate) ros_package: Option<String>,
+    pub(crate) origin: Option<String>,
+    pub(crate) revision: Option<String>,
 }
 
 /// Where the sources of a package are.
 #[derive(Debug)]
-pub(super) enum Inputs {
+pub(crate) enum Inputs {
     /// Glob patterns below a folder.
     Patterns { folder: PathBuf, patterns: Vec<String> },
     /// Files, and folders that are searched.
@@ -220,14 +216,14 @@ pub(super) enum Inputs {
 
 /// An emitter and its folder.
 #[derive(Debug)]
-pub(super) struct PlannedOutput {
-    pub(super) path: PathBuf,
-    pub(super) emitter: EmitterOptions,
+pub(crate) struct PlannedOutput {
+    pub(crate) path: PathBuf,
+    pub(crate) emitter: EmitterOptions,
 }
 
 /// An emitter with its options.
 #[derive(Debug)]
-pub(super) enum EmitterOptions {
+pub(crate) enum EmitterOptions {
     Rust(RustOptions),
     JsonSchema(json_schema::Options),
     Docs(DocsOptions),
@@ -238,7 +234,7 @@ pub(super) enum EmitterOptions {
 
 /// Options of the emitter of documentation.
 #[derive(Debug)]
-pub(super) struct DocsOptions {
+pub(crate) struct DocsOptions {
     options: docs::Options,
     /// Files with parts of the table of contents, which are read when the documentation is made: commands that
     /// make none don't need them.
@@ -247,13 +243,13 @@ pub(super) struct DocsOptions {
 
 /// Options of the Rust emitter, which may be absent from the build.
 #[derive(Debug)]
-pub(super) struct RustOptions {
+pub(crate) struct RustOptions {
     /// Name of the file at the root of the module tree.
     #[cfg_attr(not(feature = "rust"), allow(dead_code))]
-    pub(super) root: String,
+    pub(crate) root: String,
     /// A page to be the documentation of the root.
     #[cfg_attr(not(feature = "rust"), allow(dead_code))]
-    pub(super) readme: Option<String>,
+    pub(crate) readme: Option<String>,
 }
 
 impl<T> Output<T> {
@@ -282,7 +278,7 @@ impl OneOrMany {
 
 impl DocsOptions {
     /// All that the emitter wants to know.
-    pub(super) fn read(&self) -> Result<docs::Options, Failure> {
+    pub(crate) fn read(&self) -> Result<docs::Options, Failure> {
         let read = |path: &PathBuf| {
             std::fs::read_to_string(path).map_err(|error| {
                 Failure::new(format!("{}: {error}", path.display()))
@@ -302,7 +298,7 @@ impl RustOptions {
 
 impl Config {
     /// Reads `path`, or the file that is found in the current folder or one above it.
-    pub(super) fn find(path: Option<&Path>) -> Result<Self, Failure> {
+    pub(crate) fn find(path: Option<&Path>) -> Result<Self, Failure> {
         if let Some(path) = path {
             return Self::read(path);
         }
@@ -319,7 +315,7 @@ impl Config {
     }
 
     /// Reads the file at `path`.
-    pub(super) fn read(path: &Path) -> Result<Self, Failure> {
+    pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
         let shown = path.display().to_string();
         let text =
             std::fs::read_to_string(path).map_err(|error| Failure::new(format!("{shown}: {error}")))?;
@@ -333,22 +329,22 @@ impl Config {
     }
 
     /// The file that was read.
-    pub(super) fn file(&self) -> &Path {
+    pub(crate) fn file(&self) -> &Path {
         Path::new(&self.path)
     }
 
     /// The file in `folder`, where there is one.
-    pub(super) fn in_folder(folder: &Path) -> Option<PathBuf> {
+    pub(crate) fn in_folder(folder: &Path) -> Option<PathBuf> {
         FILE_NAMES.iter().map(|name| folder.join(name)).find(|path| path.is_file())
     }
 
     /// The same for definitions in another folder.
-    pub(super) fn moved_to(mut self, folder: PathBuf) -> Self {
+    pub(crate) fn moved_to(mut self, folder: PathBuf) -> Self {
         self.folder = folder;
         self
     }
 
-    pub(super) fn plan(self) -> Result<Plan, Failure> {
+    pub(crate) fn plan(self) -> Result<Plan, Failure> {
         let folder = &self.folder;
         // Definitions in a folder of their own are shown from the folder above: `definitions/px4/…`.
         let root = if folder.ends_with("definitions") { folder.join("..") } else { folder.clone() };
@@ -462,18 +458,9 @@ fn unreadable(path: &str, text: &str, error: &toml::de::Error) -> Failure {
     }
 }
 
-/// A mistake at a place of the configuration file.
-fn misplaced(path: &str, text: &str, range: std::ops::Range<usize>, message: &str) -> Failure {
-    let mut sources = SourceMap::default();
-    match sources.add(path, text.as_bytes().to_vec()) {
-        Ok(id) => Failure::new(render::plain(message, sources.span(id).part(range), &sources)),
-        Err(_) => Failure::new(format!("{path}: {message}")),
-    }
-}
-
 impl Plan {
     /// A plan for one package, without a file.
-    pub(super) fn from_arguments(
+    pub(crate) fn from_arguments(
         name: &str,
         form: Form,
         inputs: &[PathBuf],
@@ -525,21 +512,6 @@ fn seen_from(from: &Path, to: &Path) -> String {
     let up = from.components().skip(shared).map(|_| "..".to_owned());
     let down = to.components().skip(shared).map(|part| part.as_os_str().to_string_lossy().into_owned());
     up.chain(down).collect::<Vec<_>>().join("/")
-}
-
-/// Takes `.` and `a/..` out of a path, by its text alone.
-pub(super) fn normalise(path: &Path) -> PathBuf {
-    let mut normal = PathBuf::new();
-    for component in path.components() {
-        match component {
-            Component::CurDir => {}
-            Component::ParentDir if matches!(normal.components().next_back(), Some(Component::Normal(_))) => {
-                normal.pop();
-            }
-            component => normal.push(component),
-        }
-    }
-    normal
 }
 
 #[cfg(test)]

@@ -8,9 +8,10 @@ use std::path::{Path, PathBuf};
 use globset::{GlobBuilder, GlobSetBuilder};
 use walkdir::WalkDir;
 
-use super::Failure;
-use super::config::{Inputs, Plan, PlannedPackage, normalise};
+use super::config::{Inputs, Plan, PlannedPackage};
+use super::path::normalise;
 use crate::diagnostic::Diagnostic;
+use crate::failure::Failure;
 use crate::msg::ast::{Element, Item};
 use crate::msg::{self, Dialect, Kind};
 use crate::read::PackageInput;
@@ -21,35 +22,35 @@ use crate::source::{SourceId, SourceMap, Span};
 const PAGE_EXTENSIONS: [&str; 5] = ["md", "markdown", "adoc", "asciidoc", "txt"];
 
 /// Everything that a plan reads.
-pub(super) struct Loaded {
-    pub(super) sources: SourceMap,
-    pub(super) packages: Vec<PackageInput>,
+pub(crate) struct Loaded {
+    pub(crate) sources: SourceMap,
+    pub(crate) packages: Vec<PackageInput>,
     /// Of sources that can't be read.
-    pub(super) diagnostics: Vec<Diagnostic>,
+    pub(crate) diagnostics: Vec<Diagnostic>,
     /// Every file that was read.
-    pub(super) files: Vec<PathBuf>,
+    pub(crate) files: Vec<PathBuf>,
     /// The file of each source that could be read.
-    pub(super) paths: BTreeMap<SourceId, PathBuf>,
+    pub(crate) paths: BTreeMap<SourceId, PathBuf>,
     /// Catalogues of translations, where they were asked for.
-    pub(super) catalogues: Vec<SourceId>,
+    pub(crate) catalogues: Vec<SourceId>,
     /// The configuration file, which findings may point into.
-    pub(super) config: Option<Span>,
+    pub(crate) config: Option<Span>,
 }
 
 /// Reads all sources of `plan`, and what ROS 2 packages among them refer to beside them.
-pub(super) fn load(plan: &Plan) -> Result<Loaded, Failure> {
+pub(crate) fn load(plan: &Plan) -> Result<Loaded, Failure> {
     load_beside(plan, SourceMap::default())
 }
 
 /// Reads all sources of `plan` beside those that are there already.
-pub(super) fn load_beside(plan: &Plan, sources: SourceMap) -> Result<Loaded, Failure> {
+pub(crate) fn load_beside(plan: &Plan, sources: SourceMap) -> Result<Loaded, Failure> {
     let mut loader = loader(plan, sources)?;
     loader.ros_dependencies()?;
     Ok(loader.loaded)
 }
 
 /// Reads all sources of `plan`, and the catalogues of their translations.
-pub(super) fn load_with_catalogues(plan: &Plan) -> Result<Loaded, Failure> {
+pub(crate) fn load_with_catalogues(plan: &Plan) -> Result<Loaded, Failure> {
     let mut loader = loader(plan, SourceMap::default())?;
     loader.ros_dependencies()?;
     loader.catalogues()?;
@@ -57,7 +58,7 @@ pub(super) fn load_with_catalogues(plan: &Plan) -> Result<Loaded, Failure> {
 }
 
 /// Reads the sources that `plan` names, and nothing that they refer to.
-pub(super) fn load_named(plan: &Plan) -> Result<Loaded, Failure> {
+pub(crate) fn load_named(plan: &Plan) -> Result<Loaded, Failure> {
     Ok(loader(plan, SourceMap::default())?.loaded)
 }
 
@@ -298,7 +299,7 @@ fn wanted(form: Form) -> String {
     }
 }
 
-pub(super) fn is_definition(path: &Path, form: Form) -> bool {
+pub(crate) fn is_definition(path: &Path, form: Form) -> bool {
     let Some(extension) = path.extension().and_then(|extension| extension.to_str()) else { return false };
     match form {
         Form::Msg(_) => Kind::of(&format!(".{extension}")).is_some(),
@@ -370,7 +371,7 @@ fn matching(
 }
 
 /// Splits a pattern into the folders before its first wildcard, and the rest: only those are searched.
-pub(super) fn literal_base(pattern: &str) -> (String, String) {
+pub(crate) fn literal_base(pattern: &str) -> (String, String) {
     let parts: Vec<&str> = pattern.split('/').collect();
     let literal = parts.iter().take_while(|part| !part.contains(['*', '?', '[', '{'])).count();
     (parts[..literal].join("/"), parts[literal..].join("/"))

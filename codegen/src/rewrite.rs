@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-use super::Failure;
+use crate::failure::Failure;
 
 /// A file and what it should hold.
 #[derive(Debug)]

@@ -3,20 +3,20 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use clap::ValueEnum;
 use globset::{GlobBuilder, GlobMatcher};
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{misplaced, normalise};
-use crate::cli::Failure;
+use super::mistake::misplaced;
+use super::path::normalise;
 use crate::diagnostic::Level;
+use crate::failure::Failure;
 use crate::lint::{self, Preset};
 
 /// The table `lint`.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Lint {
+pub(crate) struct Lint {
     preset: Option<PresetName>,
     #[serde(default)]
     levels: BTreeMap<Spanned<String>, LevelName>,
@@ -34,9 +34,10 @@ struct LintIgnore {
 }
 
 /// A set of levels for the rules of `lint`.
-#[derive(Clone, Copy, Debug, Deserialize, ValueEnum)]
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "snake_case")]
-pub(in crate::cli) enum PresetName {
+pub(crate) enum PresetName {
     /// What PX4's documentation standard asks, and whatever makes readers go wrong.
     Px4,
     /// All rules but that on PX4's own list of units.
@@ -75,26 +76,26 @@ impl LevelName {
 
 /// What `lint` is to do.
 #[derive(Debug, Default)]
-pub(in crate::cli) struct PlannedLint {
-    pub(in crate::cli) preset: Option<PresetName>,
-    pub(in crate::cli) levels: BTreeMap<String, Option<Level>>,
-    pub(in crate::cli) ignores: Vec<PlannedIgnore>,
+pub(crate) struct PlannedLint {
+    pub(crate) preset: Option<PresetName>,
+    pub(crate) levels: BTreeMap<String, Option<Level>>,
+    pub(crate) ignores: Vec<PlannedIgnore>,
 }
 
 /// Findings of a rule that are let stand.
 #[derive(Debug)]
-pub(in crate::cli) struct PlannedIgnore {
-    pub(in crate::cli) rule: String,
+pub(crate) struct PlannedIgnore {
+    pub(crate) rule: String,
     /// Which files, by a pattern below the folder of the configuration file; all, where absent.
-    pub(in crate::cli) files: Option<GlobMatcher>,
-    pub(in crate::cli) reason: String,
+    pub(crate) files: Option<GlobMatcher>,
+    pub(crate) reason: String,
     /// Its place in the configuration file.
-    pub(in crate::cli) range: std::ops::Range<usize>,
+    pub(crate) range: std::ops::Range<usize>,
 }
 
 impl Lint {
     /// Checks the names of rules and the patterns; `text` is that of the file at `path`.
-    pub(super) fn plan(self, folder: &Path, path: &str, text: &str) -> Result<PlannedLint, Failure> {
+    pub(crate) fn plan(self, folder: &Path, path: &str, text: &str) -> Result<PlannedLint, Failure> {
         let mut levels = BTreeMap::new();
         for (id, level) in self.levels {
             if lint::rule(id.get_ref()).is_none() {
