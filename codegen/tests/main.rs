@@ -4,6 +4,7 @@ mod bindings;
 mod breaking;
 mod dynamic;
 mod edge;
+mod emitters;
 mod fixtures;
 mod format;
 mod format_properties;
