@@ -4,7 +4,7 @@ mod json_type;
 
 use serde_json::{Map, Value as Json, json};
 
-use crate::msg::attribute::ATTRIBUTES;
+use crate::msg::attribute::FRAME;
 use crate::schema::{
     Constant, Element, Field, Interface, Message, MessageId, Package, Range, Schema, Special, Type,
 };
@@ -92,8 +92,10 @@ fn field(schema: &Schema, message: &Message, field: &Field) -> Json {
         "range": field.range.as_ref().map(range),
         "invalid": field.invalid.as_ref().map(special),
     });
-    for attribute in ATTRIBUTES {
-        model[attribute.name] = json!(field.attribute(attribute));
+    // Null where there is none; of all others, only those that are there.
+    model["frame"] = json!(field.attribute(&FRAME));
+    for (attribute, text) in field.attributes() {
+        model[attribute.name] = json!(text);
     }
     model["enum"] = json!((!field.enum_prefixes.is_empty()).then(|| field.enum_prefixes.join(" ")));
     model["count_of"] = json!(field.counts.map(|array| &message.fields[array].name));

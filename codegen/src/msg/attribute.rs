@@ -6,14 +6,14 @@ pub struct Attribute {
     /// Its name, as in `[@frame NED]`. The printed model and the keys of translations use it, too.
     pub name: &'static str,
     /// Its form, as messages show it.
-    pub(crate) form: &'static str,
+    pub form: &'static str,
     /// Texts that definitions put between brackets by mistake, without the name: `[NED]`.
-    pub(crate) bare: &'static [&'static str],
+    pub bare: &'static [&'static str],
     /// The words of the documentation, with the text in place of the name between braces. Translations of the
     /// generator's words have an entry for them.
-    pub(crate) words: &'static str,
+    pub words: &'static str,
     /// The keyword of JSON Schemas.
-    pub(crate) keyword: &'static str,
+    pub keyword: &'static str,
 }
 
 /// All attributes, in the order in which they are written and documented.
