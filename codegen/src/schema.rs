@@ -7,10 +7,10 @@
 pub(crate) mod constraint;
 pub(crate) mod documentation;
 pub(crate) mod enumeration;
-pub mod error_codes;
+pub(crate) mod error_codes;
 pub mod fingerprint;
 pub mod json_type;
-pub mod layout;
+pub(crate) mod layout;
 
 use std::collections::BTreeMap;
 

@@ -1,8 +1,10 @@
 //! `field-frame-changed`: a field in another coordinate frame.
 
+use super::message::Pair;
 use super::message::both;
-use super::{Category, Check, Example, Pair, Rule, Sink};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::msg::attribute::FRAME;
 use crate::schema::Field;
 

@@ -2,8 +2,10 @@
 
 use std::collections::HashSet;
 
-use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, annotations};
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::{Subject, annotations};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::msg::annotation::Statement;
 use crate::msg::attribute::FRAME;
 use crate::schema::Message;

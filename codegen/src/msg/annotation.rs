@@ -124,7 +124,7 @@ impl Statement<'_> {
 
 /// Where annotations stand, which decides which ones there are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Vocabulary {
+pub(crate) enum Vocabulary {
     /// In comments of `.msg` files and their relatives.
     Comment,
     /// In descriptions of the types that a page defines.
@@ -132,7 +132,7 @@ pub enum Vocabulary {
 }
 
 /// The formats that strings of a page may have.
-pub const FORMATS: [&str; 1] = ["base64"];
+pub(crate) const FORMATS: [&str; 1] = ["base64"];
 
 /// Start of the names of constants, in another message where one is named.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -164,12 +164,12 @@ pub enum SpecialValue<'s> {
 }
 
 /// Reads the annotations of a comment. `text` is what follows the `#`, and stands at `span`.
-pub fn read<'s>(text: &'s str, span: Span, diagnostics: &mut Vec<Diagnostic>) -> Note<'s> {
+pub(crate) fn read<'s>(text: &'s str, span: Span, diagnostics: &mut Vec<Diagnostic>) -> Note<'s> {
     read_by(Vocabulary::Comment, text, span, diagnostics)
 }
 
 /// Reads the annotations of a description in a page.
-pub fn read_description<'s>(text: &'s str, span: Span, diagnostics: &mut Vec<Diagnostic>) -> Note<'s> {
+pub(crate) fn read_description<'s>(text: &'s str, span: Span, diagnostics: &mut Vec<Diagnostic>) -> Note<'s> {
     read_by(Vocabulary::Page, text, span, diagnostics)
 }
 
@@ -186,7 +186,11 @@ fn read_by<'s>(
 }
 
 /// Reads a comment whose text may end in parameters between pipes, as those of commands do.
-pub fn read_with_parameters<'s>(text: &'s str, span: Span, diagnostics: &mut Vec<Diagnostic>) -> Note<'s> {
+pub(crate) fn read_with_parameters<'s>(
+    text: &'s str,
+    span: Span,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Note<'s> {
     let bars: Vec<usize> = text.match_indices('|').map(|(at, _)| at).collect();
     if !PARAMETER_BARS.contains(&bars.len()) {
         return read(text, span, diagnostics);
