@@ -28,7 +28,7 @@ use crate::flockwave::session::{Conversations, Turn};
 use crate::model::{Channel, Extent, Findings, Message, Place, Rule};
 use crate::rules::flockwave::EachExchange;
 use crate::rules::px4::Interest;
-use crate::rules::{Judged, flockwave as session_rules, px4};
+use crate::rules::{RuleContext, flockwave as session_rules, px4};
 use crate::text::Grouped;
 
 /// What is said of an encrypted log.
@@ -158,7 +158,7 @@ struct Told {
 struct Follower<C: ?Sized> {
     rule: &'static Rule,
     checker: Box<C>,
-    exercised: u64,
+    coverage: u64,
 }
 
 /// Who follows a channel.
@@ -175,17 +175,17 @@ impl<C: ?Sized> Follower<C> {
         &mut self,
         definitions: &Definitions,
         findings: &mut Findings,
-        what: impl FnOnce(&mut C, &mut Judged<'_>) -> T,
+        what: impl FnOnce(&mut C, &mut RuleContext<'_>) -> T,
     ) -> T {
-        let Self { rule, checker, exercised } = self;
-        what(&mut **checker, &mut Judged { rule, definitions, findings, exercised })
+        let Self { rule, checker, coverage } = self;
+        what(&mut **checker, &mut RuleContext { rule, definitions, findings, coverage })
     }
 }
 
 impl<'d> Course<'d> {
     fn new(definitions: &'d Definitions) -> Self {
         let followers = px4::RULES.iter().filter_map(|rule| match rule.check {
-            px4::Check::State(start) => Some(Follower { rule: &rule.rule, checker: start(), exercised: 0 }),
+            px4::Check::State(start) => Some(Follower { rule: &rule.rule, checker: start(), coverage: 0 }),
             px4::Check::Value | px4::Check::Source => None,
         });
         let listeners = session_rules::RULES.iter().map(|rule| {
@@ -195,7 +195,7 @@ impl<'d> Course<'d> {
                     Box::new(EachExchange(judge))
                 }
             };
-            Follower { rule: &rule.rule, checker, exercised: 0 }
+            Follower { rule: &rule.rule, checker, coverage: 0 }
         });
         let looks_around =
             |rule: &session_rules::FlockwaveRule| !matches!(rule.check, session_rules::Check::Exchange(_));
@@ -228,8 +228,8 @@ impl<'d> Course<'d> {
     fn opened(&mut self, channel: &Channel<'_>) {
         let mut followed = Followed::default();
         for (at, follower) in self.followers.iter_mut().enumerate() {
-            let opened = |checker: &mut (dyn px4::Checker + 'static), judged: &mut Judged<'_>| {
-                checker.opened(channel, judged)
+            let opened = |checker: &mut (dyn px4::Checker + 'static), context: &mut RuleContext<'_>| {
+                checker.opened(channel, context)
             };
             let interest = follower.judge(self.definitions, &mut self.findings, opened);
             if interest > Interest::Nothing {
@@ -259,8 +259,8 @@ impl<'d> Course<'d> {
         self.judged += 1;
         self.pass(message.timestamp);
         for at in &self.channels[channel.index].by {
-            let message = |checker: &mut (dyn px4::Checker + 'static), judged: &mut Judged<'_>| {
-                checker.message(channel, message, judged);
+            let message = |checker: &mut (dyn px4::Checker + 'static), context: &mut RuleContext<'_>| {
+                checker.message(channel, message, context);
             };
             self.followers[*at].judge(self.definitions, &mut self.findings, message);
         }
@@ -290,8 +290,8 @@ impl<'d> Course<'d> {
     fn reported(&mut self, exchange: &Exchange<'_>) {
         let turn = self.conversations.follow_told(exchange);
         for at in &self.around {
-            self.listeners[*at].judge(self.definitions, &mut self.findings, |checker, judged| {
-                checker.exchanged(&turn, judged);
+            self.listeners[*at].judge(self.definitions, &mut self.findings, |checker, context| {
+                checker.exchanged(&turn, context);
             });
         }
     }
@@ -316,8 +316,8 @@ impl<'d> Course<'d> {
 
     fn tell(&mut self, turn: &Turn<'_>) {
         for follower in &mut self.listeners {
-            follower.judge(self.definitions, &mut self.findings, |checker, judged| {
-                checker.exchanged(turn, judged);
+            follower.judge(self.definitions, &mut self.findings, |checker, context| {
+                checker.exchanged(turn, context);
             });
         }
     }
@@ -373,12 +373,12 @@ impl<'d> Course<'d> {
 
     fn finish(mut self, bytes: u64, source: Source) -> Judgement {
         for follower in &mut self.followers {
-            follower.judge(self.definitions, &mut self.findings, |checker, judged| checker.end(judged));
-            self.findings.exercise(follower.rule, follower.exercised);
+            follower.judge(self.definitions, &mut self.findings, |checker, context| checker.end(context));
+            self.findings.exercise(follower.rule, follower.coverage);
         }
         for listener in &mut self.listeners {
-            listener.judge(self.definitions, &mut self.findings, |checker, judged| checker.end(judged));
-            self.findings.exercise(listener.rule, listener.exercised);
+            listener.judge(self.definitions, &mut self.findings, |checker, context| checker.end(context));
+            self.findings.exercise(listener.rule, listener.coverage);
         }
         let mut damage: Vec<(String, Told)> = self.damage.into_iter().collect();
         damage.sort_by_key(|(_, told)| told.number);

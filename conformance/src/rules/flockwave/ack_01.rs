@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fw::{self, Role, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -22,12 +22,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     if !turn.is_of_server() || !matches!(turn.type_name, Some("ACK-ACK" | "ACK-NAK")) {
         return;
     }
-    judged.exercise();
+    context.covered();
     if turn.role != Role::Response {
-        turn.breaks(judged, || Detail::new("an acknowledgment without `refs`"));
+        turn.breaks(context, || Detail::new("an acknowledgment without `refs`"));
     }
 }

@@ -5,7 +5,7 @@
 use serde_json::json;
 
 use super::fw::{self, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -31,9 +31,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if fw::tried(turn, judged) && turn.type_name != Some("ACK-NAK") {
-        turn.breaks(judged, || {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
+    if fw::tried(turn, context) && turn.type_name != Some("ACK-NAK") {
+        turn.breaks(context, || {
             let found = turn.type_name.map_or_else(|| "another answer".to_owned(), fw::quoted);
             Detail::differs("ACK-NAK", found)
         });

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -37,8 +37,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     if turn.response("LOG-DATA").is_some() {
-        fw::exactly_one(turn, judged, &["result", "error", "receipt"], "result");
+        fw::exactly_one(turn, context, &["result", "error", "receipt"], "result");
     }
 }

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fw::{self, Role, Shape, Tree, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -45,7 +45,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 const RECEIPT: Shape = Shape::Length(1, 64);
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     if turn.role != Role::Response || !turn.is_of_server() || !turn.type_name.is_some_and(fw::gives_receipts)
     {
         return;
@@ -54,6 +54,6 @@ fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
     let shape = if turn.type_name == Some("LOG-DATA") { &RECEIPT } else { &of_many };
     match turn.field("receipt") {
         None | Some(Tree::Null) => {}
-        Some(_) => fw::field(turn, judged, "receipt", true, shape),
+        Some(_) => fw::field(turn, context, "receipt", true, shape),
     }
 }

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fw::{self, Stage, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -28,11 +28,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     for named in turn.opened.iter().filter(|named| named.is_known) {
-        judged.exercise();
+        context.covered();
         if named.stage() == Some(Stage::Early) {
-            turn.breaks(judged, || {
+            turn.breaks(context, || {
                 Detail::new(format!("a notification has named {} already", fw::quoted(&named.receipt)))
                     .at("/body/receipt")
             });

@@ -1,7 +1,7 @@
 //! `FW-ASY-07`.
 
 use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -27,8 +27,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     if turn.body_of("ASYNC-RESP").is_some() {
-        fw::exactly_one(turn, judged, &["result", "error"], "result");
+        fw::exactly_one(turn, context, &["result", "error"], "result");
     }
 }

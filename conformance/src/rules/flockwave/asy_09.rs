@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fw::{self, Role, Stage, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -22,14 +22,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     if turn.role != Role::Notification {
         return;
     }
     for named in turn.operations.iter().filter(|named| named.is_known && turn.exchange.connection.is_told) {
-        judged.exercise();
+        context.covered();
         if matches!(named.stage(), None | Some(Stage::Early)) {
-            turn.breaks(judged, || {
+            turn.breaks(context, || {
                 Detail::new(format!(
                     "no reply on this connection has had the receipt {}",
                     fw::quoted(&named.receipt)

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use serde_json::json;
 
 use super::fw::{self, PerConnection, Role, Stage, Tree, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -65,12 +65,12 @@ const MAX_OPEN: usize = 1_000;
 struct Ends(PerConnection<BTreeMap<String, (Place, f64)>>);
 
 impl Checker for Ends {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
         if !turn.is_of_server() || !turn.exchange.connection.is_told {
             return;
         }
         if matches!(turn.type_name, Some("ASYNC-RESP" | "ASYNC-TIMEOUT")) && turn.role == Role::Notification {
-            once(turn, judged);
+            once(turn, context);
         }
         let open = self.0.of(turn);
         let Some(now) = turn.time else { return open.clear() };
@@ -83,7 +83,7 @@ impl Checker for Ends {
                 None => _ = open.remove(&named.receipt),
             }
         }
-        if fw::tried(turn, judged) {
+        if fw::tried(turn, context) {
             for named in turn.opened.iter().take(MAX_OPEN.saturating_sub(open.len())) {
                 open.insert(named.receipt.clone(), (turn.exchange.place, now));
             }
@@ -91,7 +91,7 @@ impl Checker for Ends {
         open.retain(|receipt, (place, heard)| {
             let waited = now - *heard;
             if waited > PATIENCE {
-                judged.report("operation", *place, || {
+                context.violation("operation", *place, || {
                     let receipt = fw::quoted(receipt);
                     Detail::new(format!(
                         "for {waited:.0} s nothing was told of {receipt}, nor of its end, though the server spoke"
@@ -110,11 +110,11 @@ impl Checker for Ends {
 }
 
 /// No end is told twice.
-fn once(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn once(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     for named in &turn.operations {
-        judged.exercise();
+        context.covered();
         if named.stage() == Some(Stage::Ended) {
-            turn.breaks(judged, || {
+            turn.breaks(context, || {
                 Detail::new(format!("the end of {} was told already", fw::quoted(&named.receipt))).at("/body")
             });
         }

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fw::{self, Stage, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -25,14 +25,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     if turn.notification("ASYNC-ST").is_none() {
         return;
     }
     for named in turn.operations.iter().filter(|_| turn.exchange.connection.is_told) {
-        judged.exercise();
+        context.covered();
         if named.stage() == Some(Stage::Ended) {
-            turn.breaks(judged, || {
+            turn.breaks(context, || {
                 Detail::new(format!("the end of {} was told already", fw::quoted(&named.receipt)))
                     .at("/body/id")
             });

@@ -1,7 +1,7 @@
 //! `FW-ASY-12`.
 
 use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -36,13 +36,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 const PERCENTAGE: Shape = Shape::Nullable(&Shape::Integer(0, 100));
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     if turn.body_of("ASYNC-ST").is_none() {
         return;
     }
-    fw::field(turn, judged, "id", true, &Shape::Text);
-    fw::field(turn, judged, "progress", true, &Shape::Object);
-    fw::field(turn, judged, "suspended", false, &Shape::Nullable(&Shape::Bool));
+    fw::field(turn, context, "id", true, &Shape::Text);
+    fw::field(turn, context, "progress", true, &Shape::Object);
+    fw::field(turn, context, "suspended", false, &Shape::Nullable(&Shape::Bool));
     let keys = ["body", "progress"];
-    fw::member(turn, judged, turn.field("progress"), &keys, ("percentage", false), &PERCENTAGE);
+    fw::member(turn, context, turn.field("progress"), &keys, ("percentage", false), &PERCENTAGE);
 }

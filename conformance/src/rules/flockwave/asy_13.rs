@@ -3,7 +3,7 @@
 //! A recording shows it where an operation is resumed that nobody said to be suspended.
 
 use super::fw::{self, Conversation, Stage, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status, asy_19};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, asy_19};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -28,7 +28,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     // An operation that isn't suspended, and is to be resumed for a trial, is another rule's matter.
     if turn.response("ASYNC-RESUME").is_none() || turn.tried(&asy_19::RULE.rule).is_some() {
         return;
@@ -37,9 +37,9 @@ fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
         let Some(operation) = named.before.as_ref().filter(|known| known.stage != Stage::Early) else {
             continue;
         };
-        judged.exercise();
+        context.covered();
         if !operation.was_suspended {
-            turn.breaks(judged, || {
+            turn.breaks(context, || {
                 Detail::new(format!(
                     "{} was resumed, and nothing has told that it was suspended",
                     fw::quoted(&named.receipt)

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fw::{self, Role, Stage, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -31,15 +31,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     if !matches!(turn.type_name, Some("ASYNC-RESP" | "ASYNC-TIMEOUT")) || turn.role != Role::Notification {
         return;
     }
     for named in turn.operations.iter().filter(|_| turn.exchange.connection.is_told) {
         let Some(operation) = &named.before else { continue };
-        judged.exercise();
+        context.covered();
         if operation.stage == Stage::Suspended {
-            turn.breaks(judged, || {
+            turn.breaks(context, || {
                 Detail::new(format!(
                     "{} waits for the client, who has neither resumed nor cancelled it",
                     fw::quoted(&named.receipt)

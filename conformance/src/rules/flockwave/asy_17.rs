@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, VecDeque};
 use serde_json::json;
 
 use super::fw::{self, PerConnection, Stage, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -82,13 +82,13 @@ struct Waiting {
 }
 
 impl Checker for Cancelled {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
         if turn.message().is_none() || !turn.exchange.connection.is_told {
             return;
         }
         let waiting = self.0.of(turn);
-        waiting.end(turn, judged);
-        waiting.pass(turn, judged);
+        waiting.end(turn, context);
+        waiting.pass(turn, context);
         if turn.response("ASYNC-CANCEL").is_some() {
             waiting.begin(turn);
         }
@@ -115,7 +115,7 @@ impl Waiting {
     }
 
     /// Something is told of the end of operations.
-    fn end(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fn end(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
         // Another operation has the same receipt.
         for named in &turn.opened {
             self.receipts.remove(&named.receipt);
@@ -131,9 +131,9 @@ impl Waiting {
             if self.receipts.remove(&named.receipt).is_none() {
                 continue;
             }
-            judged.exercise();
+            context.covered();
             if let Some(actual) = actual {
-                turn.breaks(judged, || {
+                turn.breaks(context, || {
                     let receipt = fw::quoted(&named.receipt);
                     Detail::new(format!("{receipt} was cancelled, and ends in {actual}"))
                         .expected("ASYNC-RESP with an error")
@@ -144,7 +144,7 @@ impl Waiting {
     }
 
     /// Time passes.
-    fn pass(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fn pass(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
         let Some(now) = turn.time else { return };
         while self.times.front().is_some_and(|(time, ..)| now - time > PATIENCE) {
             let Some((time, receipt, place)) = self.times.pop_front() else { break };
@@ -153,8 +153,8 @@ impl Waiting {
                 continue;
             }
             self.receipts.remove(&receipt);
-            judged.exercise();
-            judged.report("ASYNC-CANCEL", place, || {
+            context.covered();
+            context.violation("ASYNC-CANCEL", place, || {
                 let receipt = fw::quoted(&receipt);
                 let waited = now - time;
                 Detail::new(format!(

@@ -14,7 +14,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         source: fw::DERIVED,
         applies_to: "ASYNC-CANCEL and ASYNC-RESUME that try it",
     },
-    check: Check::Exchange(|turn, judged| fw::in_error(turn, judged, &["ASYNC-CANCEL", "ASYNC-RESUME"])),
+    check: Check::Exchange(|turn, context| fw::in_error(turn, context, &["ASYNC-CANCEL", "ASYNC-RESUME"])),
     mutants: &[
         Mutant {
             name: "it is cancelled",

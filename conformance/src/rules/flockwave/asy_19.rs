@@ -5,7 +5,7 @@
 use serde_json::json;
 
 use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -34,12 +34,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     let is_clear = turn
         .operations
         .iter()
         .all(|named| named.before.as_ref().is_some_and(|operation| !operation.was_suspended));
     if is_clear {
-        fw::in_error(turn, judged, &["ASYNC-RESUME"]);
+        fw::in_error(turn, context, &["ASYNC-RESUME"]);
     }
 }

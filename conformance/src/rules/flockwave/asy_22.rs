@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fw::{self, Role, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -32,13 +32,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     if turn.role == Role::Response && turn.is_of_server() {
         let Some((name, expected, fits)) = turn.type_name.and_then(result_of) else { return };
         let wrong =
-            fw::members(turn, "result").iter().inspect(|_| judged.exercise()).find(|(_, found)| !fits(found));
+            fw::members(turn, "result").iter().inspect(|_| context.covered()).find(|(_, found)| !fits(found));
         if let Some((key, found)) = wrong {
-            turn.breaks(judged, || {
+            turn.breaks(context, || {
                 Detail::new(format!("the result of {name} is {expected}, found {found}"))
                     .at(pointer(&["body", "result", key]))
                     .expected(expected)
@@ -54,9 +54,9 @@ fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
     if fw::is_there(turn.field("error")) {
         return;
     }
-    judged.exercise();
+    context.covered();
     if !fits(found) {
-        turn.breaks(judged, || {
+        turn.breaks(context, || {
             Detail::new(format!("the result of {name} is {expected}, found {found}"))
                 .at("/body/result")
                 .expected(expected)

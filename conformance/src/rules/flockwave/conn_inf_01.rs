@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -22,6 +22,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::partition(turn, judged, &["CONN-INF"]);
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
+    fw::partition(turn, context, &["CONN-INF"]);
 }

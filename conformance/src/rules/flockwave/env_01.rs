@@ -6,7 +6,7 @@
 use serde_json::json;
 
 use super::fw::{self, Conversation, Lines, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -57,10 +57,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 struct Unreadable(Lines);
 
 impl Unreadable {
-    fn tell(&mut self, judged: &mut Judged<'_>) {
+    fn tell(&mut self, context: &mut RuleContext<'_>) {
         self.0.whole.clear();
         for line in self.0.other.drain(..) {
-            judged.report("message", line.place, || {
+            context.violation("message", line.place, || {
                 match line.actual {
                     Some(actual) => Detail::differs("an object", actual),
                     None => Detail::new("no JSON").expected("an object"),
@@ -72,22 +72,22 @@ impl Unreadable {
 }
 
 impl Checker for Unreadable {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
         if turn.is_of_server() {
-            judged.exercise();
+            context.covered();
         }
         if !fw::are_several(turn, "tcp") && !fw::are_several(turn, "udp") {
             self.0.follow(turn);
         }
-        self.tell(judged);
+        self.tell(context);
     }
 
     fn damage(&mut self, _: Place) {
         self.0.part_all();
     }
 
-    fn end(&mut self, judged: &mut Judged<'_>) {
+    fn end(&mut self, context: &mut RuleContext<'_>) {
         self.0.part_all();
-        self.tell(judged);
+        self.tell(context);
     }
 }

@@ -7,7 +7,7 @@
 use serde_json::json;
 
 use super::fw::{self, Conversation, Role, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status, env_25};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, env_25};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -40,7 +40,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 /// How long a server may take, in seconds: what takes longer is answered with a receipt.
 const PATIENCE: f64 = 30.0;
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     let Some(asked) = &turn.asked else { return };
     // What is no request of Flockwave needn't have an answer.
     if !asked.is_sound || !turn.exchange.connection.is_told {
@@ -50,21 +50,21 @@ fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
         // What tries another rule is a matter of that one, but for the one on the order of answers, which says nothing of
         // what has none.
         if of.id == RULE.rule.id {
-            fw::tried(turn, judged);
+            fw::tried(turn, context);
         }
         if of.id != env_25::RULE.rule.id {
             return;
         }
     }
     if turn.role == Role::Response {
-        return judged.exercise();
+        return context.covered();
     }
     let Some(waited) = asked.waited.filter(|waited| turn.role == Role::Unanswered && *waited > PATIENCE)
     else {
         return;
     };
     let subject = asked.type_name.as_deref().unwrap_or("message");
-    judged.report(subject, asked.place, || {
+    context.violation(subject, asked.place, || {
         Detail::new(format!("no response, though the server went on speaking for {waited:.0} s"))
             .expected("a response")
             .actual("none")

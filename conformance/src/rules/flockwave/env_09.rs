@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fw::{self, Conversation, Reference, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -27,13 +27,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     if !fw::refers(turn) {
         return;
     }
-    judged.exercise();
+    context.covered();
     if turn.reference == Reference::Notification {
-        turn.breaks(judged, || {
+        turn.breaks(context, || {
             let refs = turn.refs.map(fw::quoted).unwrap_or_default();
             Detail::new(format!("{refs} is a notification of the server itself")).at("/refs")
         });

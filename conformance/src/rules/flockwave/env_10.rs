@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fw::{self, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -22,10 +22,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     let Some(message) = turn.message() else { return };
-    judged.exercise();
+    context.covered();
     if ["body", "error"].iter().all(|name| fw::is_there(message.get(name))) {
-        turn.breaks(judged, || Detail::differs("one of `body` and `error`", "both"));
+        turn.breaks(context, || Detail::differs("one of `body` and `error`", "both"));
     }
 }

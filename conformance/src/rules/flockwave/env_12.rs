@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fw::{self, INTEGER, Shape, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -39,19 +39,19 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     let Some(error) = turn.message().and_then(|message| message.get("error")) else { return };
     if *error == Tree::Null {
         return;
     }
-    judged.exercise();
+    context.covered();
     let fits = |name: &str, shape: Shape| {
         let value = error.get(name).filter(|value| **value != Tree::Null)?;
         Some(shape.mismatch(value).is_none())
     };
     let (code, message) = (fits("code", INTEGER), fits("message", Shape::Text));
     if code == Some(false) || message == Some(false) || (code, message) == (None, None) {
-        turn.breaks(judged, || {
+        turn.breaks(context, || {
             Detail::differs("an integer `code`, a string `message`, or both", error).at("/error")
         });
     }

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -29,8 +29,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     if turn.is_of_server() && turn.body.is_some() {
-        fw::field(turn, judged, "type", true, &Shape::Text);
+        fw::field(turn, context, "type", true, &Shape::Text);
     }
 }

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fw::{self, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -29,13 +29,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     let Some(name) = turn.type_name.filter(|_| turn.is_of_server()) else { return };
-    judged.exercise();
+    context.covered();
     let is_part = |part: &str| (2..=8).contains(&part.len()) && part.bytes().all(is_upper_case);
     let is_usual = name.split_once('-').is_some_and(|(family, rest)| is_part(family) && is_part(rest));
-    if !is_usual && !judged.definitions.shapes().has(name) {
-        turn.breaks(judged, || {
+    if !is_usual && !context.definitions.shapes().has(name) {
+        turn.breaks(context, || {
             let expected = "two upper-case parts of 2 to 8 characters with a hyphen between them";
             Detail::differs(expected, fw::quoted(name)).at("/body/type")
         });

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fw::{self, Role, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -36,9 +36,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     let (Some(asked), Some(found)) = (&turn.asked, turn.type_name) else { return };
-    let Some(question) = asked.type_name.as_deref().filter(|name| judged.definitions.shapes().has(name))
+    let Some(question) = asked.type_name.as_deref().filter(|name| context.definitions.shapes().has(name))
     else {
         return;
     };
@@ -46,9 +46,9 @@ fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
         return;
     }
     let expected = answer(question, asked.is_setting);
-    judged.exercise();
+    context.covered();
     if found != expected && found != "ACK-NAK" {
-        turn.breaks(judged, || {
+        turn.breaks(context, || {
             Detail::new(format!(
                 "{} answers {question}, where {expected} or ACK-NAK should",
                 fw::quoted(found)

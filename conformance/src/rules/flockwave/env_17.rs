@@ -5,7 +5,7 @@ use serde_json::json;
 use uavspec_codegen::schema::json_type::Direction;
 
 use super::fw::{self, Role, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -26,14 +26,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let shapes = judged.definitions.shapes();
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
+    let shapes = context.definitions.shapes();
     let Some(name) = turn.type_name.filter(|name| shapes.has(name)) else { return };
     if turn.role != Role::Notification {
         return;
     }
-    judged.exercise();
+    context.covered();
     if !shapes.goes(name, Direction::Notification) {
-        turn.breaks(judged, || Detail::new(format!("{name} has no `refs`, and it is no notification")));
+        turn.breaks(context, || Detail::new(format!("{name} has no `refs`, and it is no notification")));
     }
 }

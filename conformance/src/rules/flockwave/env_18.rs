@@ -5,7 +5,7 @@
 use serde_json::json;
 
 use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -79,13 +79,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     let Some(deviations) = &turn.deviations else { return };
-    judged.exercise();
+    context.covered();
     for deviation in deviations.iter().filter(|deviation| deviation.told_by.is_none()) {
         let name = turn.subject();
         let subject =
             if deviation.field.is_empty() { name } else { format!("{name}.{}", deviation.field).into() };
-        turn.deviates(judged, &subject, deviation);
+        turn.deviates(context, &subject, deviation);
     }
 }

@@ -6,7 +6,7 @@
 use serde_json::json;
 
 use super::fw::{self, Role, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -43,14 +43,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::served(turn, judged);
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
+    fw::served(turn, context);
     if turn.role != Role::Request || turn.is_of_server() || !turn.exchange.connection.is_told {
         return;
     }
-    judged.exercise();
+    context.covered();
     if turn.is_id_in_use {
-        turn.breaks(judged, || {
+        turn.breaks(context, || {
             let id = turn.id.map(fw::quoted).unwrap_or_default();
             Detail::new(format!("another request with the id {id} waits for its answer")).at("/id")
         });

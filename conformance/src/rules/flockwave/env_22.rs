@@ -16,8 +16,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         source: fw::DERIVED,
         applies_to: "requests that try it",
     },
-    check: Check::Exchange(|turn, judged| {
-        fw::tried(turn, judged);
+    check: Check::Exchange(|turn, context| {
+        fw::tried(turn, context);
     }),
     mutants: &[
         Mutant {

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use super::fw::{self, Conversation, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -43,11 +43,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 /// How many keys are few.
 const FEW: usize = 16;
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     let Some(message) = turn.message() else { return };
-    judged.exercise();
+    context.covered();
     if let Some((path, what)) = loose(message) {
-        turn.breaks(judged, || Detail::new(what).at(path));
+        turn.breaks(context, || Detail::new(what).at(path));
     }
 }
 

@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde_json::json;
 
 use super::fw::{self, PerConnection, Role, Tree, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status, env_07};
+use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status, env_07};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -97,9 +97,9 @@ struct Family {
 }
 
 impl Checker for Families {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
         if let Some(refusals) = self.connections.closed(turn) {
-            return self.judge(refusals, judged);
+            return self.judge(refusals, context);
         }
         if !turn.exchange.connection.is_told {
             return;
@@ -112,7 +112,7 @@ impl Checker for Families {
         }
         if turn.role == Role::Response && turn.tried(&env_07::RULE.rule).is_some() {
             let asked = turn.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
-            if let Some(name) = asked.filter(|name| !judged.definitions.is_message_known(name))
+            if let Some(name) = asked.filter(|name| !context.definitions.is_message_known(name))
                 && let Some(reason) = reason(turn, name)
             {
                 let unknown = &mut self.connections.of(turn).unknown;
@@ -121,7 +121,7 @@ impl Checker for Families {
                 }
             }
         }
-        if fw::tried(turn, judged) {
+        if fw::tried(turn, context) {
             self.tried(turn);
         }
     }
@@ -147,14 +147,14 @@ impl Families {
         }
     }
 
-    fn judge(&self, refusals: Refusals, judged: &mut Judged<'_>) {
+    fn judge(&self, refusals: Refusals, context: &mut RuleContext<'_>) {
         if self.is_login_needed && !refusals.is_logged_in {
             return;
         }
         for (name, family) in refusals.families {
             let is_absent = !family.is_served && family.reasons.is_subset(&refusals.unknown);
             if is_absent {
-                judged.report(name, family.place, || {
+                context.violation(name, family.place, || {
                     Detail::new("requests are refused just as one of a type that there isn't")
                         .expected("a handler")
                         .actual("none")

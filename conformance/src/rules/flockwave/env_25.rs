@@ -4,7 +4,7 @@
 //! good to know of a server that doesn't keep to it. That a request isn't answered at all is another rule's matter.
 
 use super::fw::{self, PerConnection, Role, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -36,17 +36,17 @@ struct Answered {
 }
 
 impl Checker for Order {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
         let is_answer = turn.role == Role::Response && turn.exchange.connection.is_told;
         let Some(asked) = turn.asked.as_ref().filter(|_| is_answer && turn.tried(&RULE.rule).is_some())
         else {
             return;
         };
-        judged.exercise();
+        context.covered();
         let answered = self.0.of(turn);
         let later = answered.latest.filter(|latest| *latest > asked.place);
         if let Some(later) = later.filter(|_| !answered.is_told) {
-            turn.breaks(judged, || {
+            turn.breaks(context, || {
                 Detail::new(format!("the request in {later} was answered before that in {}", asked.place))
                     .at("/refs")
             });

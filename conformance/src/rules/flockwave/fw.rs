@@ -21,7 +21,7 @@ pub(super) use crate::json::Tree;
 use crate::json::pointer;
 pub(super) use crate::rules::sample::Conversation;
 
-use super::{Detail, Judged};
+use super::{Detail, RuleContext};
 
 pub(super) const GENERAL: &str = "Flockwave 2.10, general remarks on messages";
 pub(super) const SCHEMA: &str = "Flockwave 2.10, published JSON Schema";
@@ -48,22 +48,28 @@ const MAX_ID: usize = 256;
 const MAX_TOLD: usize = 4;
 
 /// Something has another shape than it should, here in the message.
-pub(super) fn mismatched(turn: &Turn<'_>, judged: &mut Judged<'_>, found: Mismatch) {
-    turn.breaks(judged, || {
+pub(super) fn mismatched(turn: &Turn<'_>, context: &mut RuleContext<'_>, found: Mismatch) {
+    turn.breaks(context, || {
         let Mismatch { path, expected, actual } = found;
         Detail::differs(expected, actual).at(path)
     });
 }
 
 /// A field of the body has this shape; it may be left out where it isn't required.
-pub(super) fn field(turn: &Turn<'_>, judged: &mut Judged<'_>, name: &str, is_required: bool, shape: &Shape) {
-    member(turn, judged, turn.body, &["body"], (name, is_required), shape);
+pub(super) fn field(
+    turn: &Turn<'_>,
+    context: &mut RuleContext<'_>,
+    name: &str,
+    is_required: bool,
+    shape: &Shape,
+) {
+    member(turn, context, turn.body, &["body"], (name, is_required), shape);
 }
 
 /// A member of something at `keys` has this shape.
 pub(super) fn member(
     turn: &Turn<'_>,
-    judged: &mut Judged<'_>,
+    context: &mut RuleContext<'_>,
     holder: Option<&Tree<'_>>,
     keys: &[&str],
     (name, is_required): (&str, bool),
@@ -74,22 +80,22 @@ pub(super) fn member(
         None => return,
         Some(value) => shape.mismatch(value),
     };
-    judged.exercise();
+    context.covered();
     if let Some(found) = found {
         let path = pointer(keys) + &pointer(&[name]) + &found.path;
-        mismatched(turn, judged, Mismatch { path, ..found });
+        mismatched(turn, context, Mismatch { path, ..found });
     }
 }
 
 impl Turn<'_> {
     /// Something in it breaks a rule.
-    pub(super) fn breaks(&self, judged: &mut Judged<'_>, detail: impl FnOnce() -> Detail) {
-        judged.report(&self.subject(), self.exchange.place, || detail().excerpt(self.excerpt()));
+    pub(super) fn breaks(&self, context: &mut RuleContext<'_>, detail: impl FnOnce() -> Detail) {
+        context.violation(&self.subject(), self.exchange.place, || detail().excerpt(self.excerpt()));
     }
 
     /// Its body deviates from its definition, and so breaks a rule on `subject`.
-    pub(super) fn deviates(&self, judged: &mut Judged<'_>, subject: &str, deviation: &Deviation) {
-        judged.report_defined(subject, self.exchange.place, deviation.definition, || {
+    pub(super) fn deviates(&self, context: &mut RuleContext<'_>, subject: &str, deviation: &Deviation) {
+        context.violation_of(subject, self.exchange.place, deviation.definition, || {
             let Mismatch { path, expected, actual } = &deviation.mismatch;
             Detail::differs(expected, actual).at(path).excerpt(self.excerpt())
         });
@@ -117,9 +123,9 @@ pub(super) fn quoted(text: &str) -> String {
 }
 
 /// Each object that was asked for stands in exactly one part of the reply, if it is of one of these types.
-pub(super) fn partition(turn: &Turn<'_>, judged: &mut Judged<'_>, types: &[&str]) {
+pub(super) fn partition(turn: &Turn<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
     let Some((asked, parts)) = replied(turn, types) else { return };
-    judged.exercise();
+    context.covered();
     let mut found: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for part in parts {
         for object in named(turn, part).filter(|object| asked.contains(*object)) {
@@ -133,7 +139,7 @@ pub(super) fn partition(turn: &Turn<'_>, judged: &mut Judged<'_>, types: &[&str]
     let wrong = asked.iter().map(|object| (object, stands(object))).filter(|(_, stands)| stands.len() != 1);
     let wrong: Vec<(&String, Vec<&str>)> = wrong.collect();
     if !wrong.is_empty() {
-        turn.breaks(judged, || {
+        turn.breaks(context, || {
             let told = wrong.iter().take(MAX_TOLD).map(|(object, found)| match found.len() {
                 0 => format!("{} in none", quoted(object)),
                 _ => format!("{} in {}", quoted(object), found.join(" and ")),
@@ -155,15 +161,15 @@ pub(super) fn partition(turn: &Turn<'_>, judged: &mut Judged<'_>, types: &[&str]
 }
 
 /// The reply tells of nothing that wasn't asked for, if it is of one of these types.
-pub(super) fn strangers(turn: &Turn<'_>, judged: &mut Judged<'_>, types: &[&str]) {
+pub(super) fn strangers(turn: &Turn<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
     let Some((asked, parts)) = replied(turn, types) else { return };
-    judged.exercise();
+    context.covered();
     let stranger = parts.iter().find_map(|part| {
         let (key, _) = members(turn, part).iter().find(|(key, _)| !asked.contains(key.as_ref()))?;
         Some((*part, key))
     });
     if let Some((part, key)) = stranger {
-        turn.breaks(judged, || {
+        turn.breaks(context, || {
             Detail::new(format!("{} wasn't asked for", quoted(key))).at(pointer(&["body", part, key]))
         });
     }
@@ -190,13 +196,13 @@ fn named<'t>(turn: &Turn<'t>, part: &str) -> impl Iterator<Item = &'t str> {
 }
 
 /// Each object's key in the map is its id.
-pub(super) fn keyed(turn: &Turn<'_>, judged: &mut Judged<'_>, type_name: &str) {
+pub(super) fn keyed(turn: &Turn<'_>, context: &mut RuleContext<'_>, type_name: &str) {
     for (key, state) in states(turn, type_name) {
-        judged.exercise();
+        context.covered();
         let id = state.get("id");
         // That there is an id, and a string, is another rule's matter.
         if let Some(id) = id.and_then(Tree::as_str).filter(|id| id != key) {
-            turn.breaks(judged, || {
+            turn.breaks(context, || {
                 Detail::differs(quoted(key), quoted(id)).at(pointer(&["body", "status", key, "id"]))
             });
         }
@@ -204,26 +210,30 @@ pub(super) fn keyed(turn: &Turn<'_>, judged: &mut Judged<'_>, type_name: &str) {
 }
 
 /// No value of a list stands there twice.
-pub(super) fn unique(turn: &Turn<'_>, judged: &mut Judged<'_>, name: &str) {
+pub(super) fn unique(turn: &Turn<'_>, context: &mut RuleContext<'_>, name: &str) {
     let Some(Tree::List(values)) = turn.field(name) else { return };
-    judged.exercise();
+    context.covered();
     let mut seen = HashSet::new();
     let repeated = values.iter().filter_map(Tree::as_str).find(|text| !seen.insert(*text));
     if let Some(text) = repeated {
-        turn.breaks(judged, || {
+        turn.breaks(context, || {
             Detail::new(format!("{} stands there twice", quoted(text))).at(pointer(&["body", name]))
         });
     }
 }
 
 /// Asks of each list of error codes what is wrong with it. What is no integer is another rule's matter.
-pub(super) fn codes(turn: &Turn<'_>, judged: &mut Judged<'_>, wrong: impl Fn(&[i128]) -> Option<String>) {
+pub(super) fn codes(
+    turn: &Turn<'_>,
+    context: &mut RuleContext<'_>,
+    wrong: impl Fn(&[i128]) -> Option<String>,
+) {
     for (uav, state) in states(turn, "UAV-INF") {
         let Some(Tree::List(values)) = state.get("errors") else { continue };
         let codes: Vec<i128> = values.iter().filter_map(integer).collect();
-        judged.exercise();
+        context.covered();
         if let Some(message) = wrong(&codes) {
-            turn.breaks(judged, || {
+            turn.breaks(context, || {
                 let told: Vec<String> = codes.iter().take(16).map(ToString::to_string).collect();
                 let path = pointer(&["body", "status", uav, "errors"]);
                 Detail::new(message).at(path).actual(format!("[{}]", told.join(", ")))
@@ -240,14 +250,14 @@ pub(super) fn is_there(value: Option<&Tree<'_>>) -> bool {
 
 /// Exactly one of the members of a body is there. A null among them counts only where nothing else does, and only if
 /// null may be what it says.
-pub(super) fn exactly_one(turn: &Turn<'_>, judged: &mut Judged<'_>, names: &[&str], may_be_null: &str) {
-    judged.exercise();
+pub(super) fn exactly_one(turn: &Turn<'_>, context: &mut RuleContext<'_>, names: &[&str], may_be_null: &str) {
+    context.covered();
     let mut found: Vec<&str> = names.iter().copied().filter(|name| is_there(turn.field(name))).collect();
     if found.is_empty() && turn.field(may_be_null) == Some(&Tree::Null) {
         found.push(may_be_null);
     }
     if found.len() != 1 {
-        turn.breaks(judged, || {
+        turn.breaks(context, || {
             let found = if found.is_empty() { "none".to_owned() } else { found.join(" and ") };
             Detail::differs(format!("exactly one of {}", names.join(", ")), found).at("/body")
         });
@@ -257,19 +267,19 @@ pub(super) fn exactly_one(turn: &Turn<'_>, judged: &mut Judged<'_>, names: &[&st
 /// Whether this is the response to a request that tries the rule. That there is none breaks it, and so does a connection
 /// that didn't come about. Of a recording that doesn't show how the connection ended, nobody knows what was to come; nor
 /// what was lost, where messages may be.
-pub(super) fn tried(turn: &Turn<'_>, judged: &mut Judged<'_>) -> bool {
-    let Some(how) = turn.tried(judged.rule) else { return false };
+pub(super) fn tried(turn: &Turn<'_>, context: &mut RuleContext<'_>) -> bool {
+    let Some(how) = turn.tried(context.rule) else { return false };
     let (what, actual) = match turn.role {
         Role::Response => {
-            judged.exercise();
+            context.covered();
             return true;
         }
         Role::Unanswered if is_over(turn) => ("no response", "none"),
         Role::Event if turn.exchange.text == "refused" => ("no connection", "none"),
         _ => return false,
     };
-    judged.exercise();
-    unserved(turn, judged, what, actual, how);
+    context.covered();
+    unserved(turn, context, what, actual, how);
     false
 }
 
@@ -280,11 +290,11 @@ fn is_over(turn: &Turn<'_>) -> bool {
 
 /// A request that tries the rule, or the connection for it, comes to nothing. Of `how` it is tried, what stands before
 /// the first colon is the subject: what is tried in several ways is one weakness.
-fn unserved(turn: &Turn<'_>, judged: &mut Judged<'_>, what: &str, actual: &str, how: &str) {
+fn unserved(turn: &Turn<'_>, context: &mut RuleContext<'_>, what: &str, actual: &str, how: &str) {
     let type_name = turn.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
     let (way, kind) = how.split_once(": ").unwrap_or((how, ""));
     let subject = if way.is_empty() { type_name.unwrap_or("message") } else { way };
-    judged.report(subject, turn.exchange.place, || {
+    context.violation(subject, turn.exchange.place, || {
         let why = match turn.exchange.note {
             // The client itself gave up.
             None | Some("client") => String::new(),
@@ -298,13 +308,13 @@ fn unserved(turn: &Turn<'_>, judged: &mut Judged<'_>, what: &str, actual: &str, 
 }
 
 /// Whether this is the response to a request that tries the rule, and that was served. That it wasn't breaks the rule.
-pub(super) fn served(turn: &Turn<'_>, judged: &mut Judged<'_>) -> bool {
-    if !tried(turn, judged) {
+pub(super) fn served(turn: &Turn<'_>, context: &mut RuleContext<'_>) -> bool {
+    if !tried(turn, context) {
         return false;
     }
     let Some((actual, reason)) = refusal(turn) else { return true };
-    let way = turn.tried(judged.rule).and_then(|how| how.split(": ").next()).filter(|way| !way.is_empty());
-    judged.report(way.unwrap_or(actual), turn.exchange.place, || {
+    let way = turn.tried(context.rule).and_then(|how| how.split(": ").next()).filter(|way| !way.is_empty());
+    context.violation(way.unwrap_or(actual), turn.exchange.place, || {
         Detail::new(match reason {
             Some(reason) => format!("refused: {}", quoted(reason)),
             None => "refused".to_owned(),
@@ -326,8 +336,8 @@ fn refusal<'t>(turn: &Turn<'t>) -> Option<(&'static str, Option<&'t str>)> {
 
 /// A request that tries the rule has an entry in `error` for what nobody knows or can do. Of what is asked for, and stands
 /// nowhere in the reply, other rules tell.
-pub(super) fn in_error(turn: &Turn<'_>, judged: &mut Judged<'_>, types: &[&str]) {
-    if !served(turn, judged) {
+pub(super) fn in_error(turn: &Turn<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
+    if !served(turn, context) {
         return;
     }
     let Some((asked, parts)) = replied(turn, types) else { return };
@@ -335,7 +345,7 @@ pub(super) fn in_error(turn: &Turn<'_>, judged: &mut Judged<'_>, types: &[&str])
     let is_told = |object: &String| parts.iter().any(|part| stands(object, part));
     let wrong = asked.first().filter(|_| asked.iter().all(is_told));
     if let Some(object) = wrong.filter(|_| !asked.iter().any(|object| stands(object, "error"))) {
-        turn.breaks(judged, || {
+        turn.breaks(context, || {
             Detail::new(format!("{} has no entry in `error`", quoted(object)))
                 .at("/body")
                 .expected("an entry in `error`")

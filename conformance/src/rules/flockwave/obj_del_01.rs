@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fw::{self, Role, Shape, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -34,13 +34,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     if turn.body_of("OBJ-DEL").is_none() {
         return;
     }
-    judged.exercise();
+    context.covered();
     if turn.role != Role::Notification {
-        turn.breaks(judged, || Detail::new("it has `refs`, and is a notification"));
+        turn.breaks(context, || Detail::new("it has `refs`, and is a notification"));
     }
-    fw::field(turn, judged, "ids", true, &Shape::List(&Shape::Text));
+    fw::field(turn, context, "ids", true, &Shape::List(&Shape::Text));
 }

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fw::{self, Tree, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
 use crate::flockwave::session::ids::Ids;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -43,7 +43,7 @@ impl Default for Gone {
 }
 
 impl Checker for Gone {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
         if !turn.is_of_server() || !turn.exchange.connection.is_told {
             return;
         }
@@ -57,10 +57,10 @@ impl Checker for Gone {
         match turn.type_name {
             Some("OBJ-DEL") => ids.for_each(|id| self.0.insert(turn.serial, id, (), id.len())),
             Some("OBJ-LIST" | "UAV-LIST") => {
-                judged.exercise();
+                context.covered();
                 let mut ids = ids;
                 if let Some(id) = ids.find(|id| self.0.contains(turn.serial, id)) {
-                    turn.breaks(judged, || {
+                    turn.breaks(context, || {
                         Detail::new(format!(
                             "{} is listed, and OBJ-DEL has said that it is gone",
                             fw::quoted(id)

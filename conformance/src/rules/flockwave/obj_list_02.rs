@@ -5,7 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde_json::json;
 
 use super::fw::{self, PerConnection, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status, obj_list_03};
+use super::{
+    Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status, obj_list_03,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -39,7 +41,7 @@ const MAX_KINDS: usize = 8;
 struct Listed(PerConnection<BTreeMap<String, BTreeSet<String>>>);
 
 impl Checker for Listed {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
         if !turn.is_of_server() || !turn.exchange.connection.is_told {
             return;
         }
@@ -60,9 +62,9 @@ impl Checker for Listed {
         let (Some(kind), Some(list)) = (filter.first(), fw::listed(turn)) else { return };
         let lists = self.0.of(turn);
         for (other, known) in lists.iter().filter(|(other, _)| *other != kind) {
-            judged.exercise();
+            context.covered();
             if let Some(id) = list.intersection(known).next() {
-                turn.breaks(judged, || {
+                turn.breaks(context, || {
                     let (id, kind, other) = (fw::quoted(id), fw::quoted(kind), fw::quoted(other));
                     Detail::new(format!("{id} is listed for the type {kind}, and was for {other}"))
                         .at("/body/ids")

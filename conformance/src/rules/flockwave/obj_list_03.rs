@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fw::{self, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -29,14 +29,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if !fw::served(turn, judged) || turn.response("OBJ-LIST").is_none() {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
+    if !fw::served(turn, context) || turn.response("OBJ-LIST").is_none() {
         return;
     }
     if let Some(Tree::List(ids)) = turn.field("ids")
         && !ids.is_empty()
     {
-        turn.breaks(judged, || {
+        turn.breaks(context, || {
             Detail::differs("an empty list", format!("one of {}", ids.len())).at("/body/ids")
         });
     }

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use serde_json::json;
 
 use super::fw::{self, PerConnection, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -52,7 +52,7 @@ struct Listed {
 }
 
 impl Checker for Objects {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
         if !turn.is_of_server() || !turn.exchange.connection.is_told {
             return;
         }
@@ -73,10 +73,10 @@ impl Checker for Objects {
                 let others = std::mem::take(&mut listed.others);
                 if listed.all.as_ref() == Some(&list) {
                     if !others.is_empty() {
-                        judged.exercise();
+                        context.covered();
                     }
                     if let Some(id) = others.difference(&list).next() {
-                        turn.breaks(judged, || {
+                        turn.breaks(context, || {
                             let id = fw::quoted(id);
                             Detail::new(format!("{id} is missing, which a list with a filter has"))
                                 .at("/body/ids")

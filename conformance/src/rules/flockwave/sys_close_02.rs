@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fw::{self, Conversation, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 use crate::flockwave::session::remembered::Remembered;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -42,15 +42,15 @@ impl Default for Closing {
 }
 
 impl Checker for Closing {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
         if !turn.is_of_server() || !turn.exchange.connection.is_told {
             return;
         }
         if self.0.remove(&turn.serial).is_some() {
-            turn.breaks(judged, || Detail::new("the server speaks on after SYS-CLOSE"));
+            turn.breaks(context, || Detail::new("the server speaks on after SYS-CLOSE"));
         }
         if turn.body_of("SYS-CLOSE").is_some() {
-            judged.exercise();
+            context.covered();
             self.0.insert(turn.serial, (), 0);
         }
     }

@@ -5,7 +5,7 @@
 use serde_json::json;
 
 use super::fw::{self, Role, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -28,9 +28,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     let is_trial = turn.tried(&RULE.rule).is_some();
-    if is_trial && !fw::served(turn, judged) {
+    if is_trial && !fw::served(turn, context) {
         return;
     }
     let asked = turn.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
@@ -38,9 +38,9 @@ fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
         return;
     }
     if !is_trial {
-        judged.exercise();
+        context.covered();
     }
     if let Some(found) = turn.type_name.filter(|found| !["ACK-ACK", "ACK-NAK"].contains(found)) {
-        turn.breaks(judged, || Detail::differs("ACK-ACK", fw::quoted(found)).at("/body/type"));
+        turn.breaks(context, || Detail::differs("ACK-ACK", fw::quoted(found)).at("/body/type"));
     }
 }

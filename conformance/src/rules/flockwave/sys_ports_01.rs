@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -31,8 +31,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     if turn.body_of("SYS-PORTS").is_some() {
-        fw::field(turn, judged, "ports", true, &Shape::Map(&Shape::Integer(1, 65535)));
+        fw::field(turn, context, "ports", true, &Shape::Map(&Shape::Integer(1, 65535)));
     }
 }

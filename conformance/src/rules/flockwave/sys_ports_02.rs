@@ -5,7 +5,7 @@
 use serde_json::json;
 
 use super::fw::{self, PerConnection, Role, Tree, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::json::pointer;
 
@@ -34,7 +34,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 struct Used(PerConnection<Option<(&'static str, u16)>>);
 
 impl Checker for Used {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
         if turn.role == Role::Event && turn.exchange.text == "connect" {
             *self.0.of(turn) = turn.exchange.note.and_then(in_use);
             return;
@@ -44,9 +44,9 @@ impl Checker for Used {
         let Some(Tree::Int(listed)) = body.get("ports").and_then(|ports| ports.get(transport)) else {
             return;
         };
-        judged.exercise();
+        context.covered();
         if *listed != i128::from(port) {
-            turn.breaks(judged, || Detail::differs(port, listed).at(pointer(&["body", "ports", transport])));
+            turn.breaks(context, || Detail::differs(port, listed).at(pointer(&["body", "ports", transport])));
         }
     }
 

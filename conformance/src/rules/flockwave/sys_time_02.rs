@@ -6,7 +6,7 @@
 use serde_json::json;
 
 use super::fw::{self, Conversation, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status, sys_time_03};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, sys_time_03};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -45,11 +45,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 /// How much clocks may drift apart from one answer to the next, in seconds.
 pub(super) const TOLERANCE: f64 = 1.0;
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     let Some(found) = turn.clock_move else { return };
-    judged.exercise();
+    context.covered();
     if found.by > TOLERANCE && !sys_time_03::is_adjusted(&found) {
-        turn.breaks(judged, || {
+        turn.breaks(context, || {
             let by = found.by;
             Detail::new(format!("the server's clock has moved by {by:.1} s against that of the recording"))
                 .at("/body/timestamp")

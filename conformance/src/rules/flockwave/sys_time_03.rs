@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::fw::{self, Turn};
 use super::sys_time_02::TOLERANCE;
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 use crate::flockwave::session::ClockMove;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -44,11 +44,11 @@ pub(super) fn is_adjusted(found: &ClockMove) -> bool {
     found.is_after_nothing && found.by > TOLERANCE + found.since
 }
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     let Some(found) = turn.clock_move.filter(|found| found.is_after_nothing) else { return };
-    judged.exercise();
+    context.covered();
     if is_adjusted(&found) {
-        turn.breaks(judged, || {
+        turn.breaks(context, || {
             let by = found.by;
             Detail::new(format!(
                 "the server's clock has moved by {by:.1} s, after it was to be adjusted by 0"

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::fw::{self, PerConnection, Tree, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -41,7 +41,7 @@ const MAX_TEXT: usize = 256;
 struct Versions(PerConnection<Option<[Option<String>; FIELDS.len()]>>);
 
 impl Checker for Versions {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
         let Some(body) = turn.response("SYS-VER").filter(|_| turn.exchange.connection.is_told) else {
             return;
         };
@@ -51,12 +51,12 @@ impl Checker for Versions {
         };
         let now = FIELDS.map(|field| body.get(field).map(text));
         let Some(before) = self.0.of(turn).replace(now.clone()) else { return };
-        judged.exercise();
+        context.covered();
         let changed = FIELDS.iter().zip(before).zip(now).find(|((_, before), now)| before != now);
         if let Some(((field, before), now)) = changed {
             let told =
                 |value: Option<String>| value.map_or_else(|| "nothing".to_owned(), |text| fw::quoted(&text));
-            turn.breaks(judged, || Detail::differs(told(before), told(now)).at(pointer(&["body", field])));
+            turn.breaks(context, || Detail::differs(told(before), told(now)).at(pointer(&["body", field])));
         }
     }
 

@@ -4,7 +4,7 @@
 //! with is no JSON at all, of which another rule tells.
 
 use super::fw::{self, Lines, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -52,12 +52,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 struct Broken(Lines);
 
 impl Checker for Broken {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
         if turn.is_of_server() && fw::is_called(turn, "tcp") {
-            judged.exercise();
+            context.covered();
         }
         if fw::are_several(turn, "tcp") {
-            turn.breaks(judged, || {
+            turn.breaks(context, || {
                 Detail::new("several messages in a line").expected("one").actual("more than one")
             });
         } else {
@@ -65,7 +65,7 @@ impl Checker for Broken {
         }
         self.0.other.clear();
         for (line, count) in self.0.whole.drain(..) {
-            judged.report("message", line.place, || {
+            context.violation("message", line.place, || {
                 Detail::new(format!("a message in {count} lines"))
                     .expected("one line")
                     .actual(format!("{count} lines"))

@@ -20,8 +20,8 @@ macro_rules! rule {
                 source: $source,
                 applies_to: "requests that try it",
             },
-            check: Check::Exchange(|turn, judged| {
-                fw::served(turn, judged);
+            check: Check::Exchange(|turn, context| {
+                fw::served(turn, context);
             }),
             mutants: &[
                 Mutant {

@@ -14,7 +14,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         source: fw::DERIVED,
         applies_to: "UAV-INF that tries it",
     },
-    check: Check::Exchange(|turn, judged| fw::in_error(turn, judged, &["UAV-INF"])),
+    check: Check::Exchange(|turn, context| fw::in_error(turn, context, &["UAV-INF"])),
     mutants: &[
         Mutant { name: "the request is refused", make: || fw::refused("tcp#9", "FW-UAV-INF-06"), also: &[] },
         Mutant {

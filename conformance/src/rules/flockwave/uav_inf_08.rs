@@ -1,7 +1,7 @@
 //! `FW-UAV-INF-08`.
 
 use super::fw::{self, Tree, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 use crate::flockwave::session::ids::Ids;
 use crate::json::pointer;
 
@@ -38,7 +38,7 @@ impl Default for Latest {
 }
 
 impl Checker for Latest {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
         if !turn.exchange.connection.is_told {
             return;
         }
@@ -47,13 +47,13 @@ impl Checker for Latest {
             if uav.len() > MAX_ID {
                 continue;
             }
-            judged.exercise();
+            context.covered();
             match self.0.get_mut(turn.serial, uav) {
                 None => self.0.insert(turn.serial, uav, *now, uav.len()),
                 Some(latest) => {
                     let before = std::mem::replace(latest, *now);
                     if *now < before {
-                        turn.breaks(judged, || {
+                        turn.breaks(context, || {
                             Detail::differs(format!("{before} or more, as before"), now).at(pointer(&[
                                 "body",
                                 "status",

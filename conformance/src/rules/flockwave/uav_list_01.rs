@@ -1,7 +1,7 @@
 //! `FW-UAV-LIST-01`.
 
 use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -23,8 +23,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     if turn.body_of("UAV-LIST").is_some() {
-        fw::field(turn, judged, "ids", true, &Shape::List(&Shape::Text));
+        fw::field(turn, context, "ids", true, &Shape::List(&Shape::Text));
     }
 }

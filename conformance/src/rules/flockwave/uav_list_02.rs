@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use serde_json::json;
 
 use super::fw::{self, PerConnection, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -51,7 +51,7 @@ struct Listed {
 }
 
 impl Checker for Uavs {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
         if !turn.is_of_server() || !turn.exchange.connection.is_told {
             return;
         }
@@ -69,7 +69,7 @@ impl Checker for Uavs {
             let objects = std::mem::take(&mut listed.objects);
             if listed.uavs.as_ref() == Some(&list) {
                 for (objects, place) in objects {
-                    compare(&list, &objects, place, judged);
+                    compare(&list, &objects, place, context);
                 }
             }
             listed.uavs = Some(list);
@@ -81,10 +81,10 @@ impl Checker for Uavs {
     }
 }
 
-fn compare(uavs: &BTreeSet<String>, objects: &BTreeSet<String>, place: Place, judged: &mut Judged<'_>) {
-    judged.exercise();
+fn compare(uavs: &BTreeSet<String>, objects: &BTreeSet<String>, place: Place, context: &mut RuleContext<'_>) {
+    context.covered();
     if let Some(id) = uavs.symmetric_difference(objects).next() {
-        judged.report("UAV-LIST", place, || {
+        context.violation("UAV-LIST", place, || {
             let (has, lacks) =
                 if objects.contains(id) { ("OBJ-LIST", "UAV-LIST") } else { ("UAV-LIST", "OBJ-LIST") };
             let id = fw::quoted(id);

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use serde_json::{Value, json};
 
 use super::fw::{self, PerConnection, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -94,15 +94,15 @@ struct Listed {
 }
 
 impl Checker for Unknown {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
         if self.is_of_repeated {
-            fw::served(turn, judged);
+            fw::served(turn, context);
         }
         if !turn.is_of_server() || !turn.exchange.connection.is_told {
             return;
         }
         if turn.response("UAV-INF").is_some() {
-            return self.inform(turn, judged);
+            return self.inform(turn, context);
         }
         let list = fw::listed(turn);
         let listed = self.connections.of(turn);
@@ -112,7 +112,7 @@ impl Checker for Unknown {
             listed.doubted.retain(|(id, _)| is_left(id));
         } else if let (Some(_), Some(list)) = (turn.response("UAV-LIST"), list) {
             for (id, place) in listed.doubted.drain(..).filter(|(id, _)| list.contains(id)) {
-                judged.report("UAV-INF", place, || {
+                context.violation("UAV-INF", place, || {
                     let id = fw::quoted(&id);
                     Detail::new(format!("{id} isn't known, and UAV-LIST has it before and after"))
                         .expected("a state")
@@ -130,7 +130,7 @@ impl Checker for Unknown {
 
 impl Unknown {
     /// UAV-INF tells of UAVs.
-    fn inform(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fn inform(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
         let Some(asked) = turn.asked_same() else { return };
         let is_repeated = asked.repeated.is_some() && turn.tried(&REPEATED.rule).is_some();
         if is_repeated != self.is_of_repeated {
@@ -140,7 +140,7 @@ impl Unknown {
         let known = asked.objects.iter().flatten().filter(|id| listed.uavs.contains(*id));
         let unknown = fw::members(turn, "error");
         for id in known {
-            judged.exercise();
+            context.covered();
             let is_doubted = unknown.iter().any(|(unknown, _)| unknown == id);
             if is_doubted && listed.doubted.len() < MAX_DOUBTED {
                 listed.doubted.push((id.clone(), turn.exchange.place));

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use serde_json::json;
 
 use super::fw::{self, PerConnection, Role, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
 
 /// The rule of an id.
 macro_rules! rule {
@@ -71,25 +71,25 @@ struct Outcome {
 }
 
 impl Checker for Trials {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
         self.is_heard |= turn.is_of_server() && fw::is_called(turn, "udp");
         if let Some(trials) = self.connections.closed(turn) {
             for (how, outcome) in trials {
-                judged.exercise();
+                context.covered();
                 if !outcome.is_answered && (self.is_heard || self.is_silence_told) {
                     let subject = if how.is_empty() { "message" } else { how.as_str() };
-                    judged.report(subject, outcome.place, || {
+                    context.violation(subject, outcome.place, || {
                         Detail::new("no response to any request").expected("a response").actual("none")
                     });
                 }
             }
             return;
         }
-        fw::served(turn, judged);
+        fw::served(turn, context);
         let is_answered = turn.role == Role::Response;
         // Of a recording that doesn't show how the connection ended, nobody knows what was to come.
         let is_over = turn.role == Role::Unanswered && turn.exchange.note.is_some();
-        if let (Some(how), true) = (turn.tried(judged.rule), is_answered || is_over) {
+        if let (Some(how), true) = (turn.tried(context.rule), is_answered || is_over) {
             let place = turn.asked.as_ref().map_or(turn.exchange.place, |asked| asked.place);
             let trials = self.connections.of(turn);
             let how = if trials.len() < MAX_WAYS { how } else { "" };

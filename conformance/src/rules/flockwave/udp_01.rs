@@ -1,7 +1,7 @@
 //! `FW-UDP-01`.
 
 use super::fw::{self, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -25,13 +25,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
+fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     if !turn.is_of_server() || !fw::is_called(turn, "udp") {
         return;
     }
-    judged.exercise();
+    context.covered();
     if fw::are_several(turn, "udp") {
-        turn.breaks(judged, || {
+        turn.breaks(context, || {
             Detail::new("several messages in a datagram").expected("one").actual("more than one")
         });
     }

@@ -7,7 +7,7 @@ use crate::flockwave::record::{Connection, Direction, Exchange};
 use crate::flockwave::session::Conversations;
 use crate::json::Tree;
 use crate::model::{Findings, Place, Rule};
-use crate::rules::Judged;
+use crate::rules::RuleContext;
 use crate::rules::flockwave::{Check, RULES};
 
 /// How many versions are known, and how many kinds of states: hostile input can have any number.
@@ -165,7 +165,7 @@ impl<'d> Known<'d> {
             let mut exercised = 0;
             judge(
                 &turn,
-                &mut Judged { rule, definitions, findings: &mut findings, exercised: &mut exercised },
+                &mut RuleContext { rule, definitions, findings: &mut findings, coverage: &mut exercised },
             );
             all.push((rule, exercised));
         }
