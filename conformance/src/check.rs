@@ -23,12 +23,12 @@ pub use self::log::{LogSource, judge_ulog};
 pub use self::mcap::{Basis, McapChannel, McapSource, Standing, judge_mcap};
 use crate::capture::{ENCRYPTED_MAGIC, MCAP_MAGIC, ULOG_MAGIC};
 use crate::definitions::Definitions;
-use crate::flockwave::record::{Connection, Direction, Exchange};
-use crate::flockwave::session::{Conversations, Turn};
+use crate::flockwave::record::{Connection, Direction, SessionRecord};
+use crate::flockwave::session::{Exchange, Sessions};
 use crate::model::{Channel, Extent, Findings, Message, Place, Rule};
 use crate::rules::flockwave::EachExchange;
 use crate::rules::px4::Interest;
-use crate::rules::{Judged, flockwave as session_rules, px4};
+use crate::rules::{RuleContext, flockwave as session_rules, px4};
 use crate::text::Grouped;
 
 /// What is said of an encrypted log.
@@ -73,12 +73,12 @@ pub enum Source {
     Json(JsonSource),
     /// A file of MCAP.
     Mcap(McapSource),
-    /// Recorded conversations of Flockwave.
+    /// Recorded sessions of Flockwave.
     Flockwave(FlockwaveSource),
 }
 
 /// Judges a source of any kind, which is seen by how it begins: a log of PX4, MCAP, or else JSON
-/// (recorded conversations of Flockwave among it). Where `of` names
+/// (recorded sessions of Flockwave among it). Where `of` names
 /// a message, the JSON is messages of that type and nothing around them.
 ///
 /// An error is one of reading its first bytes, or says that the source is encrypted, or nothing that can be judged. What
@@ -136,7 +136,7 @@ struct Course<'d> {
     around: Vec<usize>,
     /// By the index of a channel.
     channels: Vec<Followed>,
-    conversations: Conversations,
+    sessions: Sessions,
     records: u64,
     judged: u64,
     first: Option<u64>,
@@ -158,7 +158,7 @@ struct Told {
 struct Follower<C: ?Sized> {
     rule: &'static Rule,
     checker: Box<C>,
-    exercised: u64,
+    coverage: u64,
 }
 
 /// Who follows a channel.
@@ -175,17 +175,17 @@ impl<C: ?Sized> Follower<C> {
         &mut self,
         definitions: &Definitions,
         findings: &mut Findings,
-        what: impl FnOnce(&mut C, &mut Judged<'_>) -> T,
+        what: impl FnOnce(&mut C, &mut RuleContext<'_>) -> T,
     ) -> T {
-        let Self { rule, checker, exercised } = self;
-        what(&mut **checker, &mut Judged { rule, definitions, findings, exercised })
+        let Self { rule, checker, coverage } = self;
+        what(&mut **checker, &mut RuleContext { rule, definitions, findings, coverage })
     }
 }
 
 impl<'d> Course<'d> {
     fn new(definitions: &'d Definitions) -> Self {
         let followers = px4::RULES.iter().filter_map(|rule| match rule.check {
-            px4::Check::State(start) => Some(Follower { rule: &rule.rule, checker: start(), exercised: 0 }),
+            px4::Check::State(start) => Some(Follower { rule: &rule.rule, checker: start(), coverage: 0 }),
             px4::Check::Value | px4::Check::Source => None,
         });
         let listeners = session_rules::RULES.iter().map(|rule| {
@@ -195,7 +195,7 @@ impl<'d> Course<'d> {
                     Box::new(EachExchange(judge))
                 }
             };
-            Follower { rule: &rule.rule, checker, exercised: 0 }
+            Follower { rule: &rule.rule, checker, coverage: 0 }
         });
         let looks_around =
             |rule: &session_rules::FlockwaveRule| !matches!(rule.check, session_rules::Check::Exchange(_));
@@ -208,7 +208,7 @@ impl<'d> Course<'d> {
             listeners: listeners.collect(),
             around,
             channels: Vec::new(),
-            conversations: Conversations::default(),
+            sessions: Sessions::default(),
             records: 0,
             judged: 0,
             first: None,
@@ -228,8 +228,8 @@ impl<'d> Course<'d> {
     fn opened(&mut self, channel: &Channel<'_>) {
         let mut followed = Followed::default();
         for (at, follower) in self.followers.iter_mut().enumerate() {
-            let opened = |checker: &mut (dyn px4::Checker + 'static), judged: &mut Judged<'_>| {
-                checker.opened(channel, judged)
+            let opened = |checker: &mut (dyn px4::Checker + 'static), context: &mut RuleContext<'_>| {
+                checker.opened(channel, context)
             };
             let interest = follower.judge(self.definitions, &mut self.findings, opened);
             if interest > Interest::Nothing {
@@ -259,8 +259,8 @@ impl<'d> Course<'d> {
         self.judged += 1;
         self.pass(message.timestamp);
         for at in &self.channels[channel.index].by {
-            let message = |checker: &mut (dyn px4::Checker + 'static), judged: &mut Judged<'_>| {
-                checker.message(channel, message, judged);
+            let message = |checker: &mut (dyn px4::Checker + 'static), context: &mut RuleContext<'_>| {
+                checker.message(channel, message, context);
             };
             self.followers[*at].judge(self.definitions, &mut self.findings, message);
         }
@@ -281,26 +281,26 @@ impl<'d> Course<'d> {
     }
 
     /// Something goes over a connection, or happens to it.
-    fn exchanged(&mut self, exchange: &Exchange<'_>) {
-        let turn = self.conversations.follow(exchange, self.definitions);
-        self.tell(&turn);
+    fn exchanged(&mut self, record: &SessionRecord<'_>) {
+        let exchange = self.sessions.follow(record, self.definitions);
+        self.tell(&exchange);
     }
 
     /// The same, of a report on UAVs that rules have judged already which go by what it says alone.
-    fn reported(&mut self, exchange: &Exchange<'_>) {
-        let turn = self.conversations.follow_told(exchange);
+    fn reported(&mut self, record: &SessionRecord<'_>) {
+        let exchange = self.sessions.follow_told(record);
         for at in &self.around {
-            self.listeners[*at].judge(self.definitions, &mut self.findings, |checker, judged| {
-                checker.exchanged(&turn, judged);
+            self.listeners[*at].judge(self.definitions, &mut self.findings, |checker, context| {
+                checker.exchanged(&exchange, context);
             });
         }
     }
 
     /// A connection, or all that is known of it, comes to its end, and perhaps it is known why.
     fn disconnected(&mut self, connection: Connection<'_>, why: Option<&str>) {
-        let (serial, unanswered) = self.conversations.ended(connection.index);
+        let (serial, unanswered) = self.sessions.ended(connection.index);
         for asked in unanswered {
-            let exchange = Exchange {
+            let record = SessionRecord {
                 connection,
                 direction: Direction::Event,
                 time: None,
@@ -310,14 +310,14 @@ impl<'d> Course<'d> {
                 note: why,
                 place: asked.place,
             };
-            self.tell(&Turn::unanswered(&exchange, serial, asked));
+            self.tell(&Exchange::unanswered(&record, serial, asked));
         }
     }
 
-    fn tell(&mut self, turn: &Turn<'_>) {
+    fn tell(&mut self, exchange: &Exchange<'_>) {
         for follower in &mut self.listeners {
-            follower.judge(self.definitions, &mut self.findings, |checker, judged| {
-                checker.exchanged(turn, judged);
+            follower.judge(self.definitions, &mut self.findings, |checker, context| {
+                checker.exchanged(exchange, context);
             });
         }
     }
@@ -354,7 +354,7 @@ impl<'d> Course<'d> {
     fn damage(&mut self, place: Place, text: String, extent: Extent) {
         self.extent = self.extent.max(extent);
         self.lost_any(place);
-        self.conversations.lose();
+        self.sessions.lose();
         let number = self.damage.len();
         match self.damage.entry(text) {
             Entry::Occupied(mut known) => known.get_mut().times += 1,
@@ -373,12 +373,12 @@ impl<'d> Course<'d> {
 
     fn finish(mut self, bytes: u64, source: Source) -> Judgement {
         for follower in &mut self.followers {
-            follower.judge(self.definitions, &mut self.findings, |checker, judged| checker.end(judged));
-            self.findings.exercise(follower.rule, follower.exercised);
+            follower.judge(self.definitions, &mut self.findings, |checker, context| checker.end(context));
+            self.findings.exercise(follower.rule, follower.coverage);
         }
         for listener in &mut self.listeners {
-            listener.judge(self.definitions, &mut self.findings, |checker, judged| checker.end(judged));
-            self.findings.exercise(listener.rule, listener.exercised);
+            listener.judge(self.definitions, &mut self.findings, |checker, context| checker.end(context));
+            self.findings.exercise(listener.rule, listener.coverage);
         }
         let mut damage: Vec<(String, Told)> = self.damage.into_iter().collect();
         damage.sort_by_key(|(_, told)| told.number);

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use crate::check::{Judgement, judge};
 use crate::definitions::Definitions;
 use crate::model::Rule;
-use crate::rules::sample::{Conversation, Flight};
+use crate::rules::sample::{Flight, Session};
 use crate::rules::{Mutant, mutants};
 
 /// What came of a mutant.
@@ -41,7 +41,7 @@ pub fn conforming(definitions: &Definitions) -> Vec<(&'static str, Judgement)> {
         ("MCAP", flight.bag().to_bytes()),
         ("JSON Lines", flight.lines().to_bytes()),
         ("rosbridge", flight.rosbridge().to_bytes()),
-        ("Flockwave", Conversation::new().to_bytes()),
+        ("Flockwave", Session::new().to_bytes()),
     ];
     let judged = sources.into_iter().map(|(name, bytes)| (name, judge_bytes(&bytes, definitions)));
     judged.filter_map(|(name, judgement)| Some((name, judgement?))).collect()

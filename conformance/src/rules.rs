@@ -95,42 +95,42 @@ pub fn checked_by(rule: &Rule) -> &'static str {
 
 const FOLLOWING: &str = "following the records of a source with a small state for each topic";
 
-/// Where a rule puts what it finds.
-pub struct Judged<'j> {
+/// The surroundings of a check: what it is checked by, and where its findings and its coverage are counted.
+pub struct RuleContext<'c> {
     /// The rule.
     pub rule: &'static Rule,
-    /// What it is judged by.
-    pub definitions: &'j Definitions,
-    /// All findings.
-    pub findings: &'j mut Findings,
-    /// How often it was exercised.
-    pub exercised: &'j mut u64,
+    /// The definitions that captures are checked against.
+    pub definitions: &'c Definitions,
+    /// All findings of the run.
+    pub findings: &'c mut Findings,
+    /// The number of times that the rule had something to check.
+    pub coverage: &'c mut u64,
 }
 
-impl Judged<'_> {
-    /// Where a definition says what its messages are.
+impl RuleContext<'_> {
+    /// The line where a definition starts.
     pub(crate) fn defined(&self, definition: Option<MessageId>) -> Option<Span> {
         definition.map(|id| self.definitions.schema.message(id).span)
     }
 
-    /// Where a definition has this field.
+    /// The line where a definition has this field.
     pub(crate) fn field(&self, definition: Option<MessageId>, name: &str) -> Option<Span> {
         let fields = &self.definitions.schema.message(definition?).fields;
         fields.iter().find(|field| field.name == name).map(|field| field.span)
     }
 
-    /// Something was looked at, whatever came of it.
-    pub fn exercise(&mut self) {
-        *self.exercised += 1;
+    /// Counts that the rule had something to check, whatever the result.
+    pub fn covered(&mut self) {
+        *self.coverage += 1;
     }
 
-    /// Something breaks the rule.
-    pub fn report(&mut self, subject: &str, place: Place, detail: impl FnOnce() -> Detail) {
-        self.findings.report(self.rule, subject, place, None, detail);
+    /// Reports a violation of the rule.
+    pub fn violation(&mut self, subject: &str, place: Place, detail: impl FnOnce() -> Detail) {
+        self.violation_of(subject, place, None, detail);
     }
 
-    /// Something breaks the rule, which a definition has at this place.
-    pub(crate) fn report_defined(
+    /// Reports a violation of what a definition says at this line.
+    pub(crate) fn violation_of(
         &mut self,
         subject: &str,
         place: Place,

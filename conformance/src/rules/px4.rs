@@ -30,7 +30,7 @@ mod time_01;
 mod time_02;
 mod ver_01;
 
-use super::{Judged, sample::Flight};
+use super::{RuleContext, sample::Flight};
 use crate::model::{Channel, Detail, Level, Message, Place, Rule, Status};
 use crate::px4::ValueRules;
 
@@ -135,7 +135,7 @@ pub enum Interest {
 /// Follows the records of one capture.
 pub trait Checker {
     /// A channel is opened: a topic with its type. Only messages of channels that are of interest come.
-    fn opened(&mut self, _channel: &Channel<'_>, _judged: &mut Judged<'_>) -> Interest {
+    fn opened(&mut self, _channel: &Channel<'_>, _context: &mut RuleContext<'_>) -> Interest {
         Interest::Nothing
     }
 
@@ -146,7 +146,7 @@ pub trait Checker {
     fn started(&mut self, _time: u64) {}
 
     /// A message comes.
-    fn message(&mut self, _channel: &Channel<'_>, _message: &Message<'_>, _judged: &mut Judged<'_>) {}
+    fn message(&mut self, _channel: &Channel<'_>, _message: &Message<'_>, _context: &mut RuleContext<'_>) {}
 
     /// Records were lost, for so many milliseconds.
     fn dropout(&mut self, _milliseconds: u16, _place: Place) {}
@@ -155,7 +155,7 @@ pub trait Checker {
     fn damage(&mut self, _place: Place) {}
 
     /// The source ends.
-    fn end(&mut self, _judged: &mut Judged<'_>) {}
+    fn end(&mut self, _context: &mut RuleContext<'_>) {}
 }
 
 /// A state for each channel.
@@ -182,9 +182,9 @@ impl<T> Default for PerChannel<T> {
     }
 }
 
-impl Judged<'_> {
+impl RuleContext<'_> {
     /// A field of the messages of a channel breaks the rule.
-    fn report_field(
+    fn violation_in_field(
         &mut self,
         channel: &Channel<'_>,
         name: &str,
@@ -192,6 +192,6 @@ impl Judged<'_> {
         detail: impl FnOnce() -> Detail,
     ) {
         let definition = self.field(channel.definition, name);
-        self.report_defined(&format!("{}.{name}", channel.topic), place, definition, detail);
+        self.violation_of(&format!("{}.{name}", channel.topic), place, definition, detail);
     }
 }

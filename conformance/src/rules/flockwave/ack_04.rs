@@ -1,7 +1,7 @@
 //! `FW-ACK-04`.
 
-use super::fw::{self, Shape, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::fw::{self, Exchange, Shape, Tree};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -28,13 +28,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(Tree::Object(members)) = turn.body_of("ACK-NAK") else { return };
-    judged.exercise();
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(Tree::Object(members)) = exchange.body_of("ACK-NAK") else { return };
+    context.covered();
     if let Some((key, _)) = members.iter().find(|(key, _)| key != "type" && key != "reason") {
-        turn.breaks(judged, || {
+        exchange.breaks(context, || {
             Detail::new(format!("it has {}, too", fw::quoted(key))).at(pointer(&["body", key]))
         });
     }
-    fw::field(turn, judged, "reason", false, &Shape::Nullable(&Shape::Text));
+    fw::field(exchange, context, "reason", false, &Shape::Nullable(&Shape::Text));
 }

@@ -1,7 +1,7 @@
 //! `FW-ASY-03`.
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::fw::{self, Exchange};
+use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 use crate::flockwave::session::OPERATIONS;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -21,6 +21,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::strangers(turn, judged, &OPERATIONS);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::strangers(exchange, context, &OPERATIONS);
 }

@@ -1,7 +1,7 @@
 //! `FW-CONN-INF-03`.
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::fw::{self, Exchange, Shape};
+use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -32,10 +32,10 @@ const PURPOSE: Shape =
 
 const STATUS: Shape = Shape::OneOf(&["disconnected", "connecting", "connected", "disconnecting", "unknown"]);
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    for (key, state) in fw::states(turn, "CONN-INF") {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    for (key, state) in fw::states(exchange, "CONN-INF") {
         let keys = ["body", "status", key];
-        fw::member(turn, judged, Some(state), &keys, ("purpose", true), &PURPOSE);
-        fw::member(turn, judged, Some(state), &keys, ("status", true), &STATUS);
+        fw::member(exchange, context, Some(state), &keys, ("purpose", true), &PURPOSE);
+        fw::member(exchange, context, Some(state), &keys, ("status", true), &STATUS);
     }
 }

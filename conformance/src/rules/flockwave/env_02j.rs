@@ -1,7 +1,7 @@
 //! `FW-ENV-02J`.
 
-use super::fw::{self, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::fw::{self, Exchange, Tree};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -27,12 +27,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let version = turn.message().and_then(|message| message.get("$fw.version")).and_then(Tree::as_str);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let version = exchange.message().and_then(|message| message.get("$fw.version")).and_then(Tree::as_str);
     let Some(version) = version else { return };
-    judged.exercise();
+    context.covered();
     if !fw::is_version(version) {
-        turn.breaks(judged, || {
+        exchange.breaks(context, || {
             Detail::differs("one to three numbers with dots between them", fw::quoted(version))
                 .at("/$fw.version")
         });

@@ -2,8 +2,8 @@
 //!
 //! What servers do with other keys that they don't know is seen where someone tries it.
 
-use super::fw::{self, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::fw::{self, Exchange, Tree};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -29,12 +29,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::served(turn, judged);
-    let Some(Tree::Object(members)) = turn.message() else { return };
-    judged.exercise();
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::served(exchange, context);
+    let Some(Tree::Object(members)) = exchange.message() else { return };
+    context.covered();
     let reserved = members.iter().find(|(key, _)| key.starts_with('$') && key != "$fw.version");
     if let Some((key, _)) = reserved {
-        turn.breaks(judged, || Detail::new(format!("the key {} is reserved", fw::quoted(key))));
+        exchange.breaks(context, || Detail::new(format!("the key {} is reserved", fw::quoted(key))));
     }
 }

@@ -4,8 +4,8 @@ use serde_json::json;
 
 use uavspec_codegen::schema::json_type::Direction;
 
-use super::fw::{self, Role, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::fw::{self, Exchange, Role};
+use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -21,19 +21,19 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(judge),
     mutants: &[Mutant {
         name: "an answer without `refs`",
-        make: || fw::then(|talk| talk.tells(json!({ "type": "UAV-LIST", "ids": [] }))),
+        make: || fw::then(|session| session.tells(json!({ "type": "UAV-LIST", "ids": [] }))),
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let shapes = judged.definitions.shapes();
-    let Some(name) = turn.type_name.filter(|name| shapes.has(name)) else { return };
-    if turn.role != Role::Notification {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let shapes = context.definitions.shapes();
+    let Some(name) = exchange.type_name.filter(|name| shapes.has(name)) else { return };
+    if exchange.role != Role::Notification {
         return;
     }
-    judged.exercise();
+    context.covered();
     if !shapes.goes(name, Direction::Notification) {
-        turn.breaks(judged, || Detail::new(format!("{name} has no `refs`, and it is no notification")));
+        exchange.breaks(context, || Detail::new(format!("{name} has no `refs`, and it is no notification")));
     }
 }

@@ -4,8 +4,8 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::fw::{self, Exchange};
+use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -79,13 +79,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(deviations) = &turn.deviations else { return };
-    judged.exercise();
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(deviations) = &exchange.deviations else { return };
+    context.covered();
     for deviation in deviations.iter().filter(|deviation| deviation.told_by.is_none()) {
-        let name = turn.subject();
+        let name = exchange.subject();
         let subject =
             if deviation.field.is_empty() { name } else { format!("{name}.{}", deviation.field).into() };
-        turn.deviates(judged, &subject, deviation);
+        exchange.deviates(context, &subject, deviation);
     }
 }

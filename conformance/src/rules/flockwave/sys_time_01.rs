@@ -1,7 +1,7 @@
 //! `FW-SYS-TIME-01`.
 
-use super::fw::{self, INTEGER, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::fw::{self, Exchange, INTEGER};
+use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -27,8 +27,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("SYS-TIME").is_some() {
-        fw::field(turn, judged, "timestamp", true, &INTEGER);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("SYS-TIME").is_some() {
+        fw::field(exchange, context, "timestamp", true, &INTEGER);
     }
 }

@@ -2,8 +2,8 @@
 
 use serde_json::json;
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::fw::{self, Exchange, Shape};
+use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -29,9 +29,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("SYS-VER").is_some() {
-        fw::field(turn, judged, "name", false, &Shape::Nullable(&Shape::Text));
-        fw::field(turn, judged, "revision", false, &Shape::Nullable(&Shape::Text));
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("SYS-VER").is_some() {
+        fw::field(exchange, context, "name", false, &Shape::Nullable(&Shape::Text));
+        fw::field(exchange, context, "revision", false, &Shape::Nullable(&Shape::Text));
     }
 }

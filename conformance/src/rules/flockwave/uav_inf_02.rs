@@ -1,7 +1,7 @@
 //! `FW-UAV-INF-02`.
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::fw::{self, Exchange};
+use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -20,6 +20,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::strangers(turn, judged, &["UAV-INF"]);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::strangers(exchange, context, &["UAV-INF"]);
 }

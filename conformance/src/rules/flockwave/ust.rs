@@ -3,8 +3,8 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::fw::{self, Exchange};
+use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 /// What the specification says of null.
 const NULL: Status = Status::Disputed(
@@ -32,7 +32,7 @@ macro_rules! rule {
                 source: fw::TYPES,
                 applies_to: "states of UAV-INF",
             },
-            check: Check::Exchange(|turn, judged| judge(turn, judged, $field)),
+            check: Check::Exchange(|exchange, context| judge(exchange, context, $field)),
             mutants: &$mutants,
         };
     };
@@ -200,14 +200,14 @@ rule!(
     ]
 );
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>, field: &str) {
-    let id = judged.rule.id;
-    for (_, state) in fw::states(turn, "UAV-INF") {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, field: &str) {
+    let id = context.rule.id;
+    for (_, state) in fw::states(exchange, "UAV-INF") {
         if state.get(field).is_some() {
-            judged.exercise();
+            context.covered();
         }
     }
-    for deviation in turn.deviations.iter().flatten().filter(|deviation| deviation.told_by == Some(id)) {
-        turn.deviates(judged, &turn.subject(), deviation);
+    for deviation in exchange.deviations.iter().flatten().filter(|deviation| deviation.told_by == Some(id)) {
+        exchange.deviates(context, &exchange.subject(), deviation);
     }
 }

@@ -1,6 +1,6 @@
 //! `PX-VER-01`.
 
-use super::{Channel, Check, Checker, Detail, Interest, Judged, Level, Mutant, Px4Rule, Rule, Status};
+use super::{Channel, Check, Checker, Detail, Interest, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
@@ -49,22 +49,22 @@ pub(super) static RULE: Px4Rule = Px4Rule {
 struct Versions;
 
 impl Checker for Versions {
-    fn opened(&mut self, channel: &Channel<'_>, judged: &mut Judged<'_>) -> Interest {
-        let message = channel.definition.map(|id| judged.definitions.schema.message(id));
+    fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
+        let message = channel.definition.map(|id| context.definitions.schema.message(id));
         // A topic may well be called so itself.
         let message = message.filter(|message| message.topics.iter().all(|topic| topic != channel.topic));
         let Some((message, version)) = message.zip(version_of(channel.topic)) else {
             return Interest::Nothing;
         };
-        judged.exercise();
+        context.covered();
         // A source of another version than the definition may well agree with itself.
         let (whose, stated) = match channel.version {
             Some(stated) => ("its schema", stated),
             None => ("the definition", message.version.unwrap_or(0)),
         };
         if version != stated.to_string() {
-            let definition = judged.defined(channel.definition);
-            judged.report_defined(channel.topic, channel.place, definition, || {
+            let definition = context.defined(channel.definition);
+            context.violation_of(channel.topic, channel.place, definition, || {
                 Detail::new(format!("the topic is of version {version}, {whose} of version {stated}"))
                     .expected(stated.to_string())
                     .actual(version)

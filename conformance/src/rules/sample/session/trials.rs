@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::Conversation;
+use super::Session;
 
 /// Trials over TCP that any request makes.
 const LINES: [(&str, &str); 4] = [
@@ -16,33 +16,33 @@ const LINES: [(&str, &str); 4] = [
 const ATTEMPTS: u32 = 3;
 
 #[allow(clippy::needless_pass_by_value)] // bodies are written where they are passed
-impl Conversation {
+impl Session {
     /// All of them.
     pub(super) fn trials(&mut self) {
-        self.over("tcp#2", |talk| {
-            talk.envelopes();
-            talk.contents();
+        self.over("tcp#2", |session| {
+            session.envelopes();
+            session.contents();
         });
         self.over("tcp#3", Self::families);
         self.over("tcp#4", Self::lists);
-        self.over("tcp#5", |talk| {
+        self.over("tcp#5", |session| {
             let login = json!({ "methods": ["basic"], "required": true });
-            talk.asks(json!({ "type": "AUTH-INF" }), login);
+            session.asks(json!({ "type": "AUTH-INF" }), login);
             let nobody = json!({ "type": "ACK-NAK", "reason": "Log in first" });
-            talk.tries_and_hears("FW-ACK-06", "before the login", json!({ "type": "UAV-LIST" }), nobody);
+            session.tries_and_hears("FW-ACK-06", "before the login", json!({ "type": "UAV-LIST" }), nobody);
         });
-        self.over("udp#1", |talk| {
+        self.over("udp#1", |session| {
             for (rule, how) in [("FW-UDP-02", "any request"), ("FW-UDP-03", "after what is no JSON")] {
                 for _ in 0..ATTEMPTS {
-                    talk.pings(rule, how);
+                    session.pings(rule, how);
                 }
             }
         });
-        self.over("socketio#1", |talk| {
-            talk.pings("FW-SIO-01", "over a WebSocket");
-            talk.pings("FW-SIO-03", "after an event of another name");
+        self.over("socketio#1", |session| {
+            session.pings("FW-SIO-01", "over a WebSocket");
+            session.pings("FW-SIO-03", "after an event of another name");
         });
-        self.over("socketio#2", |talk| talk.pings("FW-SIO-02", "by long polling"));
+        self.over("socketio#2", |session| session.pings("FW-SIO-02", "by long polling"));
     }
 
     /// The client asks, to try a rule, and the server answers with this body.
