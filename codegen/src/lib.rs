@@ -81,12 +81,17 @@ pub mod example;
 mod failure;
 pub mod finding;
 pub mod format;
+// Parts of both are for commands alone.
 #[cfg(feature = "files")]
+#[cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 mod generate;
 pub mod lint;
 #[cfg(feature = "files")]
+#[cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 pub mod load;
 pub mod msg;
+#[cfg(feature = "files")]
+mod path;
 mod pattern;
 mod prose;
 mod read;

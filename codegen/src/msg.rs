@@ -5,6 +5,7 @@
 
 pub mod annotation;
 pub mod ast;
+pub mod attribute;
 pub mod literal;
 mod parser;
 pub(crate) use parser::is_separator;

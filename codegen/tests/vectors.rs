@@ -284,7 +284,7 @@ fn the_same_definitions_give_the_same_bytes() {
 fn vectors_name_the_schemas_where_they_are() {
     let (_, schema, _) = support::texts(PX4, &[("A.msg", "uint64 timestamp\n")]);
     let schemas = json_schema::Options { base: "https://example.org/x/".to_owned() };
-    let files = vectors::emit(&schema, &vectors::Options { schemas: schemas.clone() });
+    let files = vectors::emit(&schema, &vectors::Options { base: Some(schemas.base.clone()) });
     let address = "https://example.org/x/demo/A.schema.json";
     assert!(json_schema::emit(&schema, &schemas).iter().any(|file| file.text.contains(address)));
     assert_eq!(files.iter().filter(|file| file.text.contains(address)).count(), 2);

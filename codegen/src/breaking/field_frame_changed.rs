@@ -3,6 +3,7 @@
 use super::message::both;
 use super::{Category, Check, Example, Pair, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::msg::attribute::FRAME;
 use crate::schema::Field;
 
 pub(super) const RULE: Rule = Rule {
@@ -28,7 +29,7 @@ pub(super) const RULE: Rule = Rule {
 };
 
 fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
-    let (Some(before), Some(now)) = (&old.frame, &new.frame) else { return };
+    let (Some(before), Some(now)) = (old.attribute(&FRAME), new.attribute(&FRAME)) else { return };
     if before == now {
         return;
     }
