@@ -4,7 +4,7 @@ pub mod live;
 
 use std::collections::BTreeSet;
 
-use crate::check::{Judgement, judge};
+use crate::check::{CaptureResult, check_capture};
 use crate::definitions::Definitions;
 use crate::model::Rule;
 use crate::rules::sample::{Conversation, Flight};
@@ -34,7 +34,7 @@ impl Row {
 }
 
 /// The rules that what a flight conforms to finds broken in it, source by source: none, if all is right.
-pub fn conforming(definitions: &Definitions) -> Vec<(&'static str, Judgement)> {
+pub fn conforming(definitions: &Definitions) -> Vec<(&'static str, CaptureResult)> {
     let flight = Flight::new(definitions);
     let sources = [
         ("log", flight.log().to_bytes()),
@@ -65,6 +65,6 @@ pub(crate) fn list<'i>(ids: impl IntoIterator<Item = &'i &'static str>) -> Strin
 }
 
 /// Bytes can always be read.
-fn judge_bytes(bytes: &[u8], definitions: &Definitions) -> Option<Judgement> {
-    judge(bytes, None, definitions).ok()
+fn judge_bytes(bytes: &[u8], definitions: &Definitions) -> Option<CaptureResult> {
+    check_capture(bytes, None, definitions).ok()
 }

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::fs;
 
 use tempfile::TempDir;
-use uavspec_conformance::check::judge;
+use uavspec_conformance::check::check_capture;
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::matrix::{conforming, matrix};
 use uavspec_conformance::rules::sample::Flight;
@@ -72,7 +72,7 @@ fn findings_tell_where_it_is_defined_and_what_was_expected() {
         let rule = rule(id).expect("a rule");
         for mutant in mutants().filter(|mutant| mutant.rule.id == id) {
             let bytes = mutant.make(&flight).expect("a mutant");
-            let judgement = judge(&bytes[..], None, &definitions).expect("bytes");
+            let judgement = check_capture(&bytes[..], None, &definitions).expect("bytes");
             let group = judgement.findings.of(rule).next().expect("a finding");
             let detail = &group.examples[0].1;
             assert!(!detail.expected.is_empty() && !detail.actual.is_empty(), "{id}: {detail:?}");

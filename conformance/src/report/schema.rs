@@ -8,8 +8,8 @@ use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use serde_json::{Map, Value, json};
 
-use super::{Action, Judged, Reason, Report, Settings, Subject, Unreadable};
-use crate::check::judge;
+use super::{Action, CheckedCapture, Reason, Report, Settings, Subject, Unreadable};
+use crate::check::check_capture;
 use crate::definitions::Definitions;
 use crate::rules::mutants;
 use crate::rules::sample::Flight;
@@ -90,11 +90,11 @@ fn a_report_with_every_rule_broken_keeps_to_it() {
     let flight = Flight::new(&definitions);
     let mutants = mutants().filter_map(|mutant| mutant.make(&flight));
     let subject = |bytes: Vec<u8>| {
-        let judgement = judge(&bytes[..], None, &definitions).expect("bytes can be read");
-        Subject::of_source(
-            Judged {
+        let judgement = check_capture(&bytes[..], None, &definitions).expect("bytes can be read");
+        Subject::of_capture(
+            CheckedCapture {
                 path: "a\nb".to_owned(),
-                judgement,
+                result: judgement,
                 notes: vec!["the wind turned".to_owned()],
                 elapsed: 7,
             },
