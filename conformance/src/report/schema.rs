@@ -88,7 +88,7 @@ fn everything_in_the_form_is_described() {
 fn a_report_with_every_rule_broken_keeps_to_it() {
     let definitions = Definitions::built_in();
     let flight = Flight::new(&definitions);
-    let mutants = mutants().filter_map(|mutant| mutant.make(&flight));
+    let mutants = mutants().flat_map(|mutant| mutant.captures(&flight));
     let subject = |bytes: Vec<u8>| {
         let judgement = check_capture(&bytes[..], None, &definitions).expect("bytes can be read");
         Subject::of_capture(
@@ -102,7 +102,7 @@ fn a_report_with_every_rule_broken_keeps_to_it() {
             &Settings::default(),
         )
     };
-    let mut subjects: Vec<Subject> = mutants.map(subject).collect();
+    let mut subjects: Vec<Subject> = mutants.map(|(_, bytes)| subject(bytes)).collect();
     subjects.push(subject(b"no JSON\n".to_vec()));
     let unreadable = Unreadable { path: "gone".to_owned(), message: "absent".to_owned() };
     let reasons = vec![Reason::from("something was required".to_owned())];

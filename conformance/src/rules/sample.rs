@@ -7,6 +7,7 @@
 
 mod bag;
 mod conversation;
+mod encoding;
 mod lines;
 mod log;
 
@@ -21,6 +22,7 @@ use uavspec_runtime::{Number, Rule};
 
 pub use self::bag::{Bag, BagChannel};
 pub use self::conversation::Conversation;
+pub use self::encoding::Encoding;
 pub use self::lines::Lines;
 pub use self::log::{Entry, Log};
 use crate::definitions::Definitions;
@@ -61,7 +63,7 @@ pub struct Topic {
 }
 
 /// A message that was published.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Sent {
     /// Index of its topic.
     pub topic: usize,

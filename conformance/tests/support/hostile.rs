@@ -18,8 +18,10 @@ pub(crate) const HOSTILE: &str = "</style><script>alert(1)</script>|`*[x](javasc
 pub(crate) fn sources(definitions: &Definitions) -> Vec<(String, Vec<u8>)> {
     let flight = Flight::new(definitions);
     let mut sources = Vec::new();
-    for (at, mutant) in mutants().enumerate() {
-        sources.extend(mutant.make(&flight).map(|bytes| (format!("{}-{at}", mutant.rule.id), bytes)));
+    for mutant in mutants() {
+        for (title, bytes) in mutant.captures(&flight) {
+            sources.push((format!("{}: {title}", mutant.rule.id), bytes));
+        }
     }
     sources.push((format!("{HOSTILE}.jsonl"), lines()));
     sources
