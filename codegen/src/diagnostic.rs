@@ -1,11 +1,9 @@
 //! What is wrong with a definition, as data. The texts stand in one table, [`Problem`]; how they are
-//! shown is the business of [`render`].
-
-pub mod render;
+//! shown is the business of [`render`](crate::render).
 
 use std::fmt;
 
-use crate::source::Span;
+use crate::span::Span;
 
 /// How grave a finding is. Diagnostics are errors and warnings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -1,6 +1,6 @@
 //! Directives in comments: `uavspec:ignore RULE reason` asks [`lint`](crate::lint) to let a finding stand.
 
-use crate::source::Span;
+use crate::span::Span;
 
 /// What a directive starts with.
 pub(crate) const MARK: &str = "uavspec:ignore";

@@ -5,7 +5,6 @@ pub mod docs;
 mod identifier;
 pub mod inspect;
 pub mod json_schema;
-pub(crate) mod prose;
 pub mod python;
 #[cfg(feature = "rust")]
 pub mod rust;

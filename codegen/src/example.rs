@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use crate::PackageInput;
 use crate::msg::{Dialect, Kind};
+use crate::read::PackageInput;
 use crate::schema::Form;
 use crate::source::{SourceId, SourceMap};
 

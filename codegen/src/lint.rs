@@ -82,9 +82,11 @@ pub use self::subject::{Subject, Text};
 use crate::diagnostic::{Diagnostic, Level, has_errors};
 pub use crate::example::Example;
 use crate::finding::{Edit, Finding};
-use crate::schema::{self, Form, Package, PackageSource, Schema};
+use crate::read::{PackageInput, parse_all};
+use crate::resolve::{PackageSource, resolve};
+use crate::schema::{Form, Package, Schema};
 use crate::source::{SourceId, SourceMap, Span};
-use crate::{PackageInput, parse_all, translation};
+use crate::translation;
 
 /// Every rule, by id.
 pub const RULES: &[&Rule] = &[
@@ -313,7 +315,7 @@ pub fn lint(
     settings: &Settings,
 ) -> Vec<Finding> {
     let (parsed, mut diagnostics) = parse_all(sources, packages);
-    let (schema, mut resolved) = schema::resolve(&parsed);
+    let (schema, mut resolved) = resolve(&parsed);
     diagnostics.append(&mut resolved);
     // Translations of what can't be read would seem to name nothing.
     if !has_errors(&diagnostics) {

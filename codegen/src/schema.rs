@@ -11,8 +11,6 @@ pub mod error_codes;
 pub mod fingerprint;
 pub mod json_type;
 pub mod layout;
-pub(crate) mod pattern;
-pub(crate) mod resolve;
 
 use uavspec_runtime::Scalar;
 
@@ -22,7 +20,6 @@ pub use self::enumeration::{Enum, EnumRef, Member};
 pub use self::error_codes::{ErrorCode, ErrorTable};
 pub use self::json_type::{JsonMessage, JsonMessageId, JsonType, JsonTypeId};
 pub use self::layout::{Slot, UorbLayout};
-pub use self::resolve::{PackageSource, resolve};
 pub use crate::msg::ast::Shape;
 pub use crate::msg::{Dialect, Kind};
 use crate::source::Span;

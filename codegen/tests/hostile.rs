@@ -6,12 +6,12 @@ use crate::support;
 
 use std::fmt::Write as _;
 
-use uavspec_codegen::diagnostic::{has_errors, render};
+use uavspec_codegen::diagnostic::has_errors;
 use uavspec_codegen::emit::{docs, inspect, json_schema, vectors};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::translation::Translations;
-use uavspec_codegen::{Diagnostic, PackageInput, Schema, SourceMap, read};
+use uavspec_codegen::{Diagnostic, PackageInput, Schema, SourceMap, read, render};
 
 const PX4: Form = Form::Msg(Dialect::Px4);
 const ROS2: Form = Form::Msg(Dialect::Ros2);

@@ -14,13 +14,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
-use uavspec_codegen::diagnostic::{Level, Problem, render};
+use uavspec_codegen::diagnostic::{Level, Problem};
 use uavspec_codegen::example::{Example, catalogues, is_catalogue, packages};
 use uavspec_codegen::finding::Finding;
 use uavspec_codegen::lint::{Check, Preset, RULES, Rule, Settings, apply, lint, rule};
 use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::Form;
-use uavspec_codegen::{PackageInput, SourceMap, read};
+use uavspec_codegen::{PackageInput, SourceMap, read, render};
 
 use support::{differs, files_below, package, shared};
 

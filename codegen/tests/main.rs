@@ -8,6 +8,7 @@ mod fixtures;
 mod format;
 mod format_properties;
 mod hostile;
+mod imports;
 mod json_schema;
 mod json_types;
 mod lint;

@@ -9,13 +9,13 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
 use serde_json::Value as Json;
-use uavspec_codegen::diagnostic::{Diagnostic, has_errors, render};
+use uavspec_codegen::diagnostic::{Diagnostic, has_errors};
 use uavspec_codegen::emit::{self, inspect};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Element, ErrorTable, Form, Message, Schema, Shape, Type};
 use uavspec_codegen::source::Span;
 use uavspec_codegen::translation::Translations;
-use uavspec_codegen::{SourceMap, read};
+use uavspec_codegen::{SourceMap, read, render};
 
 /// So many times the usual number of cases, which `PROPTEST_CASES` sets. No file of failures is kept: a
 /// failure becomes a test of its own.

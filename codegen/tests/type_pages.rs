@@ -10,10 +10,9 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
 use serde_json::{Value as Json, json};
-use uavspec_codegen::diagnostic::render;
 use uavspec_codegen::emit::{inspect, json_schema, vectors};
 use uavspec_codegen::schema::Form;
-use uavspec_codegen::{Schema, SourceMap};
+use uavspec_codegen::{Schema, SourceMap, render};
 
 /// A field or element.
 #[derive(Clone, Debug)]

@@ -10,13 +10,13 @@ use std::path::Path;
 
 use jsonschema::{Registry, Resource};
 use serde_json::{Value as Json, json};
-use uavspec_codegen::diagnostic::{has_errors, render};
+use uavspec_codegen::diagnostic::has_errors;
 use uavspec_codegen::dynamic::{DynamicMessage, MessageType, Reason, Types};
 use uavspec_codegen::emit::{OutputFile, json_schema, vectors};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, Kind, Message, Schema};
 use uavspec_codegen::source::SourceMap;
-use uavspec_codegen::{Diagnostic, read};
+use uavspec_codegen::{Diagnostic, read, render};
 use uavspec_runtime::Fault;
 use uavspec_runtime::cdr::ByteOrder;
 

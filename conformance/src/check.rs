@@ -26,8 +26,8 @@ pub use self::mcap::{Basis, McapChannel, McapSummary, Standing, check_mcap};
 pub use self::summary::{Describe, Line, List, MAX_LISTED, Totals};
 use crate::capture::MCAP_MAGIC;
 use crate::definitions::Definitions;
-use crate::flockwave::record::{Connection, Direction, Exchange};
-use crate::flockwave::session::{Conversations, Turn};
+use crate::flockwave::record::{Connection, Direction, SessionRecord};
+use crate::flockwave::session::{Exchange, Sessions};
 use crate::model::{Channel, Extent, Findings, Message, Place, Rule};
 use crate::rules::flockwave::EachExchange;
 use crate::rules::px4::Interest;
@@ -149,7 +149,7 @@ struct Course<'d> {
     around: Vec<usize>,
     /// By the index of a channel.
     channels: Vec<Followed>,
-    conversations: Conversations,
+    sessions: Sessions,
     records: u64,
     judged: u64,
     first: Option<u64>,
@@ -221,7 +221,7 @@ impl<'d> Course<'d> {
             listeners: listeners.collect(),
             around,
             channels: Vec::new(),
-            conversations: Conversations::default(),
+            sessions: Sessions::default(),
             records: 0,
             judged: 0,
             first: None,
@@ -294,26 +294,26 @@ impl<'d> Course<'d> {
     }
 
     /// Something goes over a connection, or happens to it.
-    fn exchanged(&mut self, exchange: &Exchange<'_>) {
-        let turn = self.conversations.follow(exchange, self.definitions);
-        self.tell(&turn);
+    fn exchanged(&mut self, record: &SessionRecord<'_>) {
+        let exchange = self.sessions.follow(record, self.definitions);
+        self.tell(&exchange);
     }
 
     /// The same, of a report on UAVs that rules have judged already which go by what it says alone.
-    fn reported(&mut self, exchange: &Exchange<'_>) {
-        let turn = self.conversations.follow_told(exchange);
+    fn reported(&mut self, record: &SessionRecord<'_>) {
+        let exchange = self.sessions.follow_told(record);
         for at in &self.around {
             self.listeners[*at].judge(self.definitions, &mut self.findings, |checker, context| {
-                checker.exchanged(&turn, context);
+                checker.exchanged(&exchange, context);
             });
         }
     }
 
     /// A connection, or all that is known of it, comes to its end, and perhaps it is known why.
     fn disconnected(&mut self, connection: Connection<'_>, why: Option<&str>) {
-        let (serial, unanswered) = self.conversations.ended(connection.index);
+        let (serial, unanswered) = self.sessions.ended(connection.index);
         for asked in unanswered {
-            let exchange = Exchange {
+            let record = SessionRecord {
                 connection,
                 direction: Direction::Event,
                 time: None,
@@ -323,14 +323,14 @@ impl<'d> Course<'d> {
                 note: why,
                 place: asked.place,
             };
-            self.tell(&Turn::unanswered(&exchange, serial, asked));
+            self.tell(&Exchange::unanswered(&record, serial, asked));
         }
     }
 
-    fn tell(&mut self, turn: &Turn<'_>) {
+    fn tell(&mut self, exchange: &Exchange<'_>) {
         for follower in &mut self.listeners {
             follower.judge(self.definitions, &mut self.findings, |checker, context| {
-                checker.exchanged(turn, context);
+                checker.exchanged(exchange, context);
             });
         }
     }
@@ -367,7 +367,7 @@ impl<'d> Course<'d> {
     fn damage(&mut self, place: Place, text: String, extent: Extent) {
         self.extent = self.extent.max(extent);
         self.lost_any(place);
-        self.conversations.lose();
+        self.sessions.lose();
         let number = self.damage.len();
         match self.damage.entry(text) {
             Entry::Occupied(mut known) => known.get_mut().times += 1,

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use crate::check::{CaptureResult, check_capture};
 use crate::definitions::Definitions;
 use crate::model::Rule;
-use crate::rules::sample::{Conversation, Encoding, Flight};
+use crate::rules::sample::{Encoding, Flight, Session};
 use crate::rules::{Mutant, mutants};
 
 /// What came of a mutant.
@@ -40,7 +40,7 @@ pub fn conforming(definitions: &Definitions) -> Vec<(&'static str, CaptureResult
     let flight = Flight::new(definitions);
     let flights =
         Encoding::ALL.into_iter().filter_map(|encoding| Some((encoding.name(), encoding.write(&flight)?)));
-    let sources = flights.chain([("Flockwave", Conversation::new().to_bytes())]);
+    let sources = flights.chain([("Flockwave", Session::new().to_bytes())]);
     let judged = sources.map(|(name, bytes)| (name, check_bytes(&bytes, definitions)));
     judged.filter_map(|(name, judgement)| Some((name, judgement?))).collect()
 }

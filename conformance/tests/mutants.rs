@@ -55,7 +55,7 @@ fn the_definitions_of_this_program_show_every_rule() {
     assert!(matrix(&definitions).iter().all(|row| row.broken.is_some()));
 }
 
-/// Of a talk, too.
+/// Of a session, too.
 #[test]
 fn findings_tell_where_it_is_defined_and_what_was_expected() {
     let definitions = Definitions::built_in();

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use uavspec_conformance::check::FlockwaveJudge;
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::rules::mutants;
-use uavspec_conformance::rules::sample::{Conversation, Flight};
+use uavspec_conformance::rules::sample::{Flight, Session};
 
 use support::shared;
 
@@ -41,7 +41,7 @@ fn compare(recording: &[u8], definitions: &Definitions) -> u64 {
 #[test]
 fn what_breaks_rules_is_found_in_both_ways() {
     let definitions = Definitions::built_in();
-    assert!(compare(&Conversation::new().to_bytes(), &definitions) > 0);
+    assert!(compare(&Session::new().to_bytes(), &definitions) > 0);
     let flight = Flight::new(&definitions);
     for mutant in mutants().filter(|mutant| mutant.rule.is_on_flockwave()) {
         let (_, bytes) = mutant.captures(&flight).pop().expect("the definitions have it");
@@ -64,7 +64,7 @@ fn definitions_with_other_states_are_judged_by_those() {
     let folder = tempfile::TempDir::new().expect("a folder");
     std::fs::write(folder.path().join("Glider.msg"), "uint64 timestamp # [us] Time\n").expect("a file");
     let definitions = Definitions::load(folder.path()).expect("definitions");
-    assert!(compare(&Conversation::new().to_bytes(), &definitions) > 0);
+    assert!(compare(&Session::new().to_bytes(), &definitions) > 0);
 }
 
 /// A value that a field of a state may have, or one that it mustn't.

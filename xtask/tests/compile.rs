@@ -49,7 +49,7 @@ impl Crate {
             "[output]\nrust = {{ path = \"src\", root = \"lib.rs\" }}\njson_schema = \"schemas\"\n{packages}"
         );
         self.write("uavspec.toml", &config);
-        uavspec_codegen::cli::generate(self.folder.join("uavspec.toml"))
+        uavspec_codegen::generate(self.folder.join("uavspec.toml"))
             .unwrap_or_else(|failure| panic!("{failure}"));
     }
 

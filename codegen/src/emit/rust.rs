@@ -21,7 +21,8 @@ use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 use quote::quote;
 
 use self::identifier::{Scope, ident, module_name};
-use super::{GENERATED_BY, OutputFile, prose};
+use super::{GENERATED_BY, OutputFile};
+use crate::prose;
 use crate::schema::{MessageId, Package, Schema};
 use crate::source::SourceMap;
 

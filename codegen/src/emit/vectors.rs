@@ -44,10 +44,10 @@ mod message;
 mod number;
 mod part;
 mod print;
+mod sample;
 mod typical;
 
 use self::case::Case;
-use self::part::Parts;
 use self::print::{Head, quote};
 use super::json_schema::{self, DRAFT, Target};
 use super::{GENERATED_BY, OutputFile};
@@ -70,7 +70,7 @@ pub struct Options {
 
 /// Emits all vectors, sorted by path.
 pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
-    let parts = Parts::of(schema);
+    let parts = sample::parts(schema);
     let types = Types::new(schema);
     let emitter = Emitter { schema, options };
     let mut files = vec![form::file(options)];
@@ -95,7 +95,7 @@ pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
 /// A valid message of each type as JSON, by its id: values are typical, and no two fields side by side have the
 /// same. None where no value satisfies the type.
 pub fn typical(schema: &Schema) -> Vec<Option<String>> {
-    let parts = Parts::of(schema);
+    let parts = sample::parts(schema);
     let typical = |message| field::message_typical(schema, message, &parts, &mut typical::Typical::default());
     schema.messages.iter().map(typical).collect()
 }

@@ -104,7 +104,7 @@ fn with_parameters(text: &str, bars: &[usize], body: &mut String) {
 /// The annotations of `text`, then what else it says.
 fn note(text: &str, body: &mut String) {
     let Note { mut annotations, text: rest, .. } = annotation::read(text, Span::default(), &mut Vec::new());
-    annotations.sort_by_key(|annotation| rank(&annotation.statement));
+    annotations.sort_by_key(|annotation| annotation.statement.rank());
     let mut separator = "";
     for annotation in &annotations {
         let _ = write!(body, "{separator}{}", spelled(text, annotation));
@@ -113,23 +113,6 @@ fn note(text: &str, body: &mut String) {
     if !rest.is_empty() {
         body.push_str(separator);
         body.push_str(&rest);
-    }
-}
-
-/// The order of annotations. Of two that decide the same, the last counts: they have one rank.
-pub(super) fn rank(statement: &Statement<'_>) -> u8 {
-    match statement {
-        Statement::Unit(_) => 0,
-        Statement::Enum(_) | Statement::Flags(_) => 1,
-        Statement::Range { .. } => 2,
-        Statement::Invalid(_) => 3,
-        Statement::Uncontrolled(_) => 4,
-        Statement::Frame(_) => 5,
-        Statement::Count(_) => 6,
-        Statement::Length { .. } => 7,
-        Statement::Unique => 8,
-        Statement::Pattern(_) => 9,
-        Statement::Format(_) => 10,
     }
 }
 

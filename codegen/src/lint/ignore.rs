@@ -7,7 +7,8 @@ use crate::diagnostic::Level;
 use crate::directive::{self, Directive};
 use crate::finding::Finding;
 use crate::msg::ast::{Line, Part};
-use crate::schema::{Form, PackageSource};
+use crate::resolve::PackageSource;
+use crate::schema::Form;
 use crate::source::{SourceId, SourceMap, Span};
 
 /// Requests that can't be granted.

@@ -5,7 +5,8 @@ use std::collections::{BTreeSet, HashMap};
 use crate::msg::annotation::Annotation;
 use crate::msg::ast::{Definition, Line, Part};
 use crate::msg::{Dialect, Kind};
-use crate::schema::{Constant, Element, Field, Form, Message, MessageId, PackageSource, Schema};
+use crate::resolve::PackageSource;
+use crate::schema::{Constant, Element, Field, Form, Message, MessageId, Schema};
 use crate::source::{SourceId, SourceMap, Span};
 
 /// A message, or a part of a service or action, with its lines.

@@ -2,7 +2,7 @@
 
 use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, topics};
 use crate::diagnostic::Level;
-use crate::schema::resolve::default_topic;
+use crate::resolve::default_topic;
 
 pub(super) const RULE: Rule = Rule {
     id: "topic-redundant",

@@ -102,6 +102,25 @@ pub enum Statement<'s> {
     Format(&'s str),
 }
 
+impl Statement<'_> {
+    /// Its place in the order of annotations. Of two that decide the same, the last counts: they have one rank.
+    pub(crate) fn rank(&self) -> u8 {
+        match self {
+            Self::Unit(_) => 0,
+            Self::Enum(_) | Self::Flags(_) => 1,
+            Self::Range { .. } => 2,
+            Self::Invalid(_) => 3,
+            Self::Uncontrolled(_) => 4,
+            Self::Frame(_) => 5,
+            Self::Count(_) => 6,
+            Self::Length { .. } => 7,
+            Self::Unique => 8,
+            Self::Pattern(_) => 9,
+            Self::Format(_) => 10,
+        }
+    }
+}
+
 /// Where annotations stand, which decides which ones there are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Vocabulary {
@@ -439,7 +458,7 @@ fn statement_of_page<'s>(name: &str, argument: &'s str) -> Option<Read<'s>> {
 /// Whether a text is a regular expression that all readers of JSON Schema take in the same sense: one without
 /// back references and without looking around.
 fn is_pattern(text: &str) -> bool {
-    !text.is_empty() && regex_lite::Regex::new(text).is_ok() && crate::schema::pattern::is_known(text)
+    !text.is_empty() && regex_lite::Regex::new(text).is_ok() && crate::pattern::is_known(text)
 }
 
 /// Lengths: both bounds with a comma between them, of which one may be absent, or the only one there is.

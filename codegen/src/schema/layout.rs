@@ -40,7 +40,7 @@ pub struct Slot {
 }
 
 /// The layout of a message whose nested messages are laid out already; none where its size varies.
-pub(super) fn uorb(schema: &Schema, message: &Message) -> Option<UorbLayout> {
+pub(crate) fn uorb(schema: &Schema, message: &Message) -> Option<UorbLayout> {
     let members: Option<Vec<Member>> = message
         .fields
         .iter()
@@ -135,7 +135,7 @@ impl CdrLength {
 }
 
 /// Lengths and sizes in CDR of all messages, in the order that `order` gives: nested ones first.
-pub(super) fn cdr(schema: &Schema, order: &[MessageId]) -> Vec<CdrSize> {
+pub(crate) fn cdr(schema: &Schema, order: &[MessageId]) -> Vec<CdrSize> {
     let count = CdrLength::scalar(4);
     let mut lengths = vec![CdrLength::default(); schema.messages.len()];
     let mut sizes = vec![CdrSize::default(); schema.messages.len()];

@@ -5,9 +5,10 @@ use std::fmt::Write as _;
 use proptest::prelude::*;
 use proptest::sample::select;
 use serde_json::Value as Json;
-use uavspec_codegen::diagnostic::{has_errors, render};
+use uavspec_codegen::diagnostic::has_errors;
 use uavspec_codegen::dynamic::{MessageType, Types};
 use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::render;
 use uavspec_codegen::schema::{Form, Message, Schema};
 use uavspec_runtime::cdr::{ByteOrder, HEADER};
 

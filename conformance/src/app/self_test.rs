@@ -13,7 +13,8 @@ use crate::matrix::live::{cases as cases_of_servers, live};
 use crate::matrix::{Row, conforming, list, matrix};
 use crate::rules::RULES;
 use crate::testee::case::cases;
-use crate::testee::run::{Options, run};
+use crate::testee::options::Options;
+use crate::testee::run::run;
 use crate::testee::target::Target;
 use crate::text::Grouped;
 

@@ -109,7 +109,7 @@ mod ust;
 mod wth_01;
 
 use super::RuleContext;
-use crate::flockwave::session::Turn;
+use crate::flockwave::session::Exchange;
 use crate::model::{Detail, Level, Place, Rule, Status};
 
 pub(crate) use self::asy_22::TYPES as TYPES_WITH_RESULTS;
@@ -263,18 +263,18 @@ pub enum Check {
     /// A state that follows the records of a session. Of the states in reports on UAVs it is but the ids and timestamps that
     /// it looks at.
     State(fn() -> Box<dyn Checker>),
-    /// What a conversation knows of each exchange. A report on UAVs, which is about no other message, is judged by what it
+    /// What a session knows of each record. A report on UAVs, which is about no other message, is judged by what it
     /// says alone.
-    Exchange(fn(&Turn<'_>, &mut RuleContext<'_>)),
+    Exchange(fn(&Exchange<'_>, &mut RuleContext<'_>)),
     /// The same; and of reports on UAVs it counts when they come, over which connection, and after what. Of the states in
     /// them it is but the ids and timestamps that count.
-    Context(fn(&Turn<'_>, &mut RuleContext<'_>)),
+    Context(fn(&Exchange<'_>, &mut RuleContext<'_>)),
 }
 
 /// Follows the records of one session.
 pub trait Checker {
     /// Something goes over a connection, or happens to it.
-    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>);
+    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>);
 
     /// Something can't be read, and records may be lost with it.
     fn damage(&mut self, _place: Place) {}
@@ -283,12 +283,12 @@ pub trait Checker {
     fn end(&mut self, _context: &mut RuleContext<'_>) {}
 }
 
-/// Looks at each exchange alone.
-pub(crate) struct EachExchange(pub(crate) fn(&Turn<'_>, &mut RuleContext<'_>));
+/// Looks at each record alone.
+pub(crate) struct EachExchange(pub(crate) fn(&Exchange<'_>, &mut RuleContext<'_>));
 
 impl Checker for EachExchange {
-    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-        (self.0)(turn, context);
+    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        (self.0)(exchange, context);
     }
 }
 

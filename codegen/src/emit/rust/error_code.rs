@@ -6,7 +6,7 @@ use quote::quote;
 use super::identifier::ident;
 use super::{Context, documentation, header, inner_documentation, layout_file, types};
 use crate::emit::identifier::error_code_names;
-use crate::emit::prose;
+use crate::prose;
 use crate::schema::{ErrorCode, Package};
 /// The text of the module.
 pub(super) fn emit(context: &Context<'_>, package: &Package) -> String {

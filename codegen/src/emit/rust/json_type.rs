@@ -16,7 +16,8 @@ use quote::quote;
 use self::types::Definitions;
 use super::identifier::{self, Scope, ident};
 use super::{Context, header, inner_documentation, layout_file};
-use crate::emit::{OutputFile, prose};
+use crate::emit::OutputFile;
+use crate::prose;
 use crate::schema::json_type::{Definition, Expression, Member, TYPE_FIELD};
 use crate::schema::{JsonTypeId, Package};
 

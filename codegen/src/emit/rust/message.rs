@@ -7,7 +7,7 @@ use quote::quote;
 
 use super::identifier::{Scope, ident, snake_case, upper_case};
 use super::{Context, documentation, enumeration, types};
-use crate::emit::prose;
+use crate::prose;
 use uavspec_runtime::{Number, Scalar};
 
 use crate::schema::{Dialect, Element, Field, Message, MessageId, Restriction, Shape, Special};

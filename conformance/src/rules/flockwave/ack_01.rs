@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Turn};
+use super::fw::{self, Exchange, Role};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -17,17 +17,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(judge),
     mutants: &[Mutant {
         name: "an acknowledgment of nothing",
-        make: || fw::then(|talk| talk.tells(json!({ "type": "ACK-ACK" }))),
+        make: || fw::then(|session| session.tells(json!({ "type": "ACK-ACK" }))),
         also: &["FW-ENV-17"],
     }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if !turn.is_of_server() || !matches!(turn.type_name, Some("ACK-ACK" | "ACK-NAK")) {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if !exchange.is_of_server() || !matches!(exchange.type_name, Some("ACK-ACK" | "ACK-NAK")) {
         return;
     }
     context.covered();
-    if turn.role != Role::Response {
-        turn.breaks(context, || Detail::new("an acknowledgment without `refs`"));
+    if exchange.role != Role::Response {
+        exchange.breaks(context, || Detail::new("an acknowledgment without `refs`"));
     }
 }

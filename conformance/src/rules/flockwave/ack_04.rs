@@ -1,6 +1,6 @@
 //! `FW-ACK-04`.
 
-use super::fw::{self, Shape, Tree, Turn};
+use super::fw::{self, Exchange, Shape, Tree};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 use crate::json::pointer;
 
@@ -28,13 +28,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let Some(Tree::Object(members)) = turn.body_of("ACK-NAK") else { return };
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(Tree::Object(members)) = exchange.body_of("ACK-NAK") else { return };
     context.covered();
     if let Some((key, _)) = members.iter().find(|(key, _)| key != "type" && key != "reason") {
-        turn.breaks(context, || {
+        exchange.breaks(context, || {
             Detail::new(format!("it has {}, too", fw::quoted(key))).at(pointer(&["body", key]))
         });
     }
-    fw::field(turn, context, "reason", false, &Shape::Nullable(&Shape::Text));
+    fw::field(exchange, context, "reason", false, &Shape::Nullable(&Shape::Text));
 }

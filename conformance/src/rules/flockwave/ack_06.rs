@@ -4,7 +4,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -23,7 +23,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             make: || {
                 let served = json!({ "type": "UAV-LIST", "ids": ["kite"] });
                 let asked = json!({ "type": "UAV-LIST" });
-                fw::over("tcp#9", |talk| talk.tries_and_hears("FW-ACK-06", "", asked, served))
+                fw::over("tcp#9", |session| session.tries_and_hears("FW-ACK-06", "", asked, served))
             },
             also: &[],
         },
@@ -31,10 +31,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if fw::tried(turn, context) && turn.type_name != Some("ACK-NAK") {
-        turn.breaks(context, || {
-            let found = turn.type_name.map_or_else(|| "another answer".to_owned(), fw::quoted);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if fw::tried(exchange, context) && exchange.type_name != Some("ACK-NAK") {
+        exchange.breaks(context, || {
+            let found = exchange.type_name.map_or_else(|| "another answer".to_owned(), fw::quoted);
             Detail::differs("ACK-NAK", found)
         });
     }

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -28,8 +28,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "nothing",
             make: || {
-                fw::then(|talk| {
-                    talk.asks(json!({ "type": "LOG-DATA", "uavId": "kite", "logId": "8" }), json!({}));
+                fw::then(|session| {
+                    session.asks(json!({ "type": "LOG-DATA", "uavId": "kite", "logId": "8" }), json!({}));
                 })
             },
             also: &[],
@@ -37,8 +37,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if turn.response("LOG-DATA").is_some() {
-        fw::exactly_one(turn, context, &["result", "error", "receipt"], "result");
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.response("LOG-DATA").is_some() {
+        fw::exactly_one(exchange, context, &["result", "error", "receipt"], "result");
     }
 }

@@ -1,6 +1,6 @@
 //! `FW-ASY-02`.
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 use crate::flockwave::session::OPERATIONS;
 
@@ -28,6 +28,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    fw::partition(turn, context, &OPERATIONS);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::partition(exchange, context, &OPERATIONS);
 }

@@ -1,6 +1,6 @@
 //! `FW-ASY-03`.
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 use crate::flockwave::session::OPERATIONS;
 
@@ -21,6 +21,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    fw::strangers(turn, context, &OPERATIONS);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::strangers(exchange, context, &OPERATIONS);
 }

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Shape, Tree, Turn};
+use super::fw::{self, Exchange, Role, Shape, Tree};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -19,8 +19,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "a number",
             make: || {
-                fw::then(|talk| {
-                    talk.asks(
+                fw::then(|session| {
+                    session.asks(
                         json!({ "type": "UAV-RTH", "ids": ["kite"] }),
                         json!({ "receipt": { "kite": 7 } }),
                     );
@@ -31,8 +31,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "an empty one",
             make: || {
-                fw::then(|talk| {
-                    talk.asks(
+                fw::then(|session| {
+                    session.asks(
                         json!({ "type": "UAV-RTH", "ids": ["kite"] }),
                         json!({ "receipt": { "kite": "" } }),
                     );
@@ -45,15 +45,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 const RECEIPT: Shape = Shape::Length(1, 64);
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if turn.role != Role::Response || !turn.is_of_server() || !turn.type_name.is_some_and(fw::gives_receipts)
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.role != Role::Response
+        || !exchange.is_of_server()
+        || !exchange.type_name.is_some_and(fw::gives_receipts)
     {
         return;
     }
     let of_many = Shape::Map(&RECEIPT);
-    let shape = if turn.type_name == Some("LOG-DATA") { &RECEIPT } else { &of_many };
-    match turn.field("receipt") {
+    let shape = if exchange.type_name == Some("LOG-DATA") { &RECEIPT } else { &of_many };
+    match exchange.field("receipt") {
         None | Some(Tree::Null) => {}
-        Some(_) => fw::field(turn, context, "receipt", true, shape),
+        Some(_) => fw::field(exchange, context, "receipt", true, shape),
     }
 }

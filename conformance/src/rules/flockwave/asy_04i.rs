@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Stage, Turn};
+use super::fw::{self, Exchange, Stage};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -20,17 +20,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         make: || {
             let same = json!({ "receipt": { "kite": "rcpt-8", "swift": "rcpt-8" } });
             let asked = json!({ "type": "UAV-RTH", "ids": ["kite", "swift"] });
-            fw::then(|talk| talk.asks(asked, same))
+            fw::then(|session| session.asks(asked, same))
         },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    for named in turn.opened.iter().filter(|named| named.is_known) {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    for named in exchange.opened.iter().filter(|named| named.is_known) {
         context.covered();
         if matches!(named.stage(), Some(Stage::Open | Stage::Suspended | Stage::Released)) {
-            turn.breaks(context, || {
+            exchange.breaks(context, || {
                 Detail::new(format!(
                     "{} is the receipt of another operation, too",
                     fw::quoted(&named.receipt)

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Stage, Turn};
+use super::fw::{self, Exchange, Stage};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -18,21 +18,22 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     mutants: &[Mutant {
         name: "the end of an operation before its receipt",
         make: || {
-            fw::then(|talk| {
-                let id = talk.sends(json!({ "type": "UAV-RTH", "ids": ["kite"] }));
-                talk.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
-                talk.answers(&id, json!({ "body": { "type": "UAV-RTH", "receipt": { "kite": "rcpt-8" } } }));
+            fw::then(|session| {
+                let id = session.sends(json!({ "type": "UAV-RTH", "ids": ["kite"] }));
+                session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
+                session
+                    .answers(&id, json!({ "body": { "type": "UAV-RTH", "receipt": { "kite": "rcpt-8" } } }));
             })
         },
         also: &["FW-ASY-09"],
     }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    for named in turn.opened.iter().filter(|named| named.is_known) {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    for named in exchange.opened.iter().filter(|named| named.is_known) {
         context.covered();
         if named.stage() == Some(Stage::Early) {
-            turn.breaks(context, || {
+            exchange.breaks(context, || {
                 Detail::new(format!("a notification has named {} already", fw::quoted(&named.receipt)))
                     .at("/body/receipt")
             });

@@ -1,6 +1,6 @@
 //! `FW-ASY-07`.
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -27,8 +27,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if turn.body_of("ASYNC-RESP").is_some() {
-        fw::exactly_one(turn, context, &["result", "error"], "result");
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("ASYNC-RESP").is_some() {
+        fw::exactly_one(exchange, context, &["result", "error"], "result");
     }
 }

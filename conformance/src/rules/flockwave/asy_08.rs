@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Shape, Turn};
+use super::fw::{self, Exchange, Shape};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -33,9 +33,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if turn.body_of("ASYNC-RESP").is_some() {
-        fw::field(turn, context, "id", true, &Shape::Text);
-        fw::field(turn, context, "error", false, &Shape::Nullable(&Shape::Text));
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("ASYNC-RESP").is_some() {
+        fw::field(exchange, context, "id", true, &Shape::Text);
+        fw::field(exchange, context, "error", false, &Shape::Nullable(&Shape::Text));
     }
 }

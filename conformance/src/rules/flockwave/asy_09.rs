@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Stage, Turn};
+use super::fw::{self, Exchange, Role, Stage};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -17,19 +17,23 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(judge),
     mutants: &[Mutant {
         name: "the end of what never began",
-        make: || fw::then(|talk| talk.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }))),
+        make: || {
+            fw::then(|session| session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true })))
+        },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if turn.role != Role::Notification {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.role != Role::Notification {
         return;
     }
-    for named in turn.operations.iter().filter(|named| named.is_known && turn.exchange.connection.is_told) {
+    for named in
+        exchange.operations.iter().filter(|named| named.is_known && exchange.record.connection.is_told)
+    {
         context.covered();
         if matches!(named.stage(), None | Some(Stage::Early)) {
-            turn.breaks(context, || {
+            exchange.breaks(context, || {
                 Detail::new(format!(
                     "no reply on this connection has had the receipt {}",
                     fw::quoted(&named.receipt)

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Stage, Turn};
+use super::fw::{self, Exchange, Stage};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -19,20 +19,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         name: "progress after the end",
         make: || {
             let late = json!({ "type": "ASYNC-ST", "id": "rcpt-1", "progress": { "percentage": 80 } });
-            fw::then(|talk| talk.tells(late))
+            fw::then(|session| session.tells(late))
         },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if turn.notification("ASYNC-ST").is_none() {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.notification("ASYNC-ST").is_none() {
         return;
     }
-    for named in turn.operations.iter().filter(|_| turn.exchange.connection.is_told) {
+    for named in exchange.operations.iter().filter(|_| exchange.record.connection.is_told) {
         context.covered();
         if named.stage() == Some(Stage::Ended) {
-            turn.breaks(context, || {
+            exchange.breaks(context, || {
                 Detail::new(format!("the end of {} was told already", fw::quoted(&named.receipt)))
                     .at("/body/id")
             });

@@ -1,6 +1,6 @@
 //! `FW-ASY-12`.
 
-use super::fw::{self, Shape, Turn};
+use super::fw::{self, Exchange, Shape};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -36,13 +36,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 const PERCENTAGE: Shape = Shape::Nullable(&Shape::Integer(0, 100));
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if turn.body_of("ASYNC-ST").is_none() {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("ASYNC-ST").is_none() {
         return;
     }
-    fw::field(turn, context, "id", true, &Shape::Text);
-    fw::field(turn, context, "progress", true, &Shape::Object);
-    fw::field(turn, context, "suspended", false, &Shape::Nullable(&Shape::Bool));
+    fw::field(exchange, context, "id", true, &Shape::Text);
+    fw::field(exchange, context, "progress", true, &Shape::Object);
+    fw::field(exchange, context, "suspended", false, &Shape::Nullable(&Shape::Bool));
     let keys = ["body", "progress"];
-    fw::member(turn, context, turn.field("progress"), &keys, ("percentage", false), &PERCENTAGE);
+    fw::member(exchange, context, exchange.field("progress"), &keys, ("percentage", false), &PERCENTAGE);
 }

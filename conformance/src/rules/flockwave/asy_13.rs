@@ -2,7 +2,7 @@
 //!
 //! A recording shows it where an operation is resumed that nobody said to be suspended.
 
-use super::fw::{self, Conversation, Stage, Turn};
+use super::fw::{self, Exchange, Session, Stage};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, asy_19};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -18,28 +18,28 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     mutants: &[Mutant {
         name: "it isn't told",
         make: || {
-            let mut talk = Conversation::new();
-            for line in talk.lines.iter_mut().filter(|line| line["msg"]["body"]["suspended"] == true) {
+            let mut session = Session::new();
+            for line in session.lines.iter_mut().filter(|line| line["msg"]["body"]["suspended"] == true) {
                 line["msg"]["body"]["suspended"] = false.into();
             }
-            Some(talk.to_bytes())
+            Some(session.to_bytes())
         },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     // An operation that isn't suspended, and is to be resumed for a trial, is another rule's matter.
-    if turn.response("ASYNC-RESUME").is_none() || turn.tried(&asy_19::RULE.rule).is_some() {
+    if exchange.response("ASYNC-RESUME").is_none() || exchange.tried(&asy_19::RULE.rule).is_some() {
         return;
     }
-    for named in turn.operations.iter().filter(|named| named.is_known) {
+    for named in exchange.operations.iter().filter(|named| named.is_known) {
         let Some(operation) = named.before.as_ref().filter(|known| known.stage != Stage::Early) else {
             continue;
         };
         context.covered();
         if !operation.was_suspended {
-            turn.breaks(context, || {
+            exchange.breaks(context, || {
                 Detail::new(format!(
                     "{} was resumed, and nothing has told that it was suspended",
                     fw::quoted(&named.receipt)

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Stage, Turn};
+use super::fw::{self, Exchange, Role, Stage};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -18,28 +18,31 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     mutants: &[Mutant {
         name: "it ends by itself",
         make: || {
-            fw::then(|talk| {
-                talk.asks(
+            fw::then(|session| {
+                session.asks(
                     json!({ "type": "UAV-RTH", "ids": ["kite"] }),
                     json!({ "receipt": { "kite": "rcpt-8" } }),
                 );
-                talk.tells(json!({ "type": "ASYNC-ST", "id": "rcpt-8", "progress": {}, "suspended": true }));
-                talk.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
+                session
+                    .tells(json!({ "type": "ASYNC-ST", "id": "rcpt-8", "progress": {}, "suspended": true }));
+                session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
             })
         },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if !matches!(turn.type_name, Some("ASYNC-RESP" | "ASYNC-TIMEOUT")) || turn.role != Role::Notification {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if !matches!(exchange.type_name, Some("ASYNC-RESP" | "ASYNC-TIMEOUT"))
+        || exchange.role != Role::Notification
+    {
         return;
     }
-    for named in turn.operations.iter().filter(|_| turn.exchange.connection.is_told) {
+    for named in exchange.operations.iter().filter(|_| exchange.record.connection.is_told) {
         let Some(operation) = &named.before else { continue };
         context.covered();
         if operation.stage == Stage::Suspended {
-            turn.breaks(context, || {
+            exchange.breaks(context, || {
                 Detail::new(format!(
                     "{} waits for the client, who has neither resumed nor cancelled it",
                     fw::quoted(&named.receipt)

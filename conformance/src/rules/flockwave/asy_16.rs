@@ -1,6 +1,6 @@
 //! `FW-ASY-16`.
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -27,6 +27,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    fw::partition(turn, context, &["ASYNC-CANCEL", "ASYNC-RESUME"]);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::partition(exchange, context, &["ASYNC-CANCEL", "ASYNC-RESUME"]);
 }

@@ -14,14 +14,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         source: fw::DERIVED,
         applies_to: "ASYNC-CANCEL and ASYNC-RESUME that try it",
     },
-    check: Check::Exchange(|turn, context| fw::in_error(turn, context, &["ASYNC-CANCEL", "ASYNC-RESUME"])),
+    check: Check::Exchange(|exchange, context| {
+        fw::in_error(exchange, context, &["ASYNC-CANCEL", "ASYNC-RESUME"])
+    }),
     mutants: &[
         Mutant {
             name: "it is cancelled",
             make: || {
                 let cancel = json!({ "type": "ASYNC-CANCEL", "ids": ["rcpt-none"] });
                 let done = json!({ "type": "ASYNC-CANCEL", "success": ["rcpt-none"] });
-                fw::over("tcp#9", |talk| talk.tries_and_hears("FW-ASY-18", "", cancel, done))
+                fw::over("tcp#9", |session| session.tries_and_hears("FW-ASY-18", "", cancel, done))
             },
             also: &[],
         },

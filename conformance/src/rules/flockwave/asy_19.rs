@@ -4,7 +4,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -23,9 +23,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             make: || {
                 let resume = json!({ "type": "ASYNC-RESUME", "ids": ["rcpt-30"] });
                 let done = json!({ "type": "ASYNC-RESUME", "success": ["rcpt-30"] });
-                fw::over("tcp#9", |talk| {
-                    talk.command("rcpt-30");
-                    talk.tries_and_hears("FW-ASY-19", "", resume, done);
+                fw::over("tcp#9", |session| {
+                    session.command("rcpt-30");
+                    session.tries_and_hears("FW-ASY-19", "", resume, done);
                 })
             },
             also: &[],
@@ -34,12 +34,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let is_clear = turn
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let is_clear = exchange
         .operations
         .iter()
         .all(|named| named.before.as_ref().is_some_and(|operation| !operation.was_suspended));
     if is_clear {
-        fw::in_error(turn, context, &["ASYNC-RESUME"]);
+        fw::in_error(exchange, context, &["ASYNC-RESUME"]);
     }
 }

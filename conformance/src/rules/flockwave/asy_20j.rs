@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -18,20 +18,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     mutants: &[Mutant {
         name: "an id twice",
         make: || {
-            fw::then(|talk| {
-                talk.asks(
+            fw::then(|session| {
+                session.asks(
                     json!({ "type": "UAV-RTH", "ids": ["kite"] }),
                     json!({ "receipt": { "kite": "rcpt-8" } }),
                 );
-                talk.tells(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-8", "rcpt-8"] }));
+                session.tells(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-8", "rcpt-8"] }));
             })
         },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if turn.body_of("ASYNC-TIMEOUT").is_some() {
-        fw::unique(turn, context, "ids");
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("ASYNC-TIMEOUT").is_some() {
+        fw::unique(exchange, context, "ids");
     }
 }

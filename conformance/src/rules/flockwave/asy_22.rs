@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Tree, Turn};
+use super::fw::{self, Exchange, Role, Tree};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 use crate::json::pointer;
 
@@ -32,13 +32,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if turn.role == Role::Response && turn.is_of_server() {
-        let Some((name, expected, fits)) = turn.type_name.and_then(result_of) else { return };
-        let wrong =
-            fw::members(turn, "result").iter().inspect(|_| context.covered()).find(|(_, found)| !fits(found));
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.role == Role::Response && exchange.is_of_server() {
+        let Some((name, expected, fits)) = exchange.type_name.and_then(result_of) else { return };
+        let wrong = fw::members(exchange, "result")
+            .iter()
+            .inspect(|_| context.covered())
+            .find(|(_, found)| !fits(found));
         if let Some((key, found)) = wrong {
-            turn.breaks(context, || {
+            exchange.breaks(context, || {
                 Detail::new(format!("the result of {name} is {expected}, found {found}"))
                     .at(pointer(&["body", "result", key]))
                     .expected(expected)
@@ -46,17 +48,17 @@ fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
             });
         }
     }
-    let Some(found) = turn.notification("ASYNC-RESP").and_then(|body| body.get("result")) else { return };
-    let known = turn.operations.first().and_then(|named| named.before.as_ref());
+    let Some(found) = exchange.notification("ASYNC-RESP").and_then(|body| body.get("result")) else { return };
+    let known = exchange.operations.first().and_then(|named| named.before.as_ref());
     let asked = known.and_then(|operation| operation.type_name.as_deref());
     let Some((name, expected, fits)) = asked.and_then(result_of) else { return };
     // A null beside an error is none.
-    if fw::is_there(turn.field("error")) {
+    if fw::is_there(exchange.field("error")) {
         return;
     }
     context.covered();
     if !fits(found) {
-        turn.breaks(context, || {
+        exchange.breaks(context, || {
             Detail::new(format!("the result of {name} is {expected}, found {found}"))
                 .at("/body/result")
                 .expected(expected)

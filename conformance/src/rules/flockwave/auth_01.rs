@@ -1,6 +1,6 @@
 //! `FW-AUTH-01`.
 
-use super::fw::{self, Tree, Turn};
+use super::fw::{self, Exchange, Tree};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -32,12 +32,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let Some(body) = turn.body_of("AUTH-RESP") else { return };
-    fw::exactly_one(turn, context, &["result", "data"], "");
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(body) = exchange.body_of("AUTH-RESP") else { return };
+    fw::exactly_one(exchange, context, &["result", "data"], "");
     let is_logged_in = body.get("result") == Some(&Tree::Bool(true));
     if is_logged_in != fw::is_there(body.get("user")) {
-        turn.breaks(context, || {
+        exchange.breaks(context, || {
             let (what, path) = if is_logged_in {
                 ("`result` is true, and there is no `user`", "/body")
             } else {

@@ -1,6 +1,6 @@
 //! `FW-CONN-INF-02`.
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -20,6 +20,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    fw::keyed(turn, context, "CONN-INF");
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::keyed(exchange, context, "CONN-INF");
 }

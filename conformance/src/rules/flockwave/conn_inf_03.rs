@@ -1,6 +1,6 @@
 //! `FW-CONN-INF-03`.
 
-use super::fw::{self, Shape, Turn};
+use super::fw::{self, Exchange, Shape};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -32,10 +32,10 @@ const PURPOSE: Shape =
 
 const STATUS: Shape = Shape::OneOf(&["disconnected", "connecting", "connected", "disconnecting", "unknown"]);
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    for (key, state) in fw::states(turn, "CONN-INF") {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    for (key, state) in fw::states(exchange, "CONN-INF") {
         let keys = ["body", "status", key];
-        fw::member(turn, context, Some(state), &keys, ("purpose", true), &PURPOSE);
-        fw::member(turn, context, Some(state), &keys, ("status", true), &STATUS);
+        fw::member(exchange, context, Some(state), &keys, ("purpose", true), &PURPOSE);
+        fw::member(exchange, context, Some(state), &keys, ("status", true), &STATUS);
     }
 }

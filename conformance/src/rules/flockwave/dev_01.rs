@@ -4,7 +4,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -31,6 +31,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    fw::partition(turn, context, &["DEV-LIST", "DEV-SUB", "DEV-UNSUB"]);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::partition(exchange, context, &["DEV-LIST", "DEV-SUB", "DEV-UNSUB"]);
 }

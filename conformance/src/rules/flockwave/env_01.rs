@@ -5,7 +5,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Conversation, Lines, Turn};
+use super::fw::{self, Exchange, Lines, Session};
 use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -22,20 +22,21 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "what the server sends is no JSON",
             make: || {
-                let mut talk = Conversation::new();
-                talk.lines
+                let mut session = Session::new();
+                session
+                    .lines
                     .push(json!({ "t": 1.8e9, "conn": "hill", "dir": "in", "raw": "{\"$fw.version\":" }));
-                Some(talk.to_bytes())
+                Some(session.to_bytes())
             },
             also: &[],
         },
         Mutant {
             name: "lines that make up no message",
             make: || {
-                fw::over("tcp#9", |talk| {
-                    talk.says_raw("{");
-                    talk.says_raw("\"wind\":");
-                    talk.tells(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+                fw::over("tcp#9", |session| {
+                    session.says_raw("{");
+                    session.says_raw("\"wind\":");
+                    session.tells(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
                 })
             },
             also: &[],
@@ -43,9 +44,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "a list",
             make: || {
-                let mut talk = Conversation::new();
-                talk.lines.push(json!({ "t": 1.8e9, "conn": "hill", "dir": "in", "msg": [1] }));
-                Some(talk.to_bytes())
+                let mut session = Session::new();
+                session.lines.push(json!({ "t": 1.8e9, "conn": "hill", "dir": "in", "msg": [1] }));
+                Some(session.to_bytes())
             },
             also: &[],
         },
@@ -72,12 +73,12 @@ impl Unreadable {
 }
 
 impl Checker for Unreadable {
-    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-        if turn.is_of_server() {
+    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        if exchange.is_of_server() {
             context.covered();
         }
-        if !fw::are_several(turn, "tcp") && !fw::are_several(turn, "udp") {
-            self.0.follow(turn);
+        if !fw::are_several(exchange, "tcp") && !fw::are_several(exchange, "udp") {
+            self.0.follow(exchange);
         }
         self.tell(context);
     }

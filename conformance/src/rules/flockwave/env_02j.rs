@@ -1,6 +1,6 @@
 //! `FW-ENV-02J`.
 
-use super::fw::{self, Tree, Turn};
+use super::fw::{self, Exchange, Tree};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -27,12 +27,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let version = turn.message().and_then(|message| message.get("$fw.version")).and_then(Tree::as_str);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let version = exchange.message().and_then(|message| message.get("$fw.version")).and_then(Tree::as_str);
     let Some(version) = version else { return };
     context.covered();
     if !fw::is_version(version) {
-        turn.breaks(context, || {
+        exchange.breaks(context, || {
             Detail::differs("one to three numbers with dots between them", fw::quoted(version))
                 .at("/$fw.version")
         });

@@ -1,6 +1,6 @@
 //! `FW-ENV-03J`.
 
-use super::fw::{self, Shape, Turn};
+use super::fw::{self, Exchange, Shape};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -27,7 +27,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let Some(message) = turn.message().filter(|_| turn.id.is_some()) else { return };
-    fw::member(turn, context, Some(message), &[], ("id", true), &Shape::Length(1, 36));
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(message) = exchange.message().filter(|_| exchange.id.is_some()) else { return };
+    fw::member(exchange, context, Some(message), &[], ("id", true), &Shape::Length(1, 36));
 }

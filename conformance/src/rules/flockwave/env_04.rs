@@ -1,6 +1,6 @@
 //! `FW-ENV-04`.
 
-use super::fw::{self, Role, Turn};
+use super::fw::{self, Exchange, Role};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -20,15 +20,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let is_named = matches!(turn.role, Role::Response | Role::Notification) && turn.is_of_server();
-    if !is_named || !turn.exchange.connection.is_told {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let is_named = matches!(exchange.role, Role::Response | Role::Notification) && exchange.is_of_server();
+    if !is_named || !exchange.record.connection.is_told {
         return;
     }
-    let Some(id) = turn.id else { return };
+    let Some(id) = exchange.id else { return };
     context.covered();
-    if turn.is_id_in_use {
-        turn.breaks(context, || {
+    if exchange.is_id_in_use {
+        exchange.breaks(context, || {
             Detail::new(format!("another message has had the id {}", fw::quoted(id))).at("/id")
         });
     }

@@ -1,6 +1,6 @@
 //! `FW-ENV-05`.
 
-use super::fw::{self, Conversation, Shape, Turn};
+use super::fw::{self, Exchange, Session, Shape};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -16,16 +16,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     mutants: &[Mutant {
         name: "`refs` of 37 characters",
         make: || {
-            let talk = Conversation::new();
+            let session = Session::new();
             let id = || "x".repeat(37);
-            let talk = talk.request("SYS-VER", |message| message["id"] = id().into())?;
-            Some(talk.reply_message("SYS-VER", |message| message["refs"] = id().into())?.to_bytes())
+            let session = session.request("SYS-VER", |message| message["id"] = id().into())?;
+            Some(session.reply_message("SYS-VER", |message| message["refs"] = id().into())?.to_bytes())
         },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let Some(message) = turn.message() else { return };
-    fw::member(turn, context, Some(message), &[], ("refs", false), &Shape::Length(1, 36));
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(message) = exchange.message() else { return };
+    fw::member(exchange, context, Some(message), &[], ("refs", false), &Shape::Length(1, 36));
 }

@@ -4,7 +4,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Reference, Turn};
+use super::fw::{self, Exchange, Reference};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -21,20 +21,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         name: "a response to what nobody asked",
         make: || {
             let answer = || json!({ "body": { "type": "ACK-ACK" } });
-            fw::then(|talk| talk.answers("nobody", answer()))
+            fw::then(|session| session.answers("nobody", answer()))
         },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if !fw::refers(turn) {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if !fw::refers(exchange) {
         return;
     }
     context.covered();
-    if turn.reference == Reference::Unknown {
-        turn.breaks(context, || {
-            let refs = turn.refs.map(fw::quoted).unwrap_or_default();
+    if exchange.reference == Reference::Unknown {
+        exchange.breaks(context, || {
+            let refs = exchange.refs.map(fw::quoted).unwrap_or_default();
             Detail::new(format!("no request on this connection has had the id {refs}")).at("/refs")
         });
     }

@@ -6,7 +6,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Conversation, Role, Turn};
+use super::fw::{self, Exchange, Role, Session};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, env_25};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -22,14 +22,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     mutants: &[
         Mutant {
             name: "a request without an answer",
-            make: || Some(Conversation::new().without("SYS-VER")?.to_bytes()),
+            make: || Some(Session::new().without("SYS-VER")?.to_bytes()),
             also: &[],
         },
         Mutant {
             name: "a request without an answer after which a probe waits no longer",
             make: || {
-                fw::over("tcp#9", |talk| {
-                    talk.tries("FW-ENV-07", "", json!({ "type": "SYS-VER" }));
+                fw::over("tcp#9", |session| {
+                    session.tries("FW-ENV-07", "", json!({ "type": "SYS-VER" }));
                 })
             },
             also: &[],
@@ -40,26 +40,26 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 /// How long a server may take, in seconds: what takes longer is answered with a receipt.
 const PATIENCE: f64 = 30.0;
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let Some(asked) = &turn.asked else { return };
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(asked) = &exchange.asked else { return };
     // What is no request of Flockwave needn't have an answer.
-    if !asked.is_sound || !turn.exchange.connection.is_told {
+    if !asked.is_sound || !exchange.record.connection.is_told {
         return;
     }
     if let Some((of, _)) = &asked.trial {
         // What tries another rule is a matter of that one, but for the one on the order of answers, which says nothing of
         // what has none.
         if of.id == RULE.rule.id {
-            fw::tried(turn, context);
+            fw::tried(exchange, context);
         }
         if of.id != env_25::RULE.rule.id {
             return;
         }
     }
-    if turn.role == Role::Response {
+    if exchange.role == Role::Response {
         return context.covered();
     }
-    let Some(waited) = asked.waited.filter(|waited| turn.role == Role::Unanswered && *waited > PATIENCE)
+    let Some(waited) = asked.waited.filter(|waited| exchange.role == Role::Unanswered && *waited > PATIENCE)
     else {
         return;
     };

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Reference, Turn};
+use super::fw::{self, Exchange, Reference};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -19,20 +19,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         name: "a second answer",
         make: || {
             let answer = || json!({ "body": { "type": "ACK-ACK" } });
-            fw::then(|talk| talk.answers("ask-2", answer()))
+            fw::then(|session| session.answers("ask-2", answer()))
         },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if !fw::refers(turn) {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if !fw::refers(exchange) {
         return;
     }
     context.covered();
-    if turn.reference == Reference::Answered {
-        turn.breaks(context, || {
-            let refs = turn.refs.map(fw::quoted).unwrap_or_default();
+    if exchange.reference == Reference::Answered {
+        exchange.breaks(context, || {
+            let refs = exchange.refs.map(fw::quoted).unwrap_or_default();
             Detail::new(format!("the request {refs} has had its response already")).at("/refs")
         });
     }

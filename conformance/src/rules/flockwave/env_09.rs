@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Conversation, Reference, Turn};
+use super::fw::{self, Exchange, Reference, Session};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -18,23 +18,23 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     mutants: &[Mutant {
         name: "a response to a notification",
         make: || {
-            let mut talk = Conversation::opened();
-            talk.tells(json!({ "type": "SYS-MSG", "items": [{ "message": "Wind from the west" }] }));
-            talk.answers("say-1", json!({ "body": { "type": "ACK-ACK" } }));
-            Some(talk.to_bytes())
+            let mut session = Session::opened();
+            session.tells(json!({ "type": "SYS-MSG", "items": [{ "message": "Wind from the west" }] }));
+            session.answers("say-1", json!({ "body": { "type": "ACK-ACK" } }));
+            Some(session.to_bytes())
         },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if !fw::refers(turn) {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if !fw::refers(exchange) {
         return;
     }
     context.covered();
-    if turn.reference == Reference::Notification {
-        turn.breaks(context, || {
-            let refs = turn.refs.map(fw::quoted).unwrap_or_default();
+    if exchange.reference == Reference::Notification {
+        exchange.breaks(context, || {
+            let refs = exchange.refs.map(fw::quoted).unwrap_or_default();
             Detail::new(format!("{refs} is a notification of the server itself")).at("/refs")
         });
     }

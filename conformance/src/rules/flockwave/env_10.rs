@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -22,10 +22,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let Some(message) = turn.message() else { return };
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(message) = exchange.message() else { return };
     context.covered();
     if ["body", "error"].iter().all(|name| fw::is_there(message.get(name))) {
-        turn.breaks(context, || Detail::differs("one of `body` and `error`", "both"));
+        exchange.breaks(context, || Detail::differs("one of `body` and `error`", "both"));
     }
 }

@@ -1,6 +1,6 @@
 //! `FW-ENV-11`.
 
-use super::fw::{self, Tree, Turn};
+use super::fw::{self, Exchange, Tree};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -29,13 +29,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let Some(message) = turn.message() else { return };
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(message) = exchange.message() else { return };
     context.covered();
     match message.get("body") {
         Some(Tree::Object(_)) => {}
         None | Some(Tree::Null) if fw::is_there(message.get("error")) => {}
-        None => turn.breaks(context, || Detail::differs("`body` or `error`", "neither")),
-        Some(other) => turn.breaks(context, || Detail::differs("an object", other).at("/body")),
+        None => exchange.breaks(context, || Detail::differs("`body` or `error`", "neither")),
+        Some(other) => exchange.breaks(context, || Detail::differs("an object", other).at("/body")),
     }
 }

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, INTEGER, Shape, Tree, Turn};
+use super::fw::{self, Exchange, INTEGER, Shape, Tree};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -19,9 +19,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "an empty error",
             make: || {
-                fw::then(|talk| {
-                    let id = talk.sends(json!({ "type": "LCN-INF" }));
-                    talk.answers(&id, json!({ "error": {} }));
+                fw::then(|session| {
+                    let id = session.sends(json!({ "type": "LCN-INF" }));
+                    session.answers(&id, json!({ "error": {} }));
                 })
             },
             also: &[],
@@ -29,9 +29,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "a code that is a string",
             make: || {
-                fw::then(|talk| {
-                    let id = talk.sends(json!({ "type": "LCN-INF" }));
-                    talk.answers(&id, json!({ "error": { "code": "three", "message": "No" } }));
+                fw::then(|session| {
+                    let id = session.sends(json!({ "type": "LCN-INF" }));
+                    session.answers(&id, json!({ "error": { "code": "three", "message": "No" } }));
                 })
             },
             also: &[],
@@ -39,8 +39,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let Some(error) = turn.message().and_then(|message| message.get("error")) else { return };
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(error) = exchange.message().and_then(|message| message.get("error")) else { return };
     if *error == Tree::Null {
         return;
     }
@@ -51,7 +51,7 @@ fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
     };
     let (code, message) = (fits("code", INTEGER), fits("message", Shape::Text));
     if code == Some(false) || message == Some(false) || (code, message) == (None, None) {
-        turn.breaks(context, || {
+        exchange.breaks(context, || {
             Detail::differs("an integer `code`, a string `message`, or both", error).at("/error")
         });
     }

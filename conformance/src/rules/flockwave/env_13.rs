@@ -2,7 +2,7 @@
 //!
 //! What servers do with other keys that they don't know is seen where someone tries it.
 
-use super::fw::{self, Tree, Turn};
+use super::fw::{self, Exchange, Tree};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -29,12 +29,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    fw::served(turn, context);
-    let Some(Tree::Object(members)) = turn.message() else { return };
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::served(exchange, context);
+    let Some(Tree::Object(members)) = exchange.message() else { return };
     context.covered();
     let reserved = members.iter().find(|(key, _)| key.starts_with('$') && key != "$fw.version");
     if let Some((key, _)) = reserved {
-        turn.breaks(context, || Detail::new(format!("the key {} is reserved", fw::quoted(key))));
+        exchange.breaks(context, || Detail::new(format!("the key {} is reserved", fw::quoted(key))));
     }
 }

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Shape, Turn};
+use super::fw::{self, Exchange, Shape};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -29,8 +29,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if turn.is_of_server() && turn.body.is_some() {
-        fw::field(turn, context, "type", true, &Shape::Text);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.is_of_server() && exchange.body.is_some() {
+        fw::field(exchange, context, "type", true, &Shape::Text);
     }
 }

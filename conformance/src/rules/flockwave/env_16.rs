@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Turn};
+use super::fw::{self, Exchange, Role};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -29,26 +29,28 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "a setting RTK-SOURCE is answered with itself",
             make: || {
-                fw::then(|talk| talk.asks(json!({ "type": "RTK-SOURCE", "id": null }), json!({ "id": null })))
+                fw::then(|session| {
+                    session.asks(json!({ "type": "RTK-SOURCE", "id": null }), json!({ "id": null }))
+                })
             },
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let (Some(asked), Some(found)) = (&turn.asked, turn.type_name) else { return };
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let (Some(asked), Some(found)) = (&exchange.asked, exchange.type_name) else { return };
     let Some(question) = asked.type_name.as_deref().filter(|name| context.definitions.shapes().has(name))
     else {
         return;
     };
-    if turn.role != Role::Response || !turn.is_of_server() {
+    if exchange.role != Role::Response || !exchange.is_of_server() {
         return;
     }
     let expected = answer(question, asked.is_setting);
     context.covered();
     if found != expected && found != "ACK-NAK" {
-        turn.breaks(context, || {
+        exchange.breaks(context, || {
             Detail::new(format!(
                 "{} answers {question}, where {expected} or ACK-NAK should",
                 fw::quoted(found)

@@ -4,7 +4,7 @@ use serde_json::json;
 
 use uavspec_codegen::schema::json_type::Direction;
 
-use super::fw::{self, Role, Turn};
+use super::fw::{self, Exchange, Role};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -21,19 +21,19 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(judge),
     mutants: &[Mutant {
         name: "an answer without `refs`",
-        make: || fw::then(|talk| talk.tells(json!({ "type": "UAV-LIST", "ids": [] }))),
+        make: || fw::then(|session| session.tells(json!({ "type": "UAV-LIST", "ids": [] }))),
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let shapes = context.definitions.shapes();
-    let Some(name) = turn.type_name.filter(|name| shapes.has(name)) else { return };
-    if turn.role != Role::Notification {
+    let Some(name) = exchange.type_name.filter(|name| shapes.has(name)) else { return };
+    if exchange.role != Role::Notification {
         return;
     }
     context.covered();
     if !shapes.goes(name, Direction::Notification) {
-        turn.breaks(context, || Detail::new(format!("{name} has no `refs`, and it is no notification")));
+        exchange.breaks(context, || Detail::new(format!("{name} has no `refs`, and it is no notification")));
     }
 }

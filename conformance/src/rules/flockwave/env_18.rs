@@ -4,7 +4,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -79,13 +79,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let Some(deviations) = &turn.deviations else { return };
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(deviations) = &exchange.deviations else { return };
     context.covered();
     for deviation in deviations.iter().filter(|deviation| deviation.told_by.is_none()) {
-        let name = turn.subject();
+        let name = exchange.subject();
         let subject =
             if deviation.field.is_empty() { name } else { format!("{name}.{}", deviation.field).into() };
-        turn.deviates(context, &subject, deviation);
+        exchange.deviates(context, &subject, deviation);
     }
 }

@@ -5,7 +5,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Turn};
+use super::fw::{self, Exchange, Role};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -22,14 +22,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "an id is used twice at the same time",
             make: || {
-                fw::then(|talk| {
-                    let id = talk.sends(json!({ "type": "SYS-PING" }));
-                    let other = talk.sends(json!({ "type": "SYS-PING" }));
-                    if let Some(line) = talk.lines.last_mut() {
+                fw::then(|session| {
+                    let id = session.sends(json!({ "type": "SYS-PING" }));
+                    let other = session.sends(json!({ "type": "SYS-PING" }));
+                    if let Some(line) = session.lines.last_mut() {
                         line["msg"]["id"] = id.clone().into();
                     }
                     for _ in [&id, &other] {
-                        talk.answers(&id, json!({ "body": { "type": "ACK-ACK" } }));
+                        session.answers(&id, json!({ "body": { "type": "ACK-ACK" } }));
                     }
                 })
             },
@@ -43,15 +43,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    fw::served(turn, context);
-    if turn.role != Role::Request || turn.is_of_server() || !turn.exchange.connection.is_told {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::served(exchange, context);
+    if exchange.role != Role::Request || exchange.is_of_server() || !exchange.record.connection.is_told {
         return;
     }
     context.covered();
-    if turn.is_id_in_use {
-        turn.breaks(context, || {
-            let id = turn.id.map(fw::quoted).unwrap_or_default();
+    if exchange.is_id_in_use {
+        exchange.breaks(context, || {
+            let id = exchange.id.map(fw::quoted).unwrap_or_default();
             Detail::new(format!("another request with the id {id} waits for its answer")).at("/id")
         });
     }

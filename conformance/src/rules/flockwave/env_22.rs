@@ -16,15 +16,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         source: fw::DERIVED,
         applies_to: "requests that try it",
     },
-    check: Check::Exchange(|turn, context| {
-        fw::tried(turn, context);
+    check: Check::Exchange(|exchange, context| {
+        fw::tried(exchange, context);
     }),
     mutants: &[
         Mutant {
             name: "no answer to a malformed request",
             make: || {
-                fw::over("tcp#9", |talk| {
-                    talk.tries_with("FW-ENV-22", "a malformed request", ("body", json!(7)), None);
+                fw::over("tcp#9", |session| {
+                    session.tries_with("FW-ENV-22", "a malformed request", ("body", json!(7)), None);
                 })
             },
             also: &[],

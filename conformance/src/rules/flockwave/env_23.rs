@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::fw::{self, Conversation, Tree, Turn};
+use super::fw::{self, Exchange, Session, Tree};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 use crate::json::pointer;
 
@@ -20,8 +20,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "`NaN`",
             make: || {
-                let talk = Conversation::new();
-                let text = String::from_utf8(talk.to_bytes()).ok()?;
+                let session = Session::new();
+                let text = String::from_utf8(session.to_bytes()).ok()?;
                 Some(text.replacen("\"name\":\"Hill\"", "\"name\":\"Hill\",\"gusts\":NaN", 1).into_bytes())
             },
             also: &[],
@@ -29,8 +29,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "a key twice",
             make: || {
-                let talk = Conversation::new();
-                let text = String::from_utf8(talk.to_bytes()).ok()?;
+                let session = Session::new();
+                let text = String::from_utf8(session.to_bytes()).ok()?;
                 Some(
                     text.replacen("\"name\":\"Hill\"", "\"name\":\"Hill\",\"name\":\"Hill\"", 1).into_bytes(),
                 )
@@ -43,11 +43,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 /// How many keys are few.
 const FEW: usize = 16;
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let Some(message) = turn.message() else { return };
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(message) = exchange.message() else { return };
     context.covered();
     if let Some((path, what)) = loose(message) {
-        turn.breaks(context, || Detail::new(what).at(path));
+        exchange.breaks(context, || Detail::new(what).at(path));
     }
 }
 

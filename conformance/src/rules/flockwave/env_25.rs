@@ -3,7 +3,7 @@
 //! The specification lets answers come in any order. Most clients never see another than that of their requests, so it is
 //! good to know of a server that doesn't keep to it. That a request isn't answered at all is another rule's matter.
 
-use super::fw::{self, PerConnection, Role, Turn};
+use super::fw::{self, Exchange, PerConnection, Role};
 use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -18,7 +18,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::State(|| Box::new(Order::default())),
     mutants: &[Mutant {
         name: "the last one is answered first",
-        make: || fw::over("tcp#9", |talk| talk.pipelines("FW-ENV-25", &[2, 0, 1])),
+        make: || fw::over("tcp#9", |session| session.pipelines("FW-ENV-25", &[2, 0, 1])),
         also: &[],
     }],
 };
@@ -36,17 +36,18 @@ struct Answered {
 }
 
 impl Checker for Order {
-    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-        let is_answer = turn.role == Role::Response && turn.exchange.connection.is_told;
-        let Some(asked) = turn.asked.as_ref().filter(|_| is_answer && turn.tried(&RULE.rule).is_some())
+    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        let is_answer = exchange.role == Role::Response && exchange.record.connection.is_told;
+        let Some(asked) =
+            exchange.asked.as_ref().filter(|_| is_answer && exchange.tried(&RULE.rule).is_some())
         else {
             return;
         };
         context.covered();
-        let answered = self.0.of(turn);
+        let answered = self.0.of(exchange);
         let later = answered.latest.filter(|latest| *latest > asked.place);
         if let Some(later) = later.filter(|_| !answered.is_told) {
-            turn.breaks(context, || {
+            exchange.breaks(context, || {
                 Detail::new(format!("the request in {later} was answered before that in {}", asked.place))
                     .at("/refs")
             });

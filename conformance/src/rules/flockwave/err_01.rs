@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Shape, Tree, Turn};
+use super::fw::{self, Exchange, Shape, Tree};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 use crate::flockwave::body_schema::Mismatch;
 use crate::json::pointer;
@@ -29,14 +29,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 const CODE: Shape = Shape::Integer(0, i128::MAX);
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    for (uav, state) in fw::states(turn, "UAV-INF") {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    for (uav, state) in fw::states(exchange, "UAV-INF") {
         let Some(Tree::List(codes)) = state.get("errors") else { continue };
         context.covered();
         let wrong = codes.iter().enumerate().find_map(|(at, code)| Some((at, CODE.mismatch(code)?)));
         if let Some((at, found)) = wrong {
             let path = pointer(&["body", "status", uav, "errors", &at.to_string()]);
-            fw::mismatched(turn, context, Mismatch { path, ..found });
+            fw::mismatched(exchange, context, Mismatch { path, ..found });
         }
     }
 }

@@ -1,6 +1,6 @@
 //! `FW-ERR-02`.
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -19,6 +19,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    fw::codes(turn, context, |codes| codes.contains(&0).then(|| "0 is listed".to_owned()));
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::codes(exchange, context, |codes| codes.contains(&0).then(|| "0 is listed".to_owned()));
 }

@@ -1,6 +1,6 @@
 //! `FW-ERR-03`.
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -16,8 +16,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     mutants: &[Mutant { name: "300", make: || fw::errors(&[300]), also: &[] }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    fw::codes(turn, context, |codes| {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::codes(exchange, context, |codes| {
         let reserved = codes.iter().find(|code| (256..=32767).contains(*code))?;
         Some(format!("{reserved} is reserved"))
     });

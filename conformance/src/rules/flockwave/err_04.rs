@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -22,8 +22,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 const KNOWN: [RangeInclusive<i128>; 9] =
     [1..=11, 63..=63, 64..=75, 127..=127, 128..=142, 188..=191, 192..=207, 253..=254, 255..=255];
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    fw::codes(turn, context, |codes| {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::codes(exchange, context, |codes| {
         let is_known =
             |code: &i128| *code <= 0 || *code > 255 || KNOWN.iter().any(|known| known.contains(code));
         let unknown = codes.iter().find(|code| !is_known(code))?;

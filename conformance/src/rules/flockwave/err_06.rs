@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -18,8 +18,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     mutants: &[Mutant { name: "a code twice", make: || fw::errors(&[1, 1]), also: &[] }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    fw::codes(turn, context, |codes| {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::codes(exchange, context, |codes| {
         let mut seen = HashSet::new();
         let twice = codes.iter().find(|code| !seen.insert(**code))?;
         Some(format!("{twice} stands there twice"))

@@ -1,6 +1,6 @@
 //! `FW-ERR-07`.
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -23,8 +23,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 const ALTERNATIVES: [&[i128]; 5] = [&[65, 132], &[66, 134, 199], &[133, 197], &[71, 201], &[72, 139]];
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    fw::codes(turn, context, |codes| {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::codes(exchange, context, |codes| {
         let both = ALTERNATIVES.iter().find_map(|group| {
             let mut found = group.iter().filter(|code| codes.contains(code));
             found.next().zip(found.next())

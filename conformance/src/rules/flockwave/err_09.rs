@@ -1,6 +1,6 @@
 //! `FW-ERR-09`.
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -16,8 +16,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     mutants: &[Mutant { name: "landing on the ground", make: || fw::errors(&[1, 6]), also: &[] }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    fw::codes(turn, context, |codes| {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::codes(exchange, context, |codes| {
         let flying = codes.iter().find(|code| [5, 6, 63].contains(*code)).filter(|_| codes.contains(&1))?;
         Some(format!("{flying} is for the air, and 1 says that the UAV is on the ground"))
     });

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -56,6 +56,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 const TYPES: [&str; 7] = ["BCN-INF", "CLK-INF", "DEV-INF", "EXT-INF", "RTK-INF", "UAV-PREFLT", "WTH-INF"];
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    fw::partition(turn, context, &TYPES);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::partition(exchange, context, &TYPES);
 }

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Shape, Turn};
+use super::fw::{self, Exchange, Role, Shape};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -24,9 +24,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "as an answer",
             make: || {
-                fw::then(|talk| {
-                    let id = talk.sends(json!({ "type": "UAV-SOAR" }));
-                    talk.answers(&id, json!({ "body": { "type": "OBJ-DEL", "ids": ["vane"] } }));
+                fw::then(|session| {
+                    let id = session.sends(json!({ "type": "UAV-SOAR" }));
+                    session.answers(&id, json!({ "body": { "type": "OBJ-DEL", "ids": ["vane"] } }));
                 })
             },
             also: &[],
@@ -34,13 +34,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if turn.body_of("OBJ-DEL").is_none() {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("OBJ-DEL").is_none() {
         return;
     }
     context.covered();
-    if turn.role != Role::Notification {
-        turn.breaks(context, || Detail::new("it has `refs`, and is a notification"));
+    if exchange.role != Role::Notification {
+        exchange.breaks(context, || Detail::new("it has `refs`, and is a notification"));
     }
-    fw::field(turn, context, "ids", true, &Shape::List(&Shape::Text));
+    fw::field(exchange, context, "ids", true, &Shape::List(&Shape::Text));
 }

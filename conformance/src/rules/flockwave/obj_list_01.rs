@@ -1,6 +1,6 @@
 //! `FW-OBJ-LIST-01`.
 
-use super::fw::{self, Shape, Turn};
+use super::fw::{self, Exchange, Shape};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -23,8 +23,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if turn.body_of("OBJ-LIST").is_some() {
-        fw::field(turn, context, "ids", true, &Shape::List(&Shape::Text));
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("OBJ-LIST").is_some() {
+        fw::field(exchange, context, "ids", true, &Shape::List(&Shape::Text));
     }
 }

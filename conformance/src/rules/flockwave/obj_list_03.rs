@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Tree, Turn};
+use super::fw::{self, Exchange, Tree};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -22,21 +22,21 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             make: || {
                 let asked = json!({ "type": "OBJ-LIST", "filter": ["cloud"] });
                 let all = json!({ "type": "OBJ-LIST", "ids": ["kite", "swift"] });
-                fw::over("tcp#9", |talk| talk.tries_and_hears("FW-OBJ-LIST-03", "", asked, all))
+                fw::over("tcp#9", |session| session.tries_and_hears("FW-OBJ-LIST-03", "", asked, all))
             },
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if !fw::served(turn, context) || turn.response("OBJ-LIST").is_none() {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if !fw::served(exchange, context) || exchange.response("OBJ-LIST").is_none() {
         return;
     }
-    if let Some(Tree::List(ids)) = turn.field("ids")
+    if let Some(Tree::List(ids)) = exchange.field("ids")
         && !ids.is_empty()
     {
-        turn.breaks(context, || {
+        exchange.breaks(context, || {
             Detail::differs("an empty list", format!("one of {}", ids.len())).at("/body/ids")
         });
     }

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Tree, Turn};
+use super::fw::{self, Exchange, Tree};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 use crate::json::pointer;
 
@@ -27,9 +27,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             make: || {
                 let asked = json!({ "type": "PRM-SET-MANY", "ids": ["kite"], "parameters": { "GEAR": 1 } });
                 let outcome = json!({ "success": true, "failed": ["GEAR"] });
-                fw::then(|talk| {
-                    talk.asks(asked, json!({ "receipt": { "kite": "rcpt-8" } }));
-                    talk.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": outcome }));
+                fw::then(|session| {
+                    session.asks(asked, json!({ "receipt": { "kite": "rcpt-8" } }));
+                    session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": outcome }));
                 })
             },
             also: &[],
@@ -37,26 +37,27 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let at_once = fw::members(turn, "result").iter().filter(|_| turn.response("PRM-SET-MANY").is_some());
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let at_once =
+        fw::members(exchange, "result").iter().filter(|_| exchange.response("PRM-SET-MANY").is_some());
     for (key, outcome) in at_once {
-        check(turn, context, outcome, &["body", "result", key]);
+        check(exchange, context, outcome, &["body", "result", key]);
     }
-    let later = turn.notification("ASYNC-RESP").and_then(|body| body.get("result"));
-    let known = turn.operations.first().and_then(|named| named.before.as_ref());
+    let later = exchange.notification("ASYNC-RESP").and_then(|body| body.get("result"));
+    let known = exchange.operations.first().and_then(|named| named.before.as_ref());
     if let Some(outcome) =
         later.filter(|_| known.is_some_and(|known| known.type_name.as_deref() == Some("PRM-SET-MANY")))
     {
-        check(turn, context, outcome, &["body", "result"]);
+        check(exchange, context, outcome, &["body", "result"]);
     }
 }
 
-fn check(turn: &Turn<'_>, context: &mut RuleContext<'_>, outcome: &Tree<'_>, keys: &[&str]) {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, outcome: &Tree<'_>, keys: &[&str]) {
     context.covered();
     let is_success = outcome.get("success") == Some(&Tree::Bool(true));
     let failed = if let Some(Tree::List(failed)) = outcome.get("failed") { failed.len() } else { 0 };
     if is_success && failed > 0 {
-        turn.breaks(context, || {
+        exchange.breaks(context, || {
             Detail::new(format!("`success` is true, and {failed} parameters are said to have failed"))
                 .at(pointer(keys))
         });

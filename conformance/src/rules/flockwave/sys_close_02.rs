@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Conversation, Turn};
+use super::fw::{self, Exchange, Session};
 use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 use crate::flockwave::session::remembered::Remembered;
 
@@ -19,11 +19,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     mutants: &[Mutant {
         name: "the server speaks on",
         make: || {
-            let mut talk = Conversation::new();
-            let closed = talk.lines.pop()?;
-            talk.tells(json!({ "type": "SYS-MSG", "items": [{ "message": "One more thing" }] }));
-            talk.lines.push(closed);
-            Some(talk.to_bytes())
+            let mut session = Session::new();
+            let closed = session.lines.pop()?;
+            session.tells(json!({ "type": "SYS-MSG", "items": [{ "message": "One more thing" }] }));
+            session.lines.push(closed);
+            Some(session.to_bytes())
         },
         also: &[],
     }],
@@ -42,16 +42,16 @@ impl Default for Closing {
 }
 
 impl Checker for Closing {
-    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-        if !turn.is_of_server() || !turn.exchange.connection.is_told {
+    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        if !exchange.is_of_server() || !exchange.record.connection.is_told {
             return;
         }
-        if self.0.remove(&turn.serial).is_some() {
-            turn.breaks(context, || Detail::new("the server speaks on after SYS-CLOSE"));
+        if self.0.remove(&exchange.serial).is_some() {
+            exchange.breaks(context, || Detail::new("the server speaks on after SYS-CLOSE"));
         }
-        if turn.body_of("SYS-CLOSE").is_some() {
+        if exchange.body_of("SYS-CLOSE").is_some() {
             context.covered();
-            self.0.insert(turn.serial, (), 0);
+            self.0.insert(exchange.serial, (), 0);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Shape, Tree, Turn};
+use super::fw::{self, Exchange, Shape, Tree};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -29,15 +29,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if turn.body_of("SYS-MSG").is_none() {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("SYS-MSG").is_none() {
         return;
     }
-    fw::field(turn, context, "items", true, &Shape::List(&Shape::Object));
-    if let Some(Tree::List(items)) = turn.field("items") {
+    fw::field(exchange, context, "items", true, &Shape::List(&Shape::Object));
+    if let Some(Tree::List(items)) = exchange.field("items") {
         for (at, item) in items.iter().enumerate().filter(|(_, item)| matches!(item, Tree::Object(_))) {
             let keys = ["body", "items", &at.to_string()];
-            fw::member(turn, context, Some(item), &keys, ("message", true), &Shape::Text);
+            fw::member(exchange, context, Some(item), &keys, ("message", true), &Shape::Text);
         }
     }
 }

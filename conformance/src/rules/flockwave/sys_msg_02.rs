@@ -1,6 +1,6 @@
 //! `FW-SYS-MSG-02`.
 
-use super::fw::{self, Shape, Tree, Turn};
+use super::fw::{self, Exchange, Shape, Tree};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -22,10 +22,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 const SEVERITY: Shape = Shape::Nullable(&Shape::OneOf(&["debug", "info", "warning", "error", "critical"]));
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let Some(Tree::List(items)) = turn.body_of("SYS-MSG").and_then(|body| body.get("items")) else { return };
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(Tree::List(items)) = exchange.body_of("SYS-MSG").and_then(|body| body.get("items")) else {
+        return;
+    };
     for (at, item) in items.iter().enumerate() {
         let keys = ["body", "items", &at.to_string()];
-        fw::member(turn, context, Some(item), &keys, ("severity", false), &SEVERITY);
+        fw::member(exchange, context, Some(item), &keys, ("severity", false), &SEVERITY);
     }
 }

@@ -4,7 +4,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Turn};
+use super::fw::{self, Exchange, Role};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -28,19 +28,19 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let is_trial = turn.tried(&RULE.rule).is_some();
-    if is_trial && !fw::served(turn, context) {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let is_trial = exchange.tried(&RULE.rule).is_some();
+    if is_trial && !fw::served(exchange, context) {
         return;
     }
-    let asked = turn.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
-    if turn.role != Role::Response || !turn.is_of_server() || asked != Some("SYS-PING") {
+    let asked = exchange.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
+    if exchange.role != Role::Response || !exchange.is_of_server() || asked != Some("SYS-PING") {
         return;
     }
     if !is_trial {
         context.covered();
     }
-    if let Some(found) = turn.type_name.filter(|found| !["ACK-ACK", "ACK-NAK"].contains(found)) {
-        turn.breaks(context, || Detail::differs("ACK-ACK", fw::quoted(found)).at("/body/type"));
+    if let Some(found) = exchange.type_name.filter(|found| !["ACK-ACK", "ACK-NAK"].contains(found)) {
+        exchange.breaks(context, || Detail::differs("ACK-ACK", fw::quoted(found)).at("/body/type"));
     }
 }

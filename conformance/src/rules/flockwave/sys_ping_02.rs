@@ -1,6 +1,6 @@
 //! `FW-SYS-PING-02`.
 
-use super::fw::{self, Role, Turn};
+use super::fw::{self, Exchange, Role};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -20,13 +20,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let asked = turn.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
-    if turn.role != Role::Response || !turn.is_of_server() || asked != Some("SYS-PING") {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let asked = exchange.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
+    if exchange.role != Role::Response || !exchange.is_of_server() || asked != Some("SYS-PING") {
         return;
     }
     context.covered();
-    if turn.type_name == Some("SYS-PING") {
-        turn.breaks(context, || Detail::new("a request in the place of an answer").at("/body/type"));
+    if exchange.type_name == Some("SYS-PING") {
+        exchange.breaks(context, || Detail::new("a request in the place of an answer").at("/body/type"));
     }
 }

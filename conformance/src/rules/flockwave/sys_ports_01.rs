@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Shape, Turn};
+use super::fw::{self, Exchange, Shape};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -31,8 +31,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if turn.body_of("SYS-PORTS").is_some() {
-        fw::field(turn, context, "ports", true, &Shape::Map(&Shape::Integer(1, 65535)));
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("SYS-PORTS").is_some() {
+        fw::field(exchange, context, "ports", true, &Shape::Map(&Shape::Integer(1, 65535)));
     }
 }

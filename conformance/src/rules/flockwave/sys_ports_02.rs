@@ -4,7 +4,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, PerConnection, Role, Tree, Turn};
+use super::fw::{self, Exchange, PerConnection, Role, Tree};
 use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::json::pointer;
@@ -23,7 +23,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         name: "another port",
         make: || {
             let ports = json!({ "ports": { "tcp": 7004, "udp": 7002 } });
-            fw::over("tcp#9", |talk| talk.asks(json!({ "type": "SYS-PORTS" }), ports))
+            fw::over("tcp#9", |session| session.asks(json!({ "type": "SYS-PORTS" }), ports))
         },
         also: &[],
     }],
@@ -34,19 +34,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 struct Used(PerConnection<Option<(&'static str, u16)>>);
 
 impl Checker for Used {
-    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-        if turn.role == Role::Event && turn.exchange.text == "connect" {
-            *self.0.of(turn) = turn.exchange.note.and_then(in_use);
+    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        if exchange.role == Role::Event && exchange.record.text == "connect" {
+            *self.0.of(exchange) = exchange.record.note.and_then(in_use);
             return;
         }
-        let Some(body) = turn.response("SYS-PORTS") else { return };
-        let Some((transport, port)) = *self.0.of(turn) else { return };
+        let Some(body) = exchange.response("SYS-PORTS") else { return };
+        let Some((transport, port)) = *self.0.of(exchange) else { return };
         let Some(Tree::Int(listed)) = body.get("ports").and_then(|ports| ports.get(transport)) else {
             return;
         };
         context.covered();
         if *listed != i128::from(port) {
-            turn.breaks(context, || Detail::differs(port, listed).at(pointer(&["body", "ports", transport])));
+            exchange
+                .breaks(context, || Detail::differs(port, listed).at(pointer(&["body", "ports", transport])));
         }
     }
 

@@ -1,6 +1,6 @@
 //! `FW-SYS-TIME-01`.
 
-use super::fw::{self, INTEGER, Turn};
+use super::fw::{self, Exchange, INTEGER};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -27,8 +27,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if turn.body_of("SYS-TIME").is_some() {
-        fw::field(turn, context, "timestamp", true, &INTEGER);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("SYS-TIME").is_some() {
+        fw::field(exchange, context, "timestamp", true, &INTEGER);
     }
 }

@@ -5,7 +5,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Conversation, Turn};
+use super::fw::{self, Exchange, Session};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, sys_time_03};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -22,8 +22,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "the second answer is ahead",
             make: || {
-                let later = |talk: &mut Conversation| {
-                    talk.asks(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1_800_000_000_000_u64 }));
+                let later = |session: &mut Session| {
+                    session
+                        .asks(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1_800_000_000_000_u64 }));
                 };
                 fw::then(later)
             },
@@ -32,8 +33,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "the time goes back",
             make: || {
-                let before = |talk: &mut Conversation| {
-                    talk.asks(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1_780_000_000_000_u64 }));
+                let before = |session: &mut Session| {
+                    session
+                        .asks(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1_780_000_000_000_u64 }));
                 };
                 fw::then(before)
             },
@@ -45,11 +47,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 /// How much clocks may drift apart from one answer to the next, in seconds.
 pub(super) const TOLERANCE: f64 = 1.0;
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let Some(found) = turn.clock_move else { return };
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(found) = exchange.clock_move else { return };
     context.covered();
     if found.by > TOLERANCE && !sys_time_03::is_adjusted(&found) {
-        turn.breaks(context, || {
+        exchange.breaks(context, || {
             let by = found.by;
             Detail::new(format!("the server's clock has moved by {by:.1} s against that of the recording"))
                 .at("/body/timestamp")

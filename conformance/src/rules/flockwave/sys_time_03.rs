@@ -5,7 +5,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::sys_time_02::TOLERANCE;
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 use crate::flockwave::session::ClockMove;
@@ -28,13 +28,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 /// The server's clock is an hour ahead from this answer on, of three.
 fn adjusted(first: usize) -> Option<Vec<u8>> {
-    fw::over("tcp#9", |talk| {
+    fw::over("tcp#9", |session| {
         let requests = [json!({}), json!({ "adjustment": 0 }), json!({})];
         for (at, mut request) in requests.into_iter().enumerate() {
             request["type"] = "SYS-TIME".into();
             let ahead = if at < first { 0 } else { 3_600_000 };
-            let answer = json!({ "timestamp": talk.now() + 40 + ahead });
-            talk.asks(request, answer);
+            let answer = json!({ "timestamp": session.now() + 40 + ahead });
+            session.asks(request, answer);
         }
     })
 }
@@ -44,11 +44,11 @@ pub(super) fn is_adjusted(found: &ClockMove) -> bool {
     found.is_after_nothing && found.by > TOLERANCE + found.since
 }
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let Some(found) = turn.clock_move.filter(|found| found.is_after_nothing) else { return };
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(found) = exchange.clock_move.filter(|found| found.is_after_nothing) else { return };
     context.covered();
     if is_adjusted(&found) {
-        turn.breaks(context, || {
+        exchange.breaks(context, || {
             let by = found.by;
             Detail::new(format!(
                 "the server's clock has moved by {by:.1} s, after it was to be adjusted by 0"

@@ -1,6 +1,6 @@
 //! `FW-SYS-VER-01`.
 
-use super::fw::{self, Shape, Turn};
+use super::fw::{self, Exchange, Shape};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -27,8 +27,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if turn.body_of("SYS-VER").is_some() {
-        fw::field(turn, context, "software", true, &Shape::Text);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("SYS-VER").is_some() {
+        fw::field(exchange, context, "software", true, &Shape::Text);
     }
 }

@@ -1,6 +1,6 @@
 //! `FW-SYS-VER-02`.
 
-use super::fw::{self, Tree, Turn};
+use super::fw::{self, Exchange, Tree};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -27,12 +27,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let Some(body) = turn.body_of("SYS-VER") else { return };
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(body) = exchange.body_of("SYS-VER") else { return };
     context.covered();
     let version = body.get("version");
     if !version.and_then(Tree::as_str).is_some_and(fw::is_version) {
-        turn.breaks(context, || {
+        exchange.breaks(context, || {
             let found = version.map_or_else(|| "nothing".to_owned(), ToString::to_string);
             Detail::differs("one to three numbers with dots between them", found).at("/body/version")
         });

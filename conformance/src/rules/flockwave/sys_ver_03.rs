@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Shape, Turn};
+use super::fw::{self, Exchange, Shape};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -29,9 +29,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if turn.body_of("SYS-VER").is_some() {
-        fw::field(turn, context, "name", false, &Shape::Nullable(&Shape::Text));
-        fw::field(turn, context, "revision", false, &Shape::Nullable(&Shape::Text));
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("SYS-VER").is_some() {
+        fw::field(exchange, context, "name", false, &Shape::Nullable(&Shape::Text));
+        fw::field(exchange, context, "revision", false, &Shape::Nullable(&Shape::Text));
     }
 }

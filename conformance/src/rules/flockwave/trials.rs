@@ -20,8 +20,8 @@ macro_rules! rule {
                 source: $source,
                 applies_to: "requests that try it",
             },
-            check: Check::Exchange(|turn, context| {
-                fw::served(turn, context);
+            check: Check::Exchange(|exchange, context| {
+                fw::served(exchange, context);
             }),
             mutants: &[
                 Mutant {
@@ -32,7 +32,7 @@ macro_rules! rule {
                 Mutant { name: "a trial that is refused", make: || fw::refused($connection, $id), also: &[] },
                 Mutant {
                     name: "a trial for which there is no connection",
-                    make: || fw::then(|talk| talk.refused($id, "no connection", "Nobody is there")),
+                    make: || fw::then(|session| session.refused($id, "no connection", "Nobody is there")),
                     also: &[],
                 },
             ],

@@ -1,6 +1,6 @@
 //! `FW-UAV-INF-04`.
 
-use super::fw::{self, Shape, Turn};
+use super::fw::{self, Exchange, Shape};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -20,8 +20,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if turn.body_of("UAV-INF").is_some() {
-        fw::field(turn, context, "error", false, &Shape::Nullable(&Shape::Map(&Shape::Text)));
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("UAV-INF").is_some() {
+        fw::field(exchange, context, "error", false, &Shape::Nullable(&Shape::Map(&Shape::Text)));
     }
 }

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Tree, Turn};
+use super::fw::{self, Exchange, Tree};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 use crate::json::pointer;
 
@@ -23,11 +23,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let Some(Tree::Object(members)) = turn.notification("UAV-INF") else { return };
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(Tree::Object(members)) = exchange.notification("UAV-INF") else { return };
     context.covered();
     if let Some((key, _)) = members.iter().find(|(key, _)| key != "type" && key != "status") {
-        turn.breaks(context, || {
+        exchange.breaks(context, || {
             Detail::new(format!("it has {}, too", fw::quoted(key))).at(pointer(&["body", key]))
         });
     }

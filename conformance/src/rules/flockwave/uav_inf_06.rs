@@ -14,7 +14,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         source: fw::DERIVED,
         applies_to: "UAV-INF that tries it",
     },
-    check: Check::Exchange(|turn, context| fw::in_error(turn, context, &["UAV-INF"])),
+    check: Check::Exchange(|exchange, context| fw::in_error(exchange, context, &["UAV-INF"])),
     mutants: &[
         Mutant { name: "the request is refused", make: || fw::refused("tcp#9", "FW-UAV-INF-06"), also: &[] },
         Mutant {
@@ -23,7 +23,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
                 let asked = json!({ "type": "UAV-INF", "ids": ["nobody"] });
                 let status = json!({ "nobody": { "id": "nobody", "timestamp": 1_790_000_000_000_u64 } });
                 let told = json!({ "type": "UAV-INF", "status": status });
-                fw::over("tcp#9", |talk| talk.tries_and_hears("FW-UAV-INF-06", "", asked, told))
+                fw::over("tcp#9", |session| session.tries_and_hears("FW-UAV-INF-06", "", asked, told))
             },
             also: &[],
         },

@@ -1,6 +1,6 @@
 //! `FW-UAV-INF-08`.
 
-use super::fw::{self, Tree, Turn};
+use super::fw::{self, Exchange, Tree};
 use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 use crate::flockwave::session::ids::Ids;
 use crate::json::pointer;
@@ -38,22 +38,22 @@ impl Default for Latest {
 }
 
 impl Checker for Latest {
-    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-        if !turn.exchange.connection.is_told {
+    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        if !exchange.record.connection.is_told {
             return;
         }
-        for (uav, state) in fw::states(turn, "UAV-INF") {
+        for (uav, state) in fw::states(exchange, "UAV-INF") {
             let Some(Tree::Int(now)) = state.get("timestamp") else { continue };
             if uav.len() > MAX_ID {
                 continue;
             }
             context.covered();
-            match self.0.get_mut(turn.serial, uav) {
-                None => self.0.insert(turn.serial, uav, *now, uav.len()),
+            match self.0.get_mut(exchange.serial, uav) {
+                None => self.0.insert(exchange.serial, uav, *now, uav.len()),
                 Some(latest) => {
                     let before = std::mem::replace(latest, *now);
                     if *now < before {
-                        turn.breaks(context, || {
+                        exchange.breaks(context, || {
                             Detail::differs(format!("{before} or more, as before"), now).at(pointer(&[
                                 "body",
                                 "status",

@@ -2,7 +2,7 @@
 //!
 //! The time of the server is known from SYS-TIME, as far as it can be: up to the time that its answer took.
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 use crate::flockwave::session::seconds;
 use crate::json::pointer;
@@ -27,14 +27,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 /// How much clocks may have drifted apart since, in seconds.
 const TOLERANCE: f64 = 1.0;
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let (Some(time), Some((_, ahead))) = (turn.time, turn.clock) else { return };
-    for (uav, state) in fw::states(turn, "UAV-INF") {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let (Some(time), Some((_, ahead))) = (exchange.time, exchange.clock) else { return };
+    for (uav, state) in fw::states(exchange, "UAV-INF") {
         let Some(stamp) = state.get("timestamp").and_then(seconds) else { continue };
         context.covered();
         let early = stamp - time - ahead;
         if early > TOLERANCE {
-            turn.breaks(context, || {
+            exchange.breaks(context, || {
                 Detail::new(format!("{early:.1} s after the time of the server")).at(pointer(&[
                     "body",
                     "status",

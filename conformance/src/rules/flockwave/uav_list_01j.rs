@@ -1,6 +1,6 @@
 //! `FW-UAV-LIST-01J`.
 
-use super::fw::{self, Shape, Tree, Turn};
+use super::fw::{self, Exchange, Shape, Tree};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 use crate::flockwave::body_schema::Mismatch;
 
@@ -28,12 +28,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    let Some(Tree::List(ids)) = turn.body_of("UAV-LIST").and_then(|body| body.get("ids")) else { return };
-    fw::unique(turn, context, "ids");
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(Tree::List(ids)) = exchange.body_of("UAV-LIST").and_then(|body| body.get("ids")) else { return };
+    fw::unique(exchange, context, "ids");
     // What is no string is another rule's matter.
     let wrong = ids.iter().filter(|id| id.as_str().is_some()).find_map(|id| Shape::ObjectId.mismatch(id));
     if let Some(found) = wrong {
-        fw::mismatched(turn, context, Mismatch { path: "/body/ids".to_owned(), ..found });
+        fw::mismatched(exchange, context, Mismatch { path: "/body/ids".to_owned(), ..found });
     }
 }

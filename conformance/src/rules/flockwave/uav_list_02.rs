@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use serde_json::json;
 
-use super::fw::{self, PerConnection, Turn};
+use super::fw::{self, Exchange, PerConnection};
 use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -27,10 +27,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 /// These are listed by UAV-LIST before and after those by OBJ-LIST.
 fn listed(uavs: &[&str], objects: &[&str]) -> Option<Vec<u8>> {
-    fw::over("tcp#9", |talk| {
-        talk.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
-        talk.asks(json!({ "type": "OBJ-LIST", "filter": ["uav"] }), json!({ "ids": objects }));
-        talk.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
+    fw::over("tcp#9", |session| {
+        session.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
+        session.asks(json!({ "type": "OBJ-LIST", "filter": ["uav"] }), json!({ "ids": objects }));
+        session.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
     })
 }
 
@@ -51,21 +51,21 @@ struct Listed {
 }
 
 impl Checker for Uavs {
-    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-        if !turn.is_of_server() || !turn.exchange.connection.is_told {
+    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        if !exchange.is_of_server() || !exchange.record.connection.is_told {
             return;
         }
-        if turn.notification("OBJ-DEL").is_some() {
-            return *self.0.of(turn) = Listed::default();
+        if exchange.notification("OBJ-DEL").is_some() {
+            return *self.0.of(exchange) = Listed::default();
         }
-        let Some(list) = fw::listed(turn) else { return };
-        let listed = self.0.of(turn);
-        if let Some(asked) = turn.response("OBJ-LIST").and(turn.asked_same()) {
+        let Some(list) = fw::listed(exchange) else { return };
+        let listed = self.0.of(exchange);
+        if let Some(asked) = exchange.response("OBJ-LIST").and(exchange.asked_same()) {
             let is_of_uavs = |filter: &BTreeSet<String>| filter.len() == 1 && filter.contains("uav");
             if asked.filter.as_ref().is_some_and(is_of_uavs) && listed.objects.len() < MAX_LISTS {
-                listed.objects.push((list, turn.exchange.place));
+                listed.objects.push((list, exchange.record.place));
             }
-        } else if turn.response("UAV-LIST").is_some() {
+        } else if exchange.response("UAV-LIST").is_some() {
             let objects = std::mem::take(&mut listed.objects);
             if listed.uavs.as_ref() == Some(&list) {
                 for (objects, place) in objects {

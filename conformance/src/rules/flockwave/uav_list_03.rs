@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 use serde_json::{Value, json};
 
-use super::fw::{self, PerConnection, Turn};
+use super::fw::{self, Exchange, PerConnection};
 use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -26,10 +26,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     mutants: &[Mutant {
         name: "one that it doesn't know",
         make: || {
-            fw::over("tcp#9", |talk| {
-                doubted(talk, |talk| {
+            fw::over("tcp#9", |session| {
+                doubted(session, |session| {
                     let error = json!({ "error": { "kite": "No such glider" } });
-                    talk.asks(json!({ "type": "UAV-INF", "ids": ["kite"] }), error);
+                    session.asks(json!({ "type": "UAV-INF", "ids": ["kite"] }), error);
                 });
             })
         },
@@ -55,8 +55,8 @@ pub(super) static REPEATED: FlockwaveRule = FlockwaveRule {
             make: || {
                 let asked = json!({ "type": "UAV-INF", "ids": ["kite", "kite"] });
                 let error = json!({ "type": "UAV-INF", "error": { "kite": "Again" } });
-                fw::over("tcp#9", |talk| {
-                    doubted(talk, |talk| talk.tries_and_hears("FW-UAV-INF-07", "", asked, error));
+                fw::over("tcp#9", |session| {
+                    doubted(session, |session| session.tries_and_hears("FW-UAV-INF-07", "", asked, error));
                 })
             },
             also: &[],
@@ -65,13 +65,13 @@ pub(super) static REPEATED: FlockwaveRule = FlockwaveRule {
 };
 
 /// Between two lists of the same UAVs something is said.
-fn doubted(talk: &mut fw::Conversation, say: impl FnOnce(&mut fw::Conversation)) {
+fn doubted(session: &mut fw::Session, say: impl FnOnce(&mut fw::Session)) {
     let list = || -> (Value, Value) { (json!({ "type": "UAV-LIST" }), json!({ "ids": ["kite", "swift"] })) };
     let (request, answer) = list();
-    talk.asks(request, answer);
-    say(talk);
+    session.asks(request, answer);
+    say(session);
     let (request, answer) = list();
-    talk.asks(request, answer);
+    session.asks(request, answer);
 }
 
 /// How many UAVs that aren't known are kept of a connection.
@@ -94,23 +94,23 @@ struct Listed {
 }
 
 impl Checker for Unknown {
-    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
+    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         if self.is_of_repeated {
-            fw::served(turn, context);
+            fw::served(exchange, context);
         }
-        if !turn.is_of_server() || !turn.exchange.connection.is_told {
+        if !exchange.is_of_server() || !exchange.record.connection.is_told {
             return;
         }
-        if turn.response("UAV-INF").is_some() {
-            return self.inform(turn, context);
+        if exchange.response("UAV-INF").is_some() {
+            return self.inform(exchange, context);
         }
-        let list = fw::listed(turn);
-        let listed = self.connections.of(turn);
-        if turn.notification("OBJ-DEL").is_some() {
+        let list = fw::listed(exchange);
+        let listed = self.connections.of(exchange);
+        if exchange.notification("OBJ-DEL").is_some() {
             let is_left = |id: &String| list.as_ref().is_some_and(|gone| !gone.contains(id));
             listed.uavs.retain(is_left);
             listed.doubted.retain(|(id, _)| is_left(id));
-        } else if let (Some(_), Some(list)) = (turn.response("UAV-LIST"), list) {
+        } else if let (Some(_), Some(list)) = (exchange.response("UAV-LIST"), list) {
             for (id, place) in listed.doubted.drain(..).filter(|(id, _)| list.contains(id)) {
                 context.violation("UAV-INF", place, || {
                     let id = fw::quoted(&id);
@@ -130,20 +130,20 @@ impl Checker for Unknown {
 
 impl Unknown {
     /// UAV-INF tells of UAVs.
-    fn inform(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-        let Some(asked) = turn.asked_same() else { return };
-        let is_repeated = asked.repeated.is_some() && turn.tried(&REPEATED.rule).is_some();
+    fn inform(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        let Some(asked) = exchange.asked_same() else { return };
+        let is_repeated = asked.repeated.is_some() && exchange.tried(&REPEATED.rule).is_some();
         if is_repeated != self.is_of_repeated {
             return;
         }
-        let listed = self.connections.of(turn);
+        let listed = self.connections.of(exchange);
         let known = asked.objects.iter().flatten().filter(|id| listed.uavs.contains(*id));
-        let unknown = fw::members(turn, "error");
+        let unknown = fw::members(exchange, "error");
         for id in known {
             context.covered();
             let is_doubted = unknown.iter().any(|(unknown, _)| unknown == id);
             if is_doubted && listed.doubted.len() < MAX_DOUBTED {
-                listed.doubted.push((id.clone(), turn.exchange.place));
+                listed.doubted.push((id.clone(), exchange.record.place));
             }
         }
     }

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use serde_json::json;
 
-use super::fw::{self, PerConnection, Role, Turn};
+use super::fw::{self, Exchange, PerConnection, Role};
 use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
 
 /// The rule of an id.
@@ -32,9 +32,9 @@ macro_rules! rule {
                 Mutant {
                     name: "trials without an answer",
                     make: || {
-                        fw::over("udp#9", |talk| {
+                        fw::over("udp#9", |session| {
                             for _ in 0..3 {
-                        talk.tries($id, "without an answer", json!({ "type": "SYS-PING" }));
+                        session.tries($id, "without an answer", json!({ "type": "SYS-PING" }));
                             }
                         })
                     },
@@ -71,9 +71,9 @@ struct Outcome {
 }
 
 impl Checker for Trials {
-    fn exchanged(&mut self, turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-        self.is_heard |= turn.is_of_server() && fw::is_called(turn, "udp");
-        if let Some(trials) = self.connections.closed(turn) {
+    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        self.is_heard |= exchange.is_of_server() && fw::is_called(exchange, "udp");
+        if let Some(trials) = self.connections.closed(exchange) {
             for (how, outcome) in trials {
                 context.covered();
                 if !outcome.is_answered && (self.is_heard || self.is_silence_told) {
@@ -85,13 +85,13 @@ impl Checker for Trials {
             }
             return;
         }
-        fw::served(turn, context);
-        let is_answered = turn.role == Role::Response;
+        fw::served(exchange, context);
+        let is_answered = exchange.role == Role::Response;
         // Of a recording that doesn't show how the connection ended, nobody knows what was to come.
-        let is_over = turn.role == Role::Unanswered && turn.exchange.note.is_some();
-        if let (Some(how), true) = (turn.tried(context.rule), is_answered || is_over) {
-            let place = turn.asked.as_ref().map_or(turn.exchange.place, |asked| asked.place);
-            let trials = self.connections.of(turn);
+        let is_over = exchange.role == Role::Unanswered && exchange.record.note.is_some();
+        if let (Some(how), true) = (exchange.tried(context.rule), is_answered || is_over) {
+            let place = exchange.asked.as_ref().map_or(exchange.record.place, |asked| asked.place);
+            let trials = self.connections.of(exchange);
             let how = if trials.len() < MAX_WAYS { how } else { "" };
             let outcome = trials.entry(how.to_owned()).or_insert(Outcome { is_answered, place });
             outcome.is_answered |= is_answered;

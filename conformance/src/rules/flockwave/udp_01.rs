@@ -1,6 +1,6 @@
 //! `FW-UDP-01`.
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -19,19 +19,19 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             let message = |id: &str| {
                 format!(r#"{{"$fw.version":"1.0","id":"{id}","body":{{"type":"OBJ-DEL","ids":[]}}}}"#)
             };
-            fw::over("udp#9", |talk| talk.says_raw(&["a", "b"].map(message).join("\n")))
+            fw::over("udp#9", |session| session.says_raw(&["a", "b"].map(message).join("\n")))
         },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    if !turn.is_of_server() || !fw::is_called(turn, "udp") {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if !exchange.is_of_server() || !fw::is_called(exchange, "udp") {
         return;
     }
     context.covered();
-    if fw::are_several(turn, "udp") {
-        turn.breaks(context, || {
+    if fw::are_several(exchange, "udp") {
+        exchange.breaks(context, || {
             Detail::new("several messages in a datagram").expected("one").actual("more than one")
         });
     }

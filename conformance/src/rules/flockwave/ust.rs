@@ -3,7 +3,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
+use super::fw::{self, Exchange};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 /// What the specification says of null.
@@ -32,7 +32,7 @@ macro_rules! rule {
                 source: fw::TYPES,
                 applies_to: "states of UAV-INF",
             },
-            check: Check::Exchange(|turn, context| judge(turn, context, $field)),
+            check: Check::Exchange(|exchange, context| judge(exchange, context, $field)),
             mutants: &$mutants,
         };
     };
@@ -200,14 +200,14 @@ rule!(
     ]
 );
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>, field: &str) {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, field: &str) {
     let id = context.rule.id;
-    for (_, state) in fw::states(turn, "UAV-INF") {
+    for (_, state) in fw::states(exchange, "UAV-INF") {
         if state.get(field).is_some() {
             context.covered();
         }
     }
-    for deviation in turn.deviations.iter().flatten().filter(|deviation| deviation.told_by == Some(id)) {
-        turn.deviates(context, &turn.subject(), deviation);
+    for deviation in exchange.deviations.iter().flatten().filter(|deviation| deviation.told_by == Some(id)) {
+        exchange.deviates(context, &exchange.subject(), deviation);
     }
 }

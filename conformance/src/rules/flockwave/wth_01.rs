@@ -1,6 +1,6 @@
 //! `FW-WTH-01`.
 
-use super::fw::{self, INTEGER, Turn};
+use super::fw::{self, Exchange, INTEGER};
 use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -31,11 +31,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, context: &mut RuleContext<'_>) {
-    for (key, weather) in fw::states(turn, "WTH-INF") {
-        fw::member(turn, context, Some(weather), &["body", "status", key], ("timestamp", true), &INTEGER);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    for (key, weather) in fw::states(exchange, "WTH-INF") {
+        fw::member(exchange, context, Some(weather), &["body", "status", key], ("timestamp", true), &INTEGER);
     }
-    if let Some(weather) = turn.body_of("WTH-AT").and_then(|body| body.get("weather")) {
-        fw::member(turn, context, Some(weather), &["body", "weather"], ("timestamp", true), &INTEGER);
+    if let Some(weather) = exchange.body_of("WTH-AT").and_then(|body| body.get("weather")) {
+        fw::member(exchange, context, Some(weather), &["body", "weather"], ("timestamp", true), &INTEGER);
     }
 }

@@ -7,7 +7,8 @@ use super::super::identifier::{Scope, ident, module_name, pascal_case};
 use super::super::{Context, documentation, header, inner_documentation, layout_file};
 use super::types::Definitions;
 use super::{MODULE, Names, TYPES, is_own, text};
-use crate::emit::{OutputFile, prose};
+use crate::emit::OutputFile;
+use crate::prose;
 use crate::schema::json_type::{Direction, JsonMessage, JsonPart, Member, Object};
 use crate::schema::{JsonMessageId, Package};
 

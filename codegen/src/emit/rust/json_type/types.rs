@@ -7,7 +7,7 @@ use super::super::identifier::{Scope, ident, pascal_case};
 use super::super::message::range_text;
 use super::super::{Context, documentation, types as literals};
 use super::{Names, default, field_names, text};
-use crate::emit::prose;
+use crate::prose;
 use crate::schema::json_type::{
     Definition, Expression, JsonType, Limits, Member, Object, Set, SetValue, SetValues, Typed,
 };

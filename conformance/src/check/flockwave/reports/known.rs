@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use crate::definitions::Definitions;
-use crate::flockwave::record::{Connection, Direction, Exchange};
-use crate::flockwave::session::Conversations;
+use crate::flockwave::record::{Connection, Direction, SessionRecord};
+use crate::flockwave::session::Sessions;
 use crate::json::Tree;
 use crate::model::{Findings, Place, Rule};
 use crate::rules::RuleContext;
@@ -145,7 +145,7 @@ impl<'d> Known<'d> {
             super::TYPE
         );
         let message = Tree::read(&text).ok()?;
-        let exchange = Exchange {
+        let record = SessionRecord {
             connection: Connection { index: 0, name: "", is_told: false },
             direction: Direction::In,
             time: None,
@@ -156,7 +156,7 @@ impl<'d> Known<'d> {
             place: Place::Line(1),
         };
         let definitions = self.definitions;
-        let turn = Conversations::default().follow(&exchange, definitions);
+        let exchange = Sessions::default().follow(&record, definitions);
         let mut findings = Findings::default();
         let mut all = Vec::new();
         for of in RULES {
@@ -164,7 +164,7 @@ impl<'d> Known<'d> {
             let rule = &of.rule;
             let mut exercised = 0;
             judge(
-                &turn,
+                &exchange,
                 &mut RuleContext { rule, definitions, findings: &mut findings, coverage: &mut exercised },
             );
             all.push((rule, exercised));
