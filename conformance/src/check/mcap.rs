@@ -15,7 +15,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{DefaultHasher, Hasher as _};
 use std::io::Read;
 
-use serde::de::DeserializeSeed as _;
 use uavspec_codegen::schema::MessageId;
 
 use self::cdr::{CdrJudge, unpacked};
@@ -31,7 +30,7 @@ use crate::capture::mcap::{Event, Reader};
 use crate::definitions::Definitions;
 use crate::json::Tree;
 use crate::model::{Detail, Findings, Message, Place};
-use crate::px4::json::{Clean, Dialects, MessageSeed, Plans, Told};
+use crate::px4::json::{Clean, Dialects, Plans, Told};
 use crate::rules::px4;
 
 /// The longest name of a topic or a schema that is kept; ROS 2 allows no longer ones either.
@@ -314,10 +313,8 @@ fn check_message(
 ) -> Result<Clean, String> {
     let text = std::str::from_utf8(payload)
         .map_err(|error| format!("no UTF-8 from its byte {} on", error.valid_up_to()))?;
-    let mut reader = serde_json::Deserializer::from_str(text);
     // Foxglove writes bytes as base64, as rosbridge does.
-    let seed = MessageSeed::new(plans, told.id, told.is_rosbridge, values);
-    if let (Ok(clean), Ok(())) = (seed.deserialize(&mut reader), reader.end()) {
+    if let Ok(clean) = plans.read_text(told.id, text, told.is_rosbridge, values) {
         return Ok(clean);
     }
     values.clear();
