@@ -1,4 +1,4 @@
-//! Judges a source: its records go to the plans of their formats and to the rules.
+//! Checks a capture: its records go to the plans of their formats and to the rules.
 
 mod flockwave;
 mod json;
@@ -6,22 +6,25 @@ pub mod known;
 mod log;
 mod mcap;
 pub mod parallel;
+mod summary;
 mod topic;
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::io::{self, Read};
 
+use serde::Serialize;
 use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
 use uavspec_codegen::schema::{MessageId, Shape};
 use uavspec_codegen::source::Span;
 use uavspec_runtime::Scalar;
 
-pub use self::flockwave::{FlockwaveJudge, FlockwaveSource, TypeCount};
-pub use self::json::{JsonSource, judge_json};
-pub use self::log::{LogSource, judge_ulog};
-pub use self::mcap::{Basis, McapChannel, McapSource, Standing, judge_mcap};
-use crate::capture::{ENCRYPTED_MAGIC, MCAP_MAGIC, ULOG_MAGIC};
+pub use self::flockwave::{FlockwaveJudge, FlockwaveSummary, TypeCount};
+pub use self::json::{JsonSummary, check_json};
+pub use self::log::{LogSummary, check_ulog};
+pub use self::mcap::{Basis, McapChannel, McapSummary, Standing, check_mcap};
+pub use self::summary::{Describe, Line, List, MAX_LISTED, Totals};
+use crate::capture::MCAP_MAGIC;
 use crate::definitions::Definitions;
 use crate::flockwave::record::{Connection, Direction, SessionRecord};
 use crate::flockwave::session::{Exchange, Sessions};
@@ -31,28 +34,68 @@ use crate::rules::px4::Interest;
 use crate::rules::{RuleContext, flockwave as session_rules, px4};
 use crate::text::Grouped;
 
-/// What is said of an encrypted log.
-const ENCRYPTED: &str = "an encrypted log of PX4 (.ulge): decrypt it first, with its key, as \
-    https://docs.px4.io/main/en/dev_log/log_encryption tells";
+/// The number of first bytes by which the kind of a capture is detected.
+const START: usize = MCAP_MAGIC.len();
 
-/// So many bytes of a magic tell what a source is that ends there.
+/// The number of bytes of a magic that are enough if the capture ends there.
 const MIN_MAGIC: usize = 4;
 
 /// How many kinds of damage are kept.
 const MAX_DAMAGE: usize = 100;
 
-/// What a source is, and what came of it.
+/// A kind of capture: a row of [`KINDS`].
+struct Kind {
+    /// The name of the format.
+    name: &'static str,
+    /// True if a capture of this kind can start with these bytes.
+    detect: fn(&[u8]) -> bool,
+    /// Checks a capture of this kind, as far as it can be read.
+    check: fn(&mut dyn Read, Option<MessageId>, &Definitions) -> io::Result<CaptureResult>,
+}
+
+/// All kinds of captures, in the order in which they are detected.
+static KINDS: [Kind; 4] = [log::ENCRYPTED, log::KIND, mcap::KIND, json::KIND];
+
+/// The summary of a capture: a variant for each kind. Sessions are detected by their first object.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub enum Summary {
+    /// A log of PX4.
+    #[serde(rename = "ulog")]
+    Log(LogSummary),
+    /// Messages as JSON.
+    Json(JsonSummary),
+    /// MCAP.
+    Mcap(McapSummary),
+    /// A recorded session of Flockwave; its messages are those of the server.
+    Flockwave(FlockwaveSummary),
+}
+
+impl Summary {
+    /// The parts that reports for people print.
+    pub fn describe(&self) -> &dyn Describe {
+        match self {
+            Self::Log(summary) => summary,
+            Self::Json(summary) => summary,
+            Self::Mcap(summary) => summary,
+            Self::Flockwave(summary) => summary,
+        }
+    }
+}
+
+/// The result of checking a capture.
 #[derive(Debug)]
-pub struct Judgement {
-    /// What it says of itself.
-    pub source: Source,
+pub struct CaptureResult {
+    /// What the capture says about itself.
+    pub summary: Summary,
     /// How many bytes were read.
     pub bytes: u64,
     /// From its first to its last timestamp, in µs.
     pub duration: u64,
     /// How many messages it has.
     pub records: u64,
-    /// How many of them have a type, can be read as it, and were judged.
+    /// How many of them have a type, can be read as it, and were checked.
     pub judged: u64,
     /// What can't be read, and where first, in that order.
     pub damage: Vec<(Place, String)>,
@@ -60,68 +103,38 @@ pub struct Judgement {
     pub more_damage: u64,
     /// How much of it could be read.
     pub extent: Extent,
-    /// What breaks rules.
+    /// All violations.
     pub findings: Findings,
 }
 
-/// What kinds of sources say of themselves.
-#[derive(Debug)]
-pub enum Source {
-    /// A log of PX4.
-    Log(LogSource),
-    /// Messages as JSON.
-    Json(JsonSource),
-    /// A file of MCAP.
-    Mcap(McapSource),
-    /// Recorded sessions of Flockwave.
-    Flockwave(FlockwaveSource),
-}
-
-/// Judges a source of any kind, which is seen by how it begins: a log of PX4, MCAP, or else JSON
-/// (recorded sessions of Flockwave among it). Where `of` names
-/// a message, the JSON is messages of that type and nothing around them.
+/// Checks a capture of any kind. The kind is detected from the first bytes. If `of` names a message, JSON is messages
+/// of that type and nothing around them.
 ///
-/// An error is one of reading its first bytes, or says that the source is encrypted, or nothing that can be judged. What
-/// is wrong with it later on, and that it can't be read any further, is part of the judgement.
-pub fn judge(
+/// # Errors
+/// Reading the first bytes fails, the capture is encrypted, or it is of no known kind. Whatever is wrong later on, and
+/// that a capture can't be read any further, is part of the result.
+pub fn check_capture(
     mut input: impl Read,
     of: Option<MessageId>,
     definitions: &Definitions,
-) -> io::Result<Judgement> {
+) -> io::Result<CaptureResult> {
     let mut start = Vec::new();
-    input.by_ref().take(MCAP_MAGIC.len() as u64).read_to_end(&mut start)?;
-    if start.starts_with(&ENCRYPTED_MAGIC) {
-        return Err(io::Error::new(io::ErrorKind::Unsupported, ENCRYPTED));
-    }
-    let (is_log, is_mcap) = (is_begun(&start, &ULOG_MAGIC), is_begun(&start, &MCAP_MAGIC));
-    if !is_log && !is_mcap && is_binary(&start) {
+    input.by_ref().take(START as u64).read_to_end(&mut start)?;
+    let Some(kind) = KINDS.iter().find(|kind| (kind.detect)(&start)) else {
         let bytes: Vec<String> = start.iter().map(|byte| format!("{byte:02x}")).collect();
-        let text = format!("byte 0: no ULog, no MCAP and no JSON: it begins with {}", bytes.join(" "));
+        let mut names: Vec<String> = KINDS.iter().map(|kind| format!("no {}", kind.name)).collect();
+        names.dedup();
+        let last = names.pop().unwrap_or_default();
+        let names = names.join(", ");
+        let text = format!("byte 0: {names} and {last}: it begins with {}", bytes.join(" "));
         return Err(io::Error::new(io::ErrorKind::InvalidData, text));
-    }
-    let whole = io::Cursor::new(start).chain(input);
-    Ok(match (is_log, is_mcap) {
-        (true, _) => judge_ulog(whole, definitions),
-        (_, true) => judge_mcap(whole, definitions),
-        _ => judge_json(whole, of, definitions),
-    })
+    };
+    (kind.check)(&mut io::Cursor::new(start).chain(input), of, definitions)
 }
 
-/// Whether a source begins with a magic, or ends within it so late that it can hardly be anything else.
+/// True if a capture starts with a magic, or ends within it so late that it can hardly be anything else.
 fn is_begun(start: &[u8], magic: &[u8]) -> bool {
     start.starts_with(magic) || start.len() >= MIN_MAGIC && magic.starts_with(start)
-}
-
-/// Whether a source begins neither as JSON nor as any text does. One byte that is wrong may be damage.
-fn is_binary(start: &[u8]) -> bool {
-    let text = String::from_utf8_lossy(start);
-    if text.trim_start_matches('\u{feff}').trim_start().starts_with(['{', '[']) {
-        return false;
-    }
-    let is_foreign = |character: &char| {
-        *character == char::REPLACEMENT_CHARACTER || character.is_control() && !character.is_whitespace()
-    };
-    text.chars().filter(is_foreign).count() > 1
 }
 
 /// What all kinds of sources have in common: messages that come on channels, and the rules that follow them.
@@ -371,7 +384,7 @@ impl<'d> Course<'d> {
         self.damage(place, format!("what follows can't be read: {error}"), Extent::BrokenOff);
     }
 
-    fn finish(mut self, bytes: u64, source: Source) -> Judgement {
+    fn finish(mut self, bytes: u64, summary: Summary) -> CaptureResult {
         for follower in &mut self.followers {
             follower.judge(self.definitions, &mut self.findings, |checker, context| checker.end(context));
             self.findings.exercise(follower.rule, follower.coverage);
@@ -386,8 +399,8 @@ impl<'d> Course<'d> {
             1 => (told.place, text),
             times => (told.place, format!("{text} ({} times)", Grouped(times))),
         };
-        Judgement {
-            source,
+        CaptureResult {
+            summary,
             bytes,
             duration: self.first.map_or(0, |first| self.last - first),
             records: self.records,

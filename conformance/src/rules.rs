@@ -29,29 +29,37 @@ pub static RULES: [&Rule; flockwave::RULES.len() + px4::RULES.len()] = {
 };
 
 /// A mutant of a rule of either family.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Mutant {
     /// The rule that it violates.
     pub rule: &'static Rule,
     /// The change.
     pub name: &'static str,
-    /// The ids of other rules that it violates too.
-    pub also: &'static [&'static str],
+    /// Other rules that it violates too.
+    pub also: Vec<&'static Rule>,
     make: Make,
 }
 
 #[derive(Clone, Copy, Debug)]
 enum Make {
     Session(fn() -> Option<Vec<u8>>),
-    Flight(fn(&Flight<'_>) -> Option<Vec<u8>>),
+    Flight(px4::Change),
 }
 
 impl Mutant {
-    /// The capture, made of a flight or a session; none if the definitions have nothing that could be changed so.
-    pub fn make(&self, flight: &Flight<'_>) -> Option<Vec<u8>> {
+    /// The captures, made of a flight or a session, each with its title; none if the definitions have nothing that could
+    /// be changed so.
+    pub fn captures(&self, flight: &Flight<'_>) -> Vec<(String, Vec<u8>)> {
         match self.make {
-            Make::Session(make) => make(),
-            Make::Flight(make) => make(flight),
+            Make::Session(make) => make().map(|bytes| (self.name.to_owned(), bytes)).into_iter().collect(),
+            Make::Flight(change) => {
+                let title = |encoding: sample::Encoding| format!("{} ({})", self.name, encoding.name());
+                change
+                    .captures(flight)
+                    .into_iter()
+                    .map(|(encoding, bytes)| (title(encoding), bytes))
+                    .collect()
+            }
         }
     }
 }
@@ -62,16 +70,16 @@ pub fn mutants() -> impl Iterator<Item = Mutant> {
         of.mutants.iter().map(|flockwave::Mutant { name, make, also }| Mutant {
             rule: &of.rule,
             name,
-            also,
+            also: also.iter().filter_map(|id| rule(id)).collect(),
             make: Make::Session(*make),
         })
     });
     let flights = px4::RULES.iter().flat_map(|of| {
-        of.mutants.iter().map(|px4::Mutant { name, make, also }| Mutant {
+        of.mutants.iter().map(|px4::Mutant { name, change, also }| Mutant {
             rule: &of.rule,
             name,
-            also,
-            make: Make::Flight(*make),
+            also: also.iter().map(|also| &also.rule).collect(),
+            make: Make::Flight(*change),
         })
     });
     sessions.chain(flights)

@@ -2,15 +2,15 @@
 
 use crate::support;
 
-use uavspec_conformance::check::{Judgement, judge};
+use uavspec_conformance::check::{CaptureResult, check_capture};
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::model::Place;
 use uavspec_conformance::rules::sample::{Flight, ROUNDS};
 
 use support::{Random, extent};
 
-fn judged(bytes: &[u8], definitions: &Definitions) -> Judgement {
-    judge(bytes, None, definitions).expect("bytes can be read")
+fn judged(bytes: &[u8], definitions: &Definitions) -> CaptureResult {
+    check_capture(bytes, None, definitions).expect("bytes can be read")
 }
 
 /// What each kind of source is, and how much of it is judged.
@@ -32,7 +32,7 @@ fn sources(definitions: &Definitions) -> Vec<(&'static str, Vec<u8>, u64)> {
 }
 
 /// All damage lies in what was read.
-fn check_places(name: &str, judgement: &Judgement, size: usize) {
+fn check_places(name: &str, judgement: &CaptureResult, size: usize) {
     for (place, what) in &judgement.damage {
         let (Place::Byte(at) | Place::Line(at)) = *place;
         assert!(at <= size as u64, "{name}: {what} at {place} of {size}");
@@ -125,12 +125,12 @@ fn noise_is_told_from_the_start() {
         check_places("noise", &judgement, start.len() + noise.len());
     }
     for start in [&b"ULoG\x01\x12\x35\x01"[..], &[0; 20], &noise, b"\xff\xfe{\0}\0", b"\x01\x02"] {
-        let error = judge(start, None, &definitions).expect_err("nothing that can be judged");
+        let error = check_capture(start, None, &definitions).expect_err("nothing that can be judged");
         let expected = format!("byte 0: no ULog, no MCAP and no JSON: it begins with {:02x} ", start[0]);
         assert!(error.to_string().starts_with(&expected), "{error}");
     }
     // What has one wrong byte may be damaged, and letters of other languages are none.
     for start in [&b"\x1b{\"type\":1}\n"[..], "\u{feff}{\"ключ\":1}".as_bytes(), b"\0"] {
-        assert!(judge(start, None, &definitions).is_ok(), "{}", start.escape_ascii());
+        assert!(check_capture(start, None, &definitions).is_ok(), "{}", start.escape_ascii());
     }
 }

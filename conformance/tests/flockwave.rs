@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use serde_json::{Value, json};
-use uavspec_conformance::check::{FlockwaveSource, Judgement, Source, TypeCount, judge};
+use uavspec_conformance::check::{CaptureResult, FlockwaveSummary, Summary, TypeCount, check_capture};
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::report::{Judged, Settings, Subject, subject_text};
+use uavspec_conformance::report::{CheckedCapture, Settings, Subject, subject_text};
 use uavspec_conformance::rules::rule;
 use uavspec_conformance::rules::sample::Session;
 
@@ -16,12 +16,12 @@ use support::shared;
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 
-fn judged(bytes: &[u8]) -> Judgement {
-    judge(bytes, None, &DEFINITIONS).expect("bytes can be read")
+fn judged(bytes: &[u8]) -> CaptureResult {
+    check_capture(bytes, None, &DEFINITIONS).expect("bytes can be read")
 }
 
 /// How often each rule is broken.
-fn broken(judgement: &Judgement) -> BTreeMap<&'static str, u64> {
+fn broken(judgement: &CaptureResult) -> BTreeMap<&'static str, u64> {
     let mut counts = BTreeMap::new();
     for group in judgement.findings.groups() {
         *counts.entry(group.rule.id).or_default() += group.count;
@@ -35,14 +35,14 @@ fn broken_by(session: &Session) -> Vec<(&'static str, u64)> {
     broken(&judgement).into_iter().collect()
 }
 
-fn source(judgement: &Judgement) -> &FlockwaveSource {
-    match &judgement.source {
-        Source::Flockwave(source) => source,
-        Source::Log(_) | Source::Json(_) | Source::Mcap(_) => panic!("Flockwave"),
+fn source(judgement: &CaptureResult) -> &FlockwaveSummary {
+    match &judgement.summary {
+        Summary::Flockwave(source) => source,
+        Summary::Log(_) | Summary::Json(_) | Summary::Mcap(_) => panic!("Flockwave"),
     }
 }
 
-fn exercised(judgement: &Judgement, id: &str) -> u64 {
+fn exercised(judgement: &CaptureResult, id: &str) -> u64 {
     judgement.findings.exercised(rule(id).expect("a rule"))
 }
 
@@ -358,7 +358,7 @@ fn bare_messages_are_judged_by_themselves_and_with_their_requests() {
 fn a_recording_is_known_by_its_first_object() {
     let session = Session::new();
     let text = String::from_utf8(session.to_bytes()).expect("text");
-    assert!(matches!(judged(format!("half a li\n{text}").as_bytes()).source, Source::Flockwave(_)));
+    assert!(matches!(judged(format!("half a li\n{text}").as_bytes()).summary, Summary::Flockwave(_)));
     let array = Value::Array(session.lines.clone()).to_string();
     let judgement = judged(array.as_bytes());
     assert_eq!((source(&judgement).connections, broken(&judgement)), (8, BTreeMap::new()));
@@ -367,7 +367,7 @@ fn a_recording_is_known_by_its_first_object() {
     for other in
         ["{\"type\":\"px4/Event\",\"message\":{}}", "{\"op\":\"publish\",\"dir\":7,\"msg\":{}}", "[7]"]
     {
-        assert!(matches!(judged(other.as_bytes()).source, Source::Json(_)), "{other}");
+        assert!(matches!(judged(other.as_bytes()).summary, Summary::Json(_)), "{other}");
     }
 }
 
@@ -474,8 +474,9 @@ fn reports_say_what_a_recording_is() {
     let mut session = Session::new();
     session = session.then(|session| session.asks(json!({ "type": "SOAR-LIST" }), json!({ "ids": [] })));
     let judgement = judged(&session.to_bytes());
-    let judged = Judged { path: "hill.jsonl".to_owned(), judgement, notes: Vec::new(), elapsed: 1 };
-    let subject = Subject::of_source(judged, &definitions, &Settings::default());
+    let judged =
+        CheckedCapture { path: "hill.jsonl".to_owned(), result: judgement, notes: Vec::new(), elapsed: 1 };
+    let subject = Subject::of_capture(judged, &definitions, &Settings::default());
     let text = subject_text(&subject);
     for part in ["Flockwave, 8 connections, 1 min", "UAV-INF 24", "SOAR-LIST", "conforms"] {
         assert!(text.contains(part), "{part}: {text}");

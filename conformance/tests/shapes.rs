@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use serde_json::{Value, json};
 use uavspec_codegen::emit::vectors;
 use uavspec_codegen::schema::json_type::Direction;
-use uavspec_conformance::check::judge;
+use uavspec_conformance::check::check_capture;
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::flockwave::body_schema::Deviation;
 use uavspec_conformance::json::Tree;
@@ -114,7 +114,7 @@ fn found(direction: Direction, body: &Value) -> BTreeMap<&'static str, BTreeSet<
         message["refs"] = "ask-1".into();
     }
     let line = json!({ "dir": "in", "msg": message }).to_string();
-    let judgement = judge(line.as_bytes(), None, &DEFINITIONS).expect("a line");
+    let judgement = check_capture(line.as_bytes(), None, &DEFINITIONS).expect("a line");
     let mut found: BTreeMap<_, BTreeSet<String>> = BTreeMap::new();
     for group in judgement.findings.groups() {
         let places = group.examples.iter().map(|(_, detail)| detail.path.clone());
@@ -231,7 +231,7 @@ fn findings_lead_to_the_definition() {
         line(json!({ "position": [1, 2], "timestamp": 1, "humidity": -1 })),
     ];
     let groups = |definitions: &Definitions| -> Vec<(String, u64, Option<String>)> {
-        let judgement = judge(lines.join("\n").as_bytes(), None, definitions).expect("lines");
+        let judgement = check_capture(lines.join("\n").as_bytes(), None, definitions).expect("lines");
         let group = |group: &uavspec_conformance::model::Group| {
             let line =
                 group.definition.map(|span| definitions.line(span).text.trim_start_matches("| ").to_owned());

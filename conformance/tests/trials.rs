@@ -1,13 +1,13 @@
 //! Recordings of trials, and of what goes on over the course of a connection: what a sound server may do breaks no rule.
 
 use serde_json::{Value, json};
-use uavspec_conformance::check::{Judgement, judge};
+use uavspec_conformance::check::{CaptureResult, check_capture};
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::rules::rule;
 use uavspec_conformance::rules::sample::Session;
 
-fn judged(session: &Session) -> Judgement {
-    judge(&session.to_bytes()[..], None, &Definitions::built_in()).expect("bytes can be read")
+fn judged(session: &Session) -> CaptureResult {
+    check_capture(&session.to_bytes()[..], None, &Definitions::built_in()).expect("bytes can be read")
 }
 
 /// How often each rule is broken.

@@ -155,7 +155,7 @@ fn cases_of(definitions: &Definitions, testee: &[OsString]) -> Result<bool, Stri
 
 fn told(row: &Row) -> String {
     let found = list(row.broken.iter().flatten());
-    format!("{}: expected {}, found {found}", row.mutant.name, list(&row.expected()))
+    format!("{}: expected {}, found {found}", row.title, list(&row.expected()))
 }
 
 fn line(is_right: bool, name: &str, text: &str) {

@@ -9,11 +9,13 @@
 //! nothing here.
 
 mod reports;
+mod summary;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 use self::reports::{Report, Reports};
-use super::{Course, Judgement, Source};
+pub use self::summary::{FlockwaveSummary, TypeCount};
+use super::{CaptureResult, Course, Summary};
 use uavspec_codegen::schema::json_type;
 
 use crate::definitions::Definitions;
@@ -39,34 +41,6 @@ const MAX_HOW: usize = 512;
 /// The latest time that is believed, in seconds: in the year 5138.
 const MAX_TIME: f64 = 1e11;
 
-/// What a recording of Flockwave says of itself.
-#[derive(Debug, Default)]
-pub struct FlockwaveSource {
-    /// How many connections it tells apart.
-    pub connections: usize,
-    /// How many requests clients sent, and how many the server.
-    pub requests: u64,
-    /// How many responses there are.
-    pub responses: u64,
-    /// How many notifications the server sent.
-    pub notifications: u64,
-    /// How many messages have each type, by name, that the definitions have.
-    pub types: BTreeMap<String, TypeCount>,
-    /// How many messages have each other type: nothing says what they have to be.
-    pub unknown: BTreeMap<String, TypeCount>,
-    /// How many messages have a type that there was no more room to count by name.
-    pub uncounted: u64,
-}
-
-/// How many messages of a type there are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct TypeCount {
-    /// From clients.
-    pub out: u64,
-    /// From the server.
-    pub incoming: u64,
-}
-
 /// Whether a value is a line of a recording, or a bare message of Flockwave.
 pub(super) fn is_flockwave(tree: &Tree<'_>) -> bool {
     is_line(tree) || is_message(tree)
@@ -87,7 +61,7 @@ fn is_message(tree: &Tree<'_>) -> bool {
 /// Judges what goes over connections, as lines of a recording, whether they come from a file or from a live server.
 pub struct FlockwaveJudge<'d> {
     pub(super) course: Course<'d>,
-    source: FlockwaveSource,
+    source: FlockwaveSummary,
     reports: Reports<'d>,
     /// The number of each connection, by its name.
     connections: HashMap<String, usize>,
@@ -128,7 +102,7 @@ impl<'d> FlockwaveJudge<'d> {
     }
 
     pub(super) fn new(course: Course<'d>) -> Self {
-        let (source, reports) = (FlockwaveSource::default(), Reports::of(course.definitions));
+        let (source, reports) = (FlockwaveSummary::default(), Reports::of(course.definitions));
         Self { course, source, reports, connections: HashMap::new(), names: Vec::new(), latest: 0 }
     }
 
@@ -344,13 +318,13 @@ impl<'d> FlockwaveJudge<'d> {
     }
 
     /// What came of it, after so many bytes.
-    pub fn finish(mut self, bytes: u64) -> Judgement {
+    pub fn finish(mut self, bytes: u64) -> CaptureResult {
         for (index, name) in self.names.iter().enumerate() {
             let is_told = !name.is_empty() && is_ordered(name);
             self.course.disconnected(Connection { index, name, is_told }, None);
         }
         self.reports.tell(&mut self.course.findings);
-        self.course.finish(bytes, Source::Flockwave(self.source))
+        self.course.finish(bytes, Summary::Flockwave(self.source))
     }
 }
 

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use super::list;
-use crate::check::{Judgement, judge, parallel};
+use crate::check::{CaptureResult, check_capture, parallel};
 use crate::definitions::Definitions;
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::probe::{self, probe};
@@ -160,21 +160,21 @@ fn row(case: &Case, definitions: &Definitions) -> io::Result<Row> {
     let tape = Tape::default();
     let probed = probe(&endpoint, &options, definitions, Some(Box::new(tape.clone())), &|_, _| {});
     let recording = tape.0.lock().unwrap_or_else(PoisonError::into_inner);
-    let replayed = judge(&**recording, None, definitions)?;
+    let replayed = check_capture(&**recording, None, definitions)?;
     Ok(Row {
         case: *case,
-        broken: broken(&probed.judgement),
+        broken: broken(&probed.result),
         replayed: broken(&replayed),
-        exercised: exercised(&probed.judgement),
+        exercised: exercised(&probed.result),
         failure: probed.failure,
     })
 }
 
-fn broken(judgement: &Judgement) -> BTreeSet<&'static str> {
+fn broken(judgement: &CaptureResult) -> BTreeSet<&'static str> {
     judgement.findings.groups().map(|group| group.rule.id).collect()
 }
 
-fn exercised(judgement: &Judgement) -> BTreeSet<&'static str> {
+fn exercised(judgement: &CaptureResult) -> BTreeSet<&'static str> {
     let is_exercised = |rule: &&&'static crate::model::Rule| judgement.findings.exercised(rule) > 0;
     crate::rules::RULES.iter().filter(is_exercised).map(|rule| rule.id).collect()
 }

@@ -6,6 +6,7 @@
 //! would be.
 
 mod bag;
+mod encoding;
 mod lines;
 mod log;
 mod session;
@@ -20,6 +21,7 @@ use uavspec_codegen::schema::{Element, Field, Form, Message, MessageId, Restrict
 use uavspec_runtime::{Number, Rule};
 
 pub use self::bag::{Bag, BagChannel};
+pub use self::encoding::Encoding;
 pub use self::lines::Lines;
 pub use self::log::{Entry, Log};
 pub use self::session::Session;
@@ -61,7 +63,7 @@ pub struct Topic {
 }
 
 /// A message that was published.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Sent {
     /// Index of its topic.
     pub topic: usize,

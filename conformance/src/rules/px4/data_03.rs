@@ -2,7 +2,9 @@
 
 use std::collections::HashMap;
 
-use super::{Channel, Check, Checker, Detail, Interest, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
+use super::{
+    Change, Channel, Check, Checker, Detail, Interest, Level, Mutant, Px4Rule, Rule, RuleContext, Status,
+};
 use crate::rules::sample::Entry;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
@@ -17,11 +19,10 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     check: Check::State(|| Box::new(Instances::default())),
     mutants: &[Mutant {
         name: "a second subscription of an instance",
-        make: |flight| {
-            let mut log = flight.log();
+        change: Change::Ulog(|flight, mut log| {
             log.entries.push(Entry::Subscription(u16::MAX, 0, flight.topics.first()?.name.clone()));
-            Some(log.to_bytes())
-        },
+            Some(log)
+        }),
         also: &[],
     }],
 };

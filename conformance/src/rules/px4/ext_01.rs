@@ -6,7 +6,7 @@
 //! older than all known requests nothing is said: a log begins with the latest message of each topic.
 
 use super::ext::{Listener, Reply, Request, Requests, Talk, Waiting};
-use super::{Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
+use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
 use crate::rules::sample::Flight;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
@@ -22,18 +22,13 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     check: Check::State(|| Box::new(Talk::<Answers>::default())),
     mutants: &[
         Mutant {
-            name: "a reply to a request of long ago, in a log",
-            make: |flight| Some(stray(flight, 7)?.log().to_bytes()),
+            name: "a reply to a request of long ago",
+            change: Change::Flight(|flight| stray(flight, 7)),
             also: &[],
         },
         Mutant {
-            name: "a reply to a request that wasn't sent yet, as JSON",
-            make: |flight| Some(stray(flight, 255)?.rosbridge().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a reply to a request of long ago, in MCAP",
-            make: |flight| Some(stray(flight, 7)?.bag().to_bytes()),
+            name: "a reply to a request that wasn't sent yet",
+            change: Change::Flight(|flight| stray(flight, 255)),
             also: &[],
         },
     ],

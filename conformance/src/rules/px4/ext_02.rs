@@ -11,7 +11,7 @@
 //! on to answer was registered again for all that is known ([`SEVERAL`]).
 
 use super::ext::{Ids, Listener, Reply, Request, TOLERANCE, Talk, Waiting, is_later};
-use super::{Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
+use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
 use crate::rules::sample::Flight;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
@@ -28,35 +28,16 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     check: Check::State(|| Box::new(Talk::<Registrations>::default())),
     mutants: &[
         Mutant {
-            name: "a reply with an id that was never given out, in a log",
-            make: |flight| Some(stranger(flight, 9)?.log().to_bytes()),
+            name: "a reply with an id that was never given out",
+            change: Change::Flight(|flight| stranger(flight, 9)),
             also: &[],
         },
         Mutant {
-            name: "a reply with an id that nobody can have, as JSON",
-            make: |flight| Some(stranger(flight, 255)?.lines().to_bytes()),
+            name: "a reply with an id that nobody can have",
+            change: Change::Flight(|flight| stranger(flight, 255)),
             also: &[],
         },
-        Mutant {
-            name: "a reply with an id that was given back, in a log",
-            make: |flight| Some(ghost(flight)?.log().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a reply with an id that was given back, as JSON",
-            make: |flight| Some(ghost(flight)?.rosbridge().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a reply with an id that was never given out, in MCAP",
-            make: |flight| Some(stranger(flight, 9)?.bag().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a reply with an id that was given back, in MCAP",
-            make: |flight| Some(ghost(flight)?.bag().to_bytes()),
-            also: &[],
-        },
+        Mutant { name: "a reply with an id that was given back", change: Change::Flight(ghost), also: &[] },
     ],
 };
 

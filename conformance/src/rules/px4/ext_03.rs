@@ -13,7 +13,7 @@
 use std::collections::VecDeque;
 
 use super::ext::{Ids, Listener, Reply, Request, Requests, Talk, Waiting, is_later};
-use super::{Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
+use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
 use crate::rules::sample::Flight;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
@@ -26,23 +26,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         applies_to: "messages over time",
     },
     check: Check::State(|| Box::new(Talk::<Silence>::default())),
-    mutants: &[
-        Mutant {
-            name: "a reply is missing, in a log",
-            make: |flight| Some(silent(flight)?.log().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a reply is missing, as JSON",
-            make: |flight| Some(silent(flight)?.lines().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a reply is missing, in MCAP",
-            make: |flight| Some(silent(flight)?.bag().to_bytes()),
-            also: &[],
-        },
-    ],
+    mutants: &[Mutant { name: "a reply is missing", change: Change::Flight(silent), also: &[] }],
 };
 
 /// How many requests in a row a component answers until its answers are known to be in the recording; and how many

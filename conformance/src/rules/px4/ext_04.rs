@@ -4,7 +4,8 @@ use uavspec_codegen::dynamic::Value;
 
 use super::ext::{is_reply, number};
 use super::{
-    Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, Px4Rule, Rule, RuleContext, Status,
+    Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, Px4Rule, Rule, RuleContext,
+    Status,
 };
 use crate::rules::sample::Flight;
 
@@ -19,23 +20,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         applies_to: "values of messages",
     },
     check: Check::State(|| Box::new(Reasons)),
-    mutants: &[
-        Mutant {
-            name: "an event without an id, in a log",
-            make: |flight| Some(nameless(flight)?.log().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "an event without an id, as JSON",
-            make: |flight| Some(nameless(flight)?.lines().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "an event without an id, in MCAP",
-            make: |flight| Some(nameless(flight)?.bag().to_bytes()),
-            also: &[],
-        },
-    ],
+    mutants: &[Mutant { name: "an event without an id", change: Change::Flight(nameless), also: &[] }],
 };
 
 struct Reasons;

@@ -2,7 +2,8 @@
 
 use super::ext::{is_reply, number};
 use super::{
-    Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, Px4Rule, Rule, RuleContext, Status,
+    Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, Px4Rule, Rule, RuleContext,
+    Status,
 };
 use crate::rules::sample::Flight;
 
@@ -16,23 +17,11 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         applies_to: "values of messages",
     },
     check: Check::State(|| Box::new(Refusals)),
-    mutants: &[
-        Mutant {
-            name: "a refusal without a reason, in a log",
-            make: |flight| Some(without_reason(flight)?.log().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a refusal without a reason, as JSON",
-            make: |flight| Some(without_reason(flight)?.rosbridge().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a refusal without a reason, in MCAP",
-            make: |flight| Some(without_reason(flight)?.bag().to_bytes()),
-            also: &[],
-        },
-    ],
+    mutants: &[Mutant {
+        name: "a refusal without a reason",
+        change: Change::Flight(without_reason),
+        also: &[],
+    }],
 };
 
 struct Refusals;

@@ -8,7 +8,7 @@ use uavspec_codegen::dynamic::{DynamicView, Value};
 
 use super::ext::px4_message;
 use super::{
-    Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, PerChannel, Px4Rule, Rule,
+    Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, PerChannel, Px4Rule, Rule,
     RuleContext, Status,
 };
 use crate::rules::sample::Flight;
@@ -24,23 +24,11 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         applies_to: "values of messages",
     },
     check: Check::State(|| Box::new(Flags::default())),
-    mutants: &[
-        Mutant {
-            name: "a flag is set that no mode requires, in a log",
-            make: |flight| Some(unasked(flight)?.log().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a flag is set that no mode requires, as JSON",
-            make: |flight| Some(unasked(flight)?.lines().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a flag is set that no mode requires, in MCAP",
-            make: |flight| Some(unasked(flight)?.bag().to_bytes()),
-            also: &[],
-        },
-    ],
+    mutants: &[Mutant {
+        name: "a flag is set that no mode requires",
+        change: Change::Flight(unasked),
+        also: &[],
+    }],
 };
 
 const REQUIREMENT: &str = "mode_req_";

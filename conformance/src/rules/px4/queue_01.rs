@@ -3,7 +3,7 @@
 use uavspec_codegen::schema;
 
 use super::{
-    Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, PerChannel, Px4Rule, Rule,
+    Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, PerChannel, Px4Rule, Rule,
     RuleContext, Status,
 };
 use crate::rules::sample::Flight;
@@ -18,23 +18,11 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         applies_to: "messages over time",
     },
     check: Check::State(|| Box::new(Bursts::default())),
-    mutants: &[
-        Mutant {
-            name: "more messages at one time than the queue holds, in a log",
-            make: |flight| Some(burst(flight)?.log().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "more messages at one time than the queue holds, as JSON",
-            make: |flight| Some(burst(flight)?.lines().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "more messages at one time than the queue holds, in MCAP",
-            make: |flight| Some(burst(flight)?.bag().to_bytes()),
-            also: &[],
-        },
-    ],
+    mutants: &[Mutant {
+        name: "more messages at one time than the queue holds",
+        change: Change::Flight(burst),
+        also: &[],
+    }],
 };
 
 /// What PX4 keeps of a topic that doesn't say.

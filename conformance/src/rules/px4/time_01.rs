@@ -1,7 +1,7 @@
 //! `PX-TIME-01`.
 
 use super::{
-    Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, PerChannel, Px4Rule, Rule,
+    Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, PerChannel, Px4Rule, Rule,
     RuleContext, Status,
 };
 use crate::rules::sample::{Flight, START};
@@ -17,23 +17,11 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         applies_to: "messages over time",
     },
     check: Check::State(|| Box::new(Times::default())),
-    mutants: &[
-        Mutant {
-            name: "the last message is older than those before, in a log",
-            make: |flight| Some(back(flight)?.log().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "the last message is older than those before, as JSON",
-            make: |flight| Some(back(flight)?.rosbridge().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "the last message is older than those before, in MCAP",
-            make: |flight| Some(back(flight)?.bag().to_bytes()),
-            also: &[],
-        },
-    ],
+    mutants: &[Mutant {
+        name: "the last message is older than those before",
+        change: Change::Flight(back),
+        also: &[],
+    }],
 };
 
 /// The latest time of each channel.

@@ -1,8 +1,8 @@
 //! `PX-TIME-02`.
 
 use super::{
-    Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, PerChannel, Place, Px4Rule, Rule,
-    RuleContext, Status,
+    Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, PerChannel, Place, Px4Rule,
+    Rule, RuleContext, Status,
 };
 use crate::rules::sample::Flight;
 
@@ -16,23 +16,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         applies_to: "messages over time",
     },
     check: Check::State(|| Box::new(Gaps::default())),
-    mutants: &[
-        Mutant {
-            name: "a topic pauses, in a log",
-            make: |flight| Some(pause(flight)?.log().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a topic pauses, as JSON",
-            make: |flight| Some(pause(flight)?.lines().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a topic pauses, in MCAP",
-            make: |flight| Some(pause(flight)?.bag().to_bytes()),
-            also: &[],
-        },
-    ],
+    mutants: &[Mutant { name: "a topic pauses", change: Change::Flight(pause), also: &[] }],
 };
 
 /// How many periods a channel is looked at before anything is said of it.

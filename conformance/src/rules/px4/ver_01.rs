@@ -1,6 +1,8 @@
 //! `PX-VER-01`.
 
-use super::{Channel, Check, Checker, Detail, Interest, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
+use super::{
+    Change, Channel, Check, Checker, Detail, Interest, Level, Mutant, Px4Rule, Rule, RuleContext, Status,
+};
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
@@ -12,38 +14,16 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         applies_to: "names of topics",
     },
     check: Check::State(|| Box::new(Versions)),
-    mutants: &[
-        Mutant {
-            name: "a topic of another version",
-            make: |flight| {
-                let topic = flight.regular(|message| message.version.is_some())?;
-                let mut flight = flight.clone();
-                flight.topics[topic].name += "_v9999";
-                Some(flight.log().to_bytes())
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "a topic of another version, as JSON",
-            make: |flight| {
-                let topic = flight.regular(|message| message.version.is_some())?;
-                let mut flight = flight.clone();
-                flight.topics[topic].name += "_v9999";
-                Some(flight.rosbridge().to_bytes())
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "a topic of another version, in MCAP",
-            make: |flight| {
-                let topic = flight.regular(|message| message.version.is_some())?;
-                let mut bag = flight.bag();
-                bag.channels[topic].topic += "_v9999";
-                Some(bag.to_bytes())
-            },
-            also: &[],
-        },
-    ],
+    mutants: &[Mutant {
+        name: "a topic of another version",
+        change: Change::Flight(|flight| {
+            let topic = flight.regular(|message| message.version.is_some())?;
+            let mut flight = flight.clone();
+            flight.topics[topic].name += "_v9999";
+            Some(flight)
+        }),
+        also: &[],
+    }],
 };
 
 struct Versions;

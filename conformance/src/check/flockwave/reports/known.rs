@@ -110,7 +110,7 @@ impl<'d> Known<'d> {
     pub(super) fn kind(
         &mut self,
         kind: Kind<'_>,
-        (uav, state): (&str, &str),
+        (uav, state): (&str, &[u8]),
         findings: &Findings,
     ) -> Option<(usize, u64)> {
         let is_it = |known: &Entry<(u64, u64, Box<str>)>| {
@@ -127,7 +127,8 @@ impl<'d> Known<'d> {
         Some((self.latest, count))
     }
 
-    fn learn(&mut self, kind: Kind<'_>, uav: &str, state: &str) -> Option<usize> {
+    fn learn(&mut self, kind: Kind<'_>, uav: &str, state: &[u8]) -> Option<usize> {
+        let state = str::from_utf8(state).ok()?;
         if self.kinds.len() == MAX_KNOWN || kind.errors.len() > MAX_TEXT {
             return None;
         }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::{Exchange, Role, Tree};
 use crate::flockwave::record::Direction;
+use crate::json::Frame;
 use crate::model::Place;
 
 /// How long a message over several lines may be, in bytes: what is longer is taken for no message.
@@ -43,15 +44,7 @@ pub(in crate::rules) struct Lines {
 struct Open {
     lines: Vec<Line>,
     text: String,
-    nesting: Nesting,
-}
-
-/// How deep a text has gone into values of JSON.
-#[derive(Debug, Default)]
-struct Nesting {
-    depth: usize,
-    is_in_string: bool,
-    is_escaped: bool,
+    frame: Frame,
 }
 
 impl Lines {
@@ -102,11 +95,11 @@ impl Lines {
         open.lines.push(line);
         open.text.push_str(text);
         open.text.push('\n');
-        open.nesting.follow(text);
+        let depth = open.frame.follow(text);
         if open.text.len() > MAX_TEXT || open.lines.len() > MAX_LINES {
             return self.part(index);
         }
-        if open.nesting.depth > 0 {
+        if depth > 0 {
             return;
         }
         let is_message = open.lines.len() > 1 && matches!(Tree::read(&open.text), Ok(Tree::Object(_)));
@@ -116,21 +109,6 @@ impl Lines {
         let open = self.open.remove(&index).unwrap_or_default();
         let count = open.lines.len();
         self.whole.extend(open.lines.into_iter().next().map(|first| (first, count)));
-    }
-}
-
-impl Nesting {
-    fn follow(&mut self, text: &str) {
-        for byte in text.bytes() {
-            match byte {
-                _ if self.is_escaped => self.is_escaped = false,
-                b'\\' if self.is_in_string => self.is_escaped = true,
-                b'"' => self.is_in_string = !self.is_in_string,
-                b'{' | b'[' if !self.is_in_string => self.depth += 1,
-                b'}' | b']' if !self.is_in_string => self.depth = self.depth.saturating_sub(1),
-                _ => {}
-            }
-        }
     }
 }
 
