@@ -51,6 +51,7 @@ mod env_16;
 mod env_17;
 mod env_18;
 mod env_19;
+mod env_21;
 mod env_22;
 mod env_23;
 mod env_24;
@@ -66,6 +67,7 @@ mod err_09;
 mod err_10;
 mod fw;
 mod inf_01;
+mod listed_uavs;
 mod obj_del_01;
 mod obj_del_02;
 mod obj_list_01;
@@ -74,6 +76,10 @@ mod obj_list_02;
 mod obj_list_03;
 mod obj_list_04;
 mod prm_01;
+mod served;
+mod sio_01;
+mod sio_02;
+mod sio_03;
 mod sys_close_01;
 mod sys_close_02;
 mod sys_msg_01;
@@ -90,13 +96,16 @@ mod sys_ver_02;
 mod sys_ver_03;
 mod sys_ver_04;
 mod tcp_01;
-mod trials;
+mod tcp_02;
+mod tcp_03;
+mod tcp_04;
 mod uav_inf_01;
 mod uav_inf_02;
 mod uav_inf_03;
 mod uav_inf_04;
 mod uav_inf_05;
 mod uav_inf_06;
+mod uav_inf_07;
 mod uav_inf_08;
 mod uav_inf_09;
 mod uav_list_01;
@@ -105,7 +114,24 @@ mod uav_list_02;
 mod uav_list_03;
 mod udp;
 mod udp_01;
+mod udp_02;
+mod udp_03;
 mod ust;
+mod ust_attitude;
+mod ust_battery;
+mod ust_debug;
+mod ust_errors;
+mod ust_gps;
+mod ust_heading;
+mod ust_id;
+mod ust_light;
+mod ust_mode;
+mod ust_position;
+mod ust_positionxyz;
+mod ust_rssi;
+mod ust_timestamp;
+mod ust_velocity;
+mod ust_velocityxyz;
 mod wth_01;
 
 use super::RuleContext;
@@ -167,7 +193,7 @@ pub static RULES: [&FlockwaveRule; 128] = [
     &env_17::RULE,
     &env_18::RULE,
     &env_19::RULE,
-    &trials::ENV_21,
+    &env_21::RULE,
     &env_22::RULE,
     &env_23::RULE,
     &env_24::RULE,
@@ -190,9 +216,9 @@ pub static RULES: [&FlockwaveRule; 128] = [
     &obj_list_03::RULE,
     &obj_list_04::RULE,
     &prm_01::RULE,
-    &trials::SIO_01,
-    &trials::SIO_02,
-    &trials::SIO_03,
+    &sio_01::RULE,
+    &sio_02::RULE,
+    &sio_03::RULE,
     &sys_close_01::RULE,
     &sys_close_02::RULE,
     &sys_msg_01::RULE,
@@ -209,16 +235,16 @@ pub static RULES: [&FlockwaveRule; 128] = [
     &sys_ver_03::RULE,
     &sys_ver_04::RULE,
     &tcp_01::RULE,
-    &trials::TCP_02,
-    &trials::TCP_03,
-    &trials::TCP_04,
+    &tcp_02::RULE,
+    &tcp_03::RULE,
+    &tcp_04::RULE,
     &uav_inf_01::RULE,
     &uav_inf_02::RULE,
     &uav_inf_03::RULE,
     &uav_inf_04::RULE,
     &uav_inf_05::RULE,
     &uav_inf_06::RULE,
-    &uav_list_03::REPEATED,
+    &uav_inf_07::RULE,
     &uav_inf_08::RULE,
     &uav_inf_09::RULE,
     &uav_list_01::RULE,
@@ -226,23 +252,23 @@ pub static RULES: [&FlockwaveRule; 128] = [
     &uav_list_02::RULE,
     &uav_list_03::RULE,
     &udp_01::RULE,
-    &udp::UDP_02,
-    &udp::UDP_03,
-    &ust::ATTITUDE,
-    &ust::BATTERY,
-    &ust::DEBUG,
-    &ust::ERRORS,
-    &ust::GPS,
-    &ust::HEADING,
-    &ust::ID,
-    &ust::LIGHT,
-    &ust::MODE,
-    &ust::POSITION,
-    &ust::POSITIONXYZ,
-    &ust::RSSI,
-    &ust::TIMESTAMP,
-    &ust::VELOCITY,
-    &ust::VELOCITYXYZ,
+    &udp_02::RULE,
+    &udp_03::RULE,
+    &ust_attitude::RULE,
+    &ust_battery::RULE,
+    &ust_debug::RULE,
+    &ust_errors::RULE,
+    &ust_gps::RULE,
+    &ust_heading::RULE,
+    &ust_id::RULE,
+    &ust_light::RULE,
+    &ust_mode::RULE,
+    &ust_position::RULE,
+    &ust_positionxyz::RULE,
+    &ust_rssi::RULE,
+    &ust_timestamp::RULE,
+    &ust_velocity::RULE,
+    &ust_velocityxyz::RULE,
     &wth_01::RULE,
 ];
 

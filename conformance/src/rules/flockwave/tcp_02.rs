@@ -1,0 +1,21 @@
+//! `FW-TCP-02`.
+
+use super::served::{self, APPLIES_TO};
+use super::{Check, FlockwaveRule, Level, Mutant, Rule, Status, fw};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-TCP-02",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Over TCP a message may come in several segments, and several in one.",
+        source: fw::TRANSPORT,
+        applies_to: APPLIES_TO,
+    },
+    check: Check::Exchange(served::check),
+    mutants: &[
+        Mutant { name: served::UNANSWERED, make: || fw::unanswered("tcp#9", RULE.rule.id), also: &[] },
+        Mutant { name: served::REFUSED, make: || fw::refused("tcp#9", RULE.rule.id), also: &[] },
+        Mutant { name: served::NO_CONNECTION, make: || served::no_connection(RULE.rule.id), also: &[] },
+    ],
+};

@@ -1,0 +1,20 @@
+//! `FW-UST-ATTITUDE`.
+
+use serde_json::json;
+
+use super::{Check, FlockwaveRule, Mutant, Rule, ust};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-UST-ATTITUDE",
+        status: ust::NULL,
+        statement: "`attitude` is roll and pitch, integers from -1800 to 1799, and yaw, 0 to 3599, in tenths of a degree.",
+        ..ust::RULE
+    },
+    check: Check::Exchange(|exchange, context| ust::check(exchange, context, "attitude")),
+    mutants: &[
+        Mutant { name: "null", make: || ust::with("attitude", json!(null)), also: &[] },
+        Mutant { name: "a yaw of 3600", make: || ust::with("attitude", json!([0, 0, 3600])), also: &[] },
+        Mutant { name: "no yaw", make: || ust::with("attitude", json!([0, 0])), also: &[] },
+    ],
+};

@@ -1,0 +1,20 @@
+//! `FW-UST-HEADING`.
+
+use serde_json::json;
+
+use super::{Check, FlockwaveRule, Mutant, Rule, ust};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-UST-HEADING",
+        status: ust::NULL,
+        statement: "`heading` is an integer from 0 to 3599, in tenths of a degree.",
+        ..ust::RULE
+    },
+    check: Check::Exchange(|exchange, context| ust::check(exchange, context, "heading")),
+    mutants: &[
+        Mutant { name: "3600", make: || ust::with("heading", json!(3600)), also: &[] },
+        Mutant { name: "-1", make: || ust::with("heading", json!(-1)), also: &[] },
+        Mutant { name: "a fraction", make: || ust::with("heading", json!(271.5)), also: &[] },
+    ],
+};

@@ -1,0 +1,19 @@
+//! `FW-UST-LIGHT`.
+
+use serde_json::json;
+
+use super::{Check, FlockwaveRule, Mutant, Rule, ust};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-UST-LIGHT",
+        status: ust::NULL,
+        statement: "`light` is a colour in 16 bits, an integer from 0 to 65535.",
+        ..ust::RULE
+    },
+    check: Check::Exchange(|exchange, context| ust::check(exchange, context, "light")),
+    mutants: &[
+        Mutant { name: "65536", make: || ust::with("light", json!(65536)), also: &[] },
+        Mutant { name: "a name", make: || ust::with("light", json!("green")), also: &[] },
+    ],
+};
