@@ -29,14 +29,14 @@ pub static RULES: [&Rule; flockwave::RULES.len() + px4::RULES.len()] = {
 };
 
 /// A mutant of a rule of either family.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Mutant {
     /// The rule that it violates.
     pub rule: &'static Rule,
     /// The change.
     pub name: &'static str,
     /// The ids of other rules that it violates too.
-    pub also: &'static [&'static str],
+    pub also: Vec<&'static str>,
     make: Make,
 }
 
@@ -62,7 +62,7 @@ pub fn mutants() -> impl Iterator<Item = Mutant> {
         of.mutants.iter().map(|flockwave::Mutant { name, make, also }| Mutant {
             rule: &of.rule,
             name,
-            also,
+            also: also.iter().map(|rule| rule.id).collect(),
             make: Make::Session(*make),
         })
     });
@@ -70,7 +70,7 @@ pub fn mutants() -> impl Iterator<Item = Mutant> {
         of.mutants.iter().map(|px4::Mutant { name, make, also }| Mutant {
             rule: &of.rule,
             name,
-            also,
+            also: also.to_vec(),
             make: Make::Flight(*make),
         })
     });

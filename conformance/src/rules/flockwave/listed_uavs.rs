@@ -8,11 +8,10 @@ use std::collections::BTreeSet;
 
 use serde_json::{Value, json};
 
-use super::fw::{self, Exchange, PerConnection};
-use super::{Checker, Detail, Place, RuleContext, uav_inf_07};
+use super::{Checker, Detail, Exchange, PerConnection, Place, RuleContext, Session, fw, uav_inf_07};
 
 /// Puts records between two lists of the same UAVs.
-pub(super) fn listed_twice(session: &mut fw::Session, say: impl FnOnce(&mut fw::Session)) {
+pub(super) fn listed_twice(session: &mut Session, say: impl FnOnce(&mut Session)) {
     let list = || -> (Value, Value) { (json!({ "type": "UAV-LIST" }), json!({ "ids": ["kite", "swift"] })) };
     let (request, answer) = list();
     session.asks(request, answer);

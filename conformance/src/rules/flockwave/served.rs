@@ -3,7 +3,7 @@
 //! These rules are covered only by trials, which the session marks. A refused request isn't served either, so no trial
 //! uses a request that a server may refuse for other reasons.
 
-use super::{RuleContext, fw};
+use super::{Rule, RuleContext, fw};
 use crate::flockwave::session::Exchange;
 
 /// The records that these rules apply to.
@@ -24,6 +24,6 @@ pub(super) fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
 }
 
 /// The session of which a connection that tries the rule doesn't come about.
-pub(super) fn no_connection(rule: &str) -> Option<Vec<u8>> {
+pub(super) fn no_connection(rule: &Rule) -> Option<Vec<u8>> {
     fw::then(|session| session.refused(rule, "no connection", "Nobody is there"))
 }

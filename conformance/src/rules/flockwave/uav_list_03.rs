@@ -1,9 +1,8 @@
 //! `FW-UAV-LIST-03`.
 
-use serde_json::json;
+use serde_json::{Value, json};
 
-use super::listed_uavs::{Unknown, listed_twice};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, Status, fw};
+use super::{Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, fw, listed_uavs};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -14,12 +13,26 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         source: fw::DERIVED,
         applies_to: "UAV-LIST and UAV-INF over time",
     },
-    check: Check::State(|| Box::new(Unknown::default())),
+    check: Check::State(|| Box::new(listed_uavs::Unknown::default())),
+    covers: &[],
+    bug: Bug::message("Lists have a UAV that UAV-INF doesn't know.", |out| {
+        let has_uavs = match out.kind() {
+            "UAV-LIST" => true,
+            "OBJ-LIST" => {
+                let filter = out.request.and_then(|body| body.get("filter")).and_then(Value::as_array);
+                filter.is_none_or(|kinds| kinds.contains(&json!("uav")))
+            }
+            _ => false,
+        };
+        if has_uavs && let Some(ids) = out.message()["body"]["ids"].as_array_mut() {
+            ids.push(json!("wraith-1"));
+        }
+    }),
     mutants: &[Mutant {
         name: "one that it doesn't know",
         make: || {
             fw::over("tcp#9", |session| {
-                listed_twice(session, |session| {
+                listed_uavs::listed_twice(session, |session| {
                     let error = json!({ "error": { "kite": "No such glider" } });
                     session.asks(json!({ "type": "UAV-INF", "ids": ["kite"] }), error);
                 });

@@ -9,14 +9,13 @@ use std::collections::BTreeMap;
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, PerConnection, Role};
-use super::{Checker, Detail, Place, RuleContext};
+use super::{Checker, Detail, Exchange, PerConnection, Place, Role, Rule, RuleContext, fw};
 
 /// The records that these rules apply to.
 pub(super) const APPLIES_TO: &str = "requests that try it, over UDP";
 
 /// The session with trials of a rule that get no answer.
-pub(super) fn unanswered(rule: &str) -> Option<Vec<u8>> {
+pub(super) fn unanswered(rule: &Rule) -> Option<Vec<u8>> {
     fw::over("udp#9", |session| {
         for _ in 0..3 {
             session.tries(rule, "without an answer", json!({ "type": "SYS-PING" }));

@@ -1,8 +1,8 @@
 //! `FW-UDP-03`.
 
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, Status, fw, udp};
+use super::{Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Status, fw, udp};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UDP-03",
         level: Level::Info,
@@ -12,8 +12,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: udp::APPLIES_TO,
     },
     check: Check::State(|| Box::new(udp::Trials::once_heard())),
+    covers: &[],
+    bug: Bug::behaviour("Over UDP, a datagram that is no JSON ends the service.").needs(Needs::Udp),
     mutants: &[
-        Mutant { name: "trials without an answer", make: || udp::unanswered(RULE.rule.id), also: &[] },
-        Mutant { name: "a trial that is refused", make: || fw::refused("udp#9", RULE.rule.id), also: &[] },
+        Mutant { name: "trials without an answer", make: || udp::unanswered(&RULE.rule), also: &[] },
+        Mutant { name: "a trial that is refused", make: || fw::refused("udp#9", &RULE.rule), also: &[] },
     ],
 };

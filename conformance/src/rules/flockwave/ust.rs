@@ -2,8 +2,7 @@
 
 use serde_json::Value;
 
-use super::fw::{self, Exchange};
-use super::{Level, Rule, RuleContext, Status};
+use super::{Exchange, FlockwaveRule, Level, Rule, RuleContext, Status, fw};
 
 /// What the specification says of null.
 pub(super) const NULL: Status = Status::Disputed(
@@ -27,14 +26,14 @@ pub(super) fn with(field: &str, value: Value) -> Option<Vec<u8>> {
 }
 
 /// Counts the states that have a field, and reports the violations of its body schema that the rule covers.
-pub(super) fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, field: &str) {
-    let id = context.rule.id;
+pub(super) fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, of: &FlockwaveRule, field: &str) {
     for (_, state) in fw::states(exchange, "UAV-INF") {
         if state.get(field).is_some() {
             context.covered();
         }
     }
-    for deviation in exchange.deviations.iter().flatten().filter(|deviation| deviation.told_by == Some(id)) {
+    let Some(type_name) = exchange.type_name else { return };
+    for deviation in exchange.deviations.iter().flatten().filter(|found| of.covers(type_name, found)) {
         exchange.deviates(context, &exchange.subject(), deviation);
     }
 }

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::{Check, FlockwaveRule, Mutant, Rule, ust};
+use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, ust};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,7 +11,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`errors` is a list of integers.",
         ..ust::RULE
     },
-    check: Check::Exchange(|exchange, context| ust::check(exchange, context, "errors")),
+    check: Check::Exchange(|exchange, context| ust::check(exchange, context, &RULE, "errors")),
+    covers: &[
+        Attribution::new(&["UAV-INF"], "status.*.errors", attribution::ALL),
+        Attribution::new(&["UAV-INF"], "status.*.errors.*", attribution::MISSING),
+    ],
+    bug: Bug::message("Error codes are a text.", |out| out.set_in_state("errors", json!("none"))),
     mutants: &[
         Mutant { name: "one code without a list", make: || ust::with("errors", json!(1)), also: &[] },
         Mutant { name: "null", make: || ust::with("errors", json!(null)), also: &[] },

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::{Check, FlockwaveRule, Mutant, Rule, ust};
+use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, ust};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,7 +11,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`heading` is an integer from 0 to 3599, in tenths of a degree.",
         ..ust::RULE
     },
-    check: Check::Exchange(|exchange, context| ust::check(exchange, context, "heading")),
+    check: Check::Exchange(|exchange, context| ust::check(exchange, context, &RULE, "heading")),
+    covers: &[Attribution::new(&["UAV-INF"], "status.*.heading.**", attribution::ALL)],
+    bug: Bug::message("A heading is a full turn.", |out| out.set_in_state("heading", json!(3600))),
     mutants: &[
         Mutant { name: "3600", make: || ust::with("heading", json!(3600)), also: &[] },
         Mutant { name: "-1", make: || ust::with("heading", json!(-1)), also: &[] },

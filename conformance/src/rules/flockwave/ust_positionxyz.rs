@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::{Check, FlockwaveRule, Mutant, Rule, ust};
+use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, ust};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,7 +11,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`positionXYZ` is three integers, in mm.",
         ..ust::RULE
     },
-    check: Check::Exchange(|exchange, context| ust::check(exchange, context, "positionXYZ")),
+    check: Check::Exchange(|exchange, context| ust::check(exchange, context, &RULE, "positionXYZ")),
+    covers: &[Attribution::new(&["UAV-INF"], "status.*.positionXYZ.**", attribution::ALL)],
+    bug: Bug::message("A position in the flat frame has two coordinates.", |out| {
+        out.set_in_state("positionXYZ", json!([1, 2]));
+    }),
     mutants: &[
         Mutant { name: "null", make: || ust::with("positionXYZ", json!(null)), also: &[] },
         Mutant { name: "two", make: || ust::with("positionXYZ", json!([1, 2])), also: &[] },

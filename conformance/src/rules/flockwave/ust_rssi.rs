@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::{Check, FlockwaveRule, Mutant, Rule, ust};
+use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, ust};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,7 +11,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`rssi` is a list of integers from -1 to 100.",
         ..ust::RULE
     },
-    check: Check::Exchange(|exchange, context| ust::check(exchange, context, "rssi")),
+    check: Check::Exchange(|exchange, context| ust::check(exchange, context, &RULE, "rssi")),
+    covers: &[Attribution::new(&["UAV-INF"], "status.*.rssi.**", attribution::ALL)],
+    bug: Bug::message("A signal is weaker than none.", |out| out.set_in_state("rssi", json!([-60]))),
     mutants: &[
         Mutant { name: "-80", make: || ust::with("rssi", json!([-80])), also: &[] },
         Mutant { name: "one number without a list", make: || ust::with("rssi", json!(71)), also: &[] },

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::{Check, FlockwaveRule, Mutant, Rule, Status, fw, ust};
+use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, Status, attribution, fw, ust};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,7 +11,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`timestamp` is an integer, in milliseconds.",
         ..ust::RULE
     },
-    check: Check::Exchange(|exchange, context| ust::check(exchange, context, "timestamp")),
+    check: Check::Exchange(|exchange, context| ust::check(exchange, context, &RULE, "timestamp")),
+    covers: &[Attribution::new(&["UAV-INF"], "status.*.timestamp.**", attribution::ALL)],
+    bug: Bug::message("A time stamp is a text.", |out| {
+        out.set_in_state("timestamp", json!("noon"));
+    }),
     mutants: &[
         Mutant {
             name: "no `timestamp`",
