@@ -348,7 +348,7 @@ fn odd_definitions() -> impl Strategy<Value = String> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 1_000, ..ProptestConfig::default() })]
+    #![proptest_config(support::config(1_000))]
 
     #[test]
     fn mending_odd_definitions_changes_nothing_that_is_said(text in odd_definitions()) {

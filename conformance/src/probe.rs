@@ -29,7 +29,7 @@ use serde_json::{Value, json};
 use self::session::Session;
 use self::tape::{Tape, Trial};
 use self::trials::{Attempt, Step};
-use crate::check::Judgement;
+use crate::check::CaptureResult;
 use crate::definitions::Definitions;
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::json::base64;
@@ -87,7 +87,7 @@ impl Options {
 #[derive(Debug)]
 pub struct Probed {
     /// What was found in all that went over the wire.
-    pub judgement: Judgement,
+    pub result: CaptureResult,
     /// What happened on the way, in order.
     pub notes: Vec<String>,
     /// Why not all could be asked.
@@ -196,7 +196,7 @@ impl Probe<'_, '_> {
     fn finish(mut self) -> Probed {
         self.leave();
         let (judgement, unrecorded) = self.tape.finish();
-        Probed { judgement, notes: self.notes, failure: self.failure, unrecorded }
+        Probed { result: judgement, notes: self.notes, failure: self.failure, unrecorded }
     }
 
     /// A new connection.

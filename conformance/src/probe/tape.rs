@@ -6,7 +6,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde_json::Value;
 
-use crate::check::{FlockwaveJudge, Judgement};
+use crate::check::{CaptureResult, FlockwaveJudge};
 use crate::definitions::Definitions;
 use crate::flockwave::record::Direction;
 use crate::json::Tree;
@@ -111,7 +111,7 @@ impl<'d> Tape<'d> {
     }
 
     /// What came of it all; or why the recording couldn't be written to its end.
-    pub(super) fn finish(mut self) -> (Judgement, Option<io::Error>) {
+    pub(super) fn finish(mut self) -> (CaptureResult, Option<io::Error>) {
         let flushed = self.file.as_mut().map_or(Ok(()), Write::flush);
         (self.judge.finish(self.bytes), self.failure.or(flushed.err()))
     }

@@ -16,7 +16,7 @@ mod template;
 mod tests;
 mod value;
 
-pub(crate) use self::clean::{Clean, MessageSeed};
+pub(crate) use self::clean::Clean;
 pub use self::dialect::{Dialect, Dialects};
 pub use self::explain::Told;
 pub use self::plan::Plans;

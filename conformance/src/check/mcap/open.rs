@@ -12,7 +12,7 @@ use crate::px4::comparison::{Comparison, Differences};
 use crate::px4::json::Plans;
 
 /// A channel of a file.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct McapChannel {
     /// Its topic.
     pub topic: String,

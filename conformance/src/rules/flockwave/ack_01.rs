@@ -2,8 +2,9 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, env_17, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,19 +16,26 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ACK-ACK, ACK-NAK",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("An acknowledgment that answers nothing follows each SYS-VER.", |out| {
+        if out.kind() == "SYS-VER" {
+            out.follow(None, json!({ "type": "ACK-ACK" }));
+        }
+    })
+    .with(&[&env_17::RULE.rule]),
     mutants: &[Mutant {
         name: "an acknowledgment of nothing",
-        make: || fw::then(|talk| talk.tells(json!({ "type": "ACK-ACK" }))),
-        also: &["FW-ENV-17"],
+        make: || fw::then(|session| session.tells(json!({ "type": "ACK-ACK" }))),
+        also: &[&env_17::RULE.rule],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if !turn.is_of_server() || !matches!(turn.type_name, Some("ACK-ACK" | "ACK-NAK")) {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if !exchange.is_of_server() || !matches!(exchange.type_name, Some("ACK-ACK" | "ACK-NAK")) {
         return;
     }
-    judged.exercise();
-    if turn.role != Role::Response {
-        turn.breaks(judged, || Detail::new("an acknowledgment without `refs`"));
+    context.covered();
+    if exchange.role != Role::Response {
+        exchange.breaks(context, || Detail::new("an acknowledgment without `refs`"));
     }
 }

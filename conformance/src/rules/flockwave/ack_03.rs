@@ -1,7 +1,11 @@
 //! `FW-ACK-03`.
 
-use super::fw::{self, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, Detail, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext,
+    Status, Tree, fw,
+};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -14,6 +18,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ACK-ACK",
     },
     check: Check::Exchange(judge),
+    covers: &[Attribution::new(&["ACK-ACK"], "*", &[Fault::Further])],
+    bug: Bug::message("ACK-ACK has a reason.", |out| {
+        if let Some(body) = out.body_of("ACK-ACK") {
+            body["reason"] = json!("why not");
+        }
+    }),
     mutants: &[Mutant {
         name: "a reason",
         make: || fw::reply("ACK-ACK", |body| body["reason"] = "Fine".into()),
@@ -21,11 +31,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(Tree::Object(members)) = turn.body_of("ACK-ACK") else { return };
-    judged.exercise();
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(Tree::Object(members)) = exchange.body_of("ACK-ACK") else { return };
+    context.covered();
     if let Some((key, _)) = members.iter().find(|(key, _)| key != "type") {
-        turn.breaks(judged, || {
+        exchange.breaks(context, || {
             Detail::new(format!("it has {}, too", fw::quoted(key))).at(pointer(&["body", key]))
         });
     }

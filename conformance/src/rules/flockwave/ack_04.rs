@@ -1,7 +1,11 @@
 //! `FW-ACK-04`.
 
-use super::fw::{self, Shape, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, Detail, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape,
+    Status, Tree, fw,
+};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -14,6 +18,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ACK-NAK",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["ACK-NAK"], "*", &[Fault::Further]),
+        Attribution::new(&["ACK-NAK"], "reason", &[Fault::Kind]),
+    ],
+    bug: Bug::message("The reason of ACK-NAK is an object.", |out| {
+        if let Some(body) = out.body_of("ACK-NAK") {
+            body["reason"] = json!({ "en": "no" });
+        }
+    }),
     mutants: &[
         Mutant {
             name: "a number for the reason",
@@ -28,13 +41,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(Tree::Object(members)) = turn.body_of("ACK-NAK") else { return };
-    judged.exercise();
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(Tree::Object(members)) = exchange.body_of("ACK-NAK") else { return };
+    context.covered();
     if let Some((key, _)) = members.iter().find(|(key, _)| key != "type" && key != "reason") {
-        turn.breaks(judged, || {
+        exchange.breaks(context, || {
             Detail::new(format!("it has {}, too", fw::quoted(key))).at(pointer(&["body", key]))
         });
     }
-    fw::field(turn, judged, "reason", false, &Shape::Nullable(&Shape::Text));
+    fw::field(exchange, context, "reason", false, &Shape::Nullable(&Shape::Text));
 }

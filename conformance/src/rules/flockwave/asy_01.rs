@@ -2,8 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +14,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "LOG-DATA",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("LOG-DATA has a receipt and an error.", |out| {
+        if let Some(body) = out.body_of("LOG-DATA")
+            && body.get("receipt").is_some()
+        {
+            body["error"] = json!("the log is late");
+        }
+    }),
     mutants: &[
         Mutant {
             name: "a result beside the receipt",
@@ -28,8 +35,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "nothing",
             make: || {
-                fw::then(|talk| {
-                    talk.asks(json!({ "type": "LOG-DATA", "uavId": "kite", "logId": "8" }), json!({}));
+                fw::then(|session| {
+                    session.asks(json!({ "type": "LOG-DATA", "uavId": "kite", "logId": "8" }), json!({}));
                 })
             },
             also: &[],
@@ -37,8 +44,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.response("LOG-DATA").is_some() {
-        fw::exactly_one(turn, judged, &["result", "error", "receipt"], "result");
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.response("LOG-DATA").is_some() {
+        fw::exactly_one(exchange, context, &["result", "error", "receipt"], "result");
     }
 }

@@ -1,7 +1,6 @@
 //! `FW-ASY-02`.
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, asy_09, fw};
 use crate::flockwave::session::OPERATIONS;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -14,6 +13,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "commands to several objects",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("The last object that was asked for is missing.", |out| {
+        out.lose_last(&OPERATIONS);
+    })
+    .with(&[&asy_09::RULE.rule]),
     mutants: &[
         Mutant {
             name: "a glider is missing",
@@ -28,6 +32,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::partition(turn, judged, &OPERATIONS);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::partition(exchange, context, &OPERATIONS);
 }

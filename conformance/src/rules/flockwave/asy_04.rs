@@ -2,10 +2,12 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Shape, Tree, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, Exchange, Fault, FlockwaveRule, Level, Mutant, OPERATIONS, Role, Rule,
+    RuleContext, Shape, Status, Tree, attribution, env_18, fw,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-04",
         level: Level::Should,
@@ -15,12 +17,18 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "replies with `receipt`",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&OPERATIONS, "receipt", &[Fault::Kind]),
+        Attribution::new(&OPERATIONS, "receipt.*", attribution::UNFIT),
+        Attribution::new(&["LOG-DATA"], "receipt", attribution::WRONG),
+    ],
+    bug: Bug::behaviour("Receipts are 70 characters long.").with(&[&env_18::RULE.rule]),
     mutants: &[
         Mutant {
             name: "a number",
             make: || {
-                fw::then(|talk| {
-                    talk.asks(
+                fw::then(|session| {
+                    session.asks(
                         json!({ "type": "UAV-RTH", "ids": ["kite"] }),
                         json!({ "receipt": { "kite": 7 } }),
                     );
@@ -31,8 +39,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "an empty one",
             make: || {
-                fw::then(|talk| {
-                    talk.asks(
+                fw::then(|session| {
+                    session.asks(
                         json!({ "type": "UAV-RTH", "ids": ["kite"] }),
                         json!({ "receipt": { "kite": "" } }),
                     );
@@ -45,15 +53,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 const RECEIPT: Shape = Shape::Length(1, 64);
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.role != Role::Response || !turn.is_of_server() || !turn.type_name.is_some_and(fw::gives_receipts)
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.role != Role::Response
+        || !exchange.is_of_server()
+        || !exchange.type_name.is_some_and(fw::gives_receipts)
     {
         return;
     }
     let of_many = Shape::Map(&RECEIPT);
-    let shape = if turn.type_name == Some("LOG-DATA") { &RECEIPT } else { &of_many };
-    match turn.field("receipt") {
+    let shape = if exchange.type_name == Some("LOG-DATA") { &RECEIPT } else { &of_many };
+    match exchange.field("receipt") {
         None | Some(Tree::Null) => {}
-        Some(_) => fw::field(turn, judged, "receipt", true, shape),
+        Some(_) => fw::field(exchange, context, "receipt", true, shape),
     }
 }

@@ -1,9 +1,11 @@
 //! `FW-ASY-08`.
 
-use serde_json::json;
+use serde_json::{Value, json};
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +17,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ASYNC-RESP",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["ASYNC-RESP"], "id", attribution::MISSING),
+        Attribution::new(&["ASYNC-RESP"], "error", &[Fault::Kind]),
+    ],
+    bug: Bug::message("The error of ASYNC-RESP is a number.", |out| {
+        if let Some(body) = out.body_of("ASYNC-RESP").and_then(Value::as_object_mut) {
+            body.remove("result");
+            body.insert("error".to_owned(), json!(7));
+        }
+    }),
     mutants: &[
         Mutant {
             name: "an id that is a number",
@@ -33,9 +45,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("ASYNC-RESP").is_some() {
-        fw::field(turn, judged, "id", true, &Shape::Text);
-        fw::field(turn, judged, "error", false, &Shape::Nullable(&Shape::Text));
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("ASYNC-RESP").is_some() {
+        fw::field(exchange, context, "id", true, &Shape::Text);
+        fw::field(exchange, context, "error", false, &Shape::Nullable(&Shape::Text));
     }
 }

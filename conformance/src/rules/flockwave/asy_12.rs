@@ -1,7 +1,11 @@
 //! `FW-ASY-12`.
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +19,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ASYNC-ST",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["ASYNC-ST"], "id", attribution::MISSING),
+        Attribution::new(&["ASYNC-ST"], "progress", attribution::MISSING),
+        Attribution::new(&["ASYNC-ST"], "progress.percentage", attribution::WRONG),
+        Attribution::new(&["ASYNC-ST"], "suspended", &[Fault::Kind]),
+    ],
+    bug: Bug::message("More than all is done.", |out| {
+        if let Some(body) = out.body_of("ASYNC-ST") {
+            body["progress"]["percentage"] = json!(140);
+        }
+    }),
     mutants: &[
         Mutant {
             name: "110 percent",
@@ -36,13 +51,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 const PERCENTAGE: Shape = Shape::Nullable(&Shape::Integer(0, 100));
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("ASYNC-ST").is_none() {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("ASYNC-ST").is_none() {
         return;
     }
-    fw::field(turn, judged, "id", true, &Shape::Text);
-    fw::field(turn, judged, "progress", true, &Shape::Object);
-    fw::field(turn, judged, "suspended", false, &Shape::Nullable(&Shape::Bool));
+    fw::field(exchange, context, "id", true, &Shape::Text);
+    fw::field(exchange, context, "progress", true, &Shape::Object);
+    fw::field(exchange, context, "suspended", false, &Shape::Nullable(&Shape::Bool));
     let keys = ["body", "progress"];
-    fw::member(turn, judged, turn.field("progress"), &keys, ("percentage", false), &PERCENTAGE);
+    fw::member(exchange, context, exchange.field("progress"), &keys, ("percentage", false), &PERCENTAGE);
 }

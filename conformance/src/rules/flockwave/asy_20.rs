@@ -1,7 +1,9 @@
 //! `FW-ASY-20`.
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +15,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ASYNC-TIMEOUT",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["ASYNC-TIMEOUT"], "ids", attribution::MISSING),
+        Attribution::new(&["ASYNC-TIMEOUT"], "ids.*", attribution::MISSING),
+    ],
+    bug: Bug::message("ASYNC-TIMEOUT has its receipt as a text.", |out| {
+        if let Some(body) = out.body_of("ASYNC-TIMEOUT") {
+            body["ids"] = body["ids"][0].take();
+        }
+    }),
     mutants: &[Mutant {
         name: "one id without a list",
         make: || fw::notice("ASYNC-TIMEOUT", |body| body["ids"] = "rcpt-2".into()),
@@ -20,8 +31,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("ASYNC-TIMEOUT").is_some() {
-        fw::field(turn, judged, "ids", true, &Shape::List(&Shape::Text));
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("ASYNC-TIMEOUT").is_some() {
+        fw::field(exchange, context, "ids", true, &Shape::List(&Shape::Text));
     }
 }

@@ -2,8 +2,9 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,23 +16,29 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ASYNC-TIMEOUT",
     },
     check: Check::Exchange(judge),
+    covers: &[Attribution::new(&["ASYNC-TIMEOUT"], "ids", &[Fault::Value])],
+    bug: Bug::message("ASYNC-TIMEOUT has its receipt twice.", |out| {
+        if let Some(ids) = out.ids_of("ASYNC-TIMEOUT") {
+            ids.extend_from_within(..1);
+        }
+    }),
     mutants: &[Mutant {
         name: "an id twice",
         make: || {
-            fw::then(|talk| {
-                talk.asks(
+            fw::then(|session| {
+                session.asks(
                     json!({ "type": "UAV-RTH", "ids": ["kite"] }),
                     json!({ "receipt": { "kite": "rcpt-8" } }),
                 );
-                talk.tells(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-8", "rcpt-8"] }));
+                session.tells(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-8", "rcpt-8"] }));
             })
         },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("ASYNC-TIMEOUT").is_some() {
-        fw::unique(turn, judged, "ids");
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("ASYNC-TIMEOUT").is_some() {
+        fw::unique(exchange, context, "ids");
     }
 }

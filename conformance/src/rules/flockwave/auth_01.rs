@@ -1,7 +1,10 @@
 //! `FW-AUTH-01`.
 
-use super::fw::{self, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Needs, Rule, RuleContext, Status, Tree, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +16,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "AUTH-RESP",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("A failed login has a user.", |out| {
+        if let Some(body) = out.body_of("AUTH-RESP") {
+            body["result"] = json!(false);
+            body["user"] = json!("nobody");
+        }
+    })
+    .needs(Needs::Login),
     mutants: &[
         Mutant {
             name: "both",
@@ -32,12 +43,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(body) = turn.body_of("AUTH-RESP") else { return };
-    fw::exactly_one(turn, judged, &["result", "data"], "");
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(body) = exchange.body_of("AUTH-RESP") else { return };
+    fw::exactly_one(exchange, context, &["result", "data"], "");
     let is_logged_in = body.get("result") == Some(&Tree::Bool(true));
     if is_logged_in != fw::is_there(body.get("user")) {
-        turn.breaks(judged, || {
+        exchange.breaks(context, || {
             let (what, path) = if is_logged_in {
                 ("`result` is true, and there is no `user`", "/body")
             } else {

@@ -2,8 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +14,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "CONN-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("The last connection that was asked for is missing.", |out| {
+        out.lose_last(&["CONN-INF"]);
+    }),
     mutants: &[Mutant {
         name: "a connection is missing",
         make: || fw::reply("CONN-INF", |body| body["error"] = json!({})),
@@ -22,6 +25,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::partition(turn, judged, &["CONN-INF"]);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::partition(exchange, context, &["CONN-INF"]);
 }

@@ -1,7 +1,11 @@
 //! `FW-CONN-INF-03`.
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +17,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "CONN-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["CONN-INF"], "status.*", attribution::MISSING),
+        Attribution::new(&["CONN-INF"], "status.*.purpose", attribution::UNFIT),
+        Attribution::new(&["CONN-INF"], "status.*.status", attribution::UNFIT),
+    ],
+    bug: Bug::message("The purpose of connections is a number.", |out| {
+        out.each_status("CONN-INF", |status| status["purpose"] = json!(1));
+    }),
     mutants: &[
         Mutant {
             name: "a purpose of its own",
@@ -32,10 +44,10 @@ const PURPOSE: Shape =
 
 const STATUS: Shape = Shape::OneOf(&["disconnected", "connecting", "connected", "disconnecting", "unknown"]);
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    for (key, state) in fw::states(turn, "CONN-INF") {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    for (key, state) in fw::states(exchange, "CONN-INF") {
         let keys = ["body", "status", key];
-        fw::member(turn, judged, Some(state), &keys, ("purpose", true), &PURPOSE);
-        fw::member(turn, judged, Some(state), &keys, ("status", true), &STATUS);
+        fw::member(exchange, context, Some(state), &keys, ("purpose", true), &PURPOSE);
+        fw::member(exchange, context, Some(state), &keys, ("status", true), &STATUS);
     }
 }

@@ -1,7 +1,8 @@
 //! `FW-ENV-02`.
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +14,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("The version of the protocol is a number.", |out| {
+        out.message()["$fw.version"] = json!(1);
+    }),
     mutants: &[
         Mutant {
             name: "no version",
@@ -27,7 +32,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(message) = turn.message() else { return };
-    fw::member(turn, judged, Some(message), &[], ("$fw.version", true), &Shape::Text);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(message) = exchange.message() else { return };
+    fw::member(exchange, context, Some(message), &[], ("$fw.version", true), &Shape::Text);
 }

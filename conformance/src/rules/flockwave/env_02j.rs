@@ -1,7 +1,10 @@
 //! `FW-ENV-02J`.
 
-use super::fw::{self, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, Tree, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +16,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("The version of the protocol is a word.", |out| {
+        out.message()["$fw.version"] = json!("newest");
+    }),
     mutants: &[
         Mutant {
             name: "a word for the version",
@@ -27,12 +34,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let version = turn.message().and_then(|message| message.get("$fw.version")).and_then(Tree::as_str);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let version = exchange.message().and_then(|message| message.get("$fw.version")).and_then(Tree::as_str);
     let Some(version) = version else { return };
-    judged.exercise();
+    context.covered();
     if !fw::is_version(version) {
-        turn.breaks(judged, || {
+        exchange.breaks(context, || {
             Detail::differs("one to three numbers with dots between them", fw::quoted(version))
                 .at("/$fw.version")
         });

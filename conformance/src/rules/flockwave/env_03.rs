@@ -1,7 +1,8 @@
 //! `FW-ENV-03`.
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +14,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Ids are numbers.", |out| {
+        let number = out.number;
+        out.message()["id"] = json!(number);
+    }),
     mutants: &[
         Mutant {
             name: "an id that is a number",
@@ -27,7 +33,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(message) = turn.message() else { return };
-    fw::member(turn, judged, Some(message), &[], ("id", true), &Shape::Text);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(message) = exchange.message() else { return };
+    fw::member(exchange, context, Some(message), &[], ("id", true), &Shape::Text);
 }

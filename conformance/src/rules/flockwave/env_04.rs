@@ -1,7 +1,10 @@
 //! `FW-ENV-04`.
 
-use super::fw::{self, Role, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +16,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server over time",
     },
     check: Check::Context(judge),
+    covers: &[],
+    bug: Bug::message("All messages have the same id.", |out| out.message()["id"] = json!("s1")),
     mutants: &[Mutant {
         name: "a response has the id of the one before",
         make: || fw::reply_message("ACK-ACK", |message| message["id"] = "say-1".into()),
@@ -20,15 +25,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let is_named = matches!(turn.role, Role::Response | Role::Notification) && turn.is_of_server();
-    if !is_named || !turn.exchange.connection.is_told {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let is_named = matches!(exchange.role, Role::Response | Role::Notification) && exchange.is_of_server();
+    if !is_named || !exchange.record.connection.is_told {
         return;
     }
-    let Some(id) = turn.id else { return };
-    judged.exercise();
-    if turn.is_id_in_use {
-        turn.breaks(judged, || {
+    let Some(id) = exchange.id else { return };
+    context.covered();
+    if exchange.is_id_in_use {
+        exchange.breaks(context, || {
             Detail::new(format!("another message has had the id {}", fw::quoted(id))).at("/id")
         });
     }

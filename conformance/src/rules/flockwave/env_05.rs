@@ -1,7 +1,10 @@
 //! `FW-ENV-05`.
 
-use super::fw::{self, Conversation, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::Value;
+
+use super::{
+    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Session, Shape, Status, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,19 +16,25 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Notifications have refs, which are null.", |out| {
+        if out.is_notification() {
+            out.message()["refs"] = Value::Null;
+        }
+    }),
     mutants: &[Mutant {
         name: "`refs` of 37 characters",
         make: || {
-            let talk = Conversation::new();
+            let session = Session::new();
             let id = || "x".repeat(37);
-            let talk = talk.request("SYS-VER", |message| message["id"] = id().into())?;
-            Some(talk.reply_message("SYS-VER", |message| message["refs"] = id().into())?.to_bytes())
+            let session = session.request("SYS-VER", |message| message["id"] = id().into())?;
+            Some(session.reply_message("SYS-VER", |message| message["refs"] = id().into())?.to_bytes())
         },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(message) = turn.message() else { return };
-    fw::member(turn, judged, Some(message), &[], ("refs", false), &Shape::Length(1, 36));
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(message) = exchange.message() else { return };
+    fw::member(exchange, context, Some(message), &[], ("refs", false), &Shape::Length(1, 36));
 }

@@ -2,8 +2,9 @@
 
 use serde_json::json;
 
-use super::fw::{self, Reference, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Reference, Rule, RuleContext, Status, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,24 +16,31 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "responses over time",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("SYS-PING is answered twice.", |out| {
+        if out.asked() == Some("SYS-PING") {
+            let refs = out.message()["refs"].as_str().unwrap_or_default().to_owned();
+            out.follow(Some(&refs), json!({ "type": "ACK-ACK" }));
+        }
+    }),
     mutants: &[Mutant {
         name: "a second answer",
         make: || {
             let answer = || json!({ "body": { "type": "ACK-ACK" } });
-            fw::then(|talk| talk.answers("ask-2", answer()))
+            fw::then(|session| session.answers("ask-2", answer()))
         },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if !fw::refers(turn) {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if !fw::refers(exchange) {
         return;
     }
-    judged.exercise();
-    if turn.reference == Reference::Answered {
-        turn.breaks(judged, || {
-            let refs = turn.refs.map(fw::quoted).unwrap_or_default();
+    context.covered();
+    if exchange.reference == Reference::Answered {
+        exchange.breaks(context, || {
+            let refs = exchange.refs.map(fw::quoted).unwrap_or_default();
             Detail::new(format!("the request {refs} has had its response already")).at("/refs")
         });
     }

@@ -2,8 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +14,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Beside its body SYS-VER has an error.", |out| {
+        if out.kind() == "SYS-VER" {
+            out.message()["error"] = json!({ "message": "all is well" });
+        }
+    }),
     mutants: &[Mutant {
         name: "both",
         make: || fw::reply_message("SYS-VER", |message| message["error"] = json!({ "code": 7 })),
@@ -22,10 +27,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(message) = turn.message() else { return };
-    judged.exercise();
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(message) = exchange.message() else { return };
+    context.covered();
     if ["body", "error"].iter().all(|name| fw::is_there(message.get(name))) {
-        turn.breaks(judged, || Detail::differs("one of `body` and `error`", "both"));
+        exchange.breaks(context, || Detail::differs("one of `body` and `error`", "both"));
     }
 }

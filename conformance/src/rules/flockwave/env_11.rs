@@ -1,7 +1,8 @@
 //! `FW-ENV-11`.
 
-use super::fw::{self, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, Tree, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +16,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Notifications of UAV-INF have neither body nor error.", |out| {
+        if out.notification_of("UAV-INF").is_some()
+            && let Some(message) = out.message().as_object_mut()
+        {
+            message.remove("body");
+        }
+    }),
     mutants: &[
         Mutant {
             name: "neither",
@@ -29,13 +38,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(message) = turn.message() else { return };
-    judged.exercise();
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(message) = exchange.message() else { return };
+    context.covered();
     match message.get("body") {
         Some(Tree::Object(_)) => {}
         None | Some(Tree::Null) if fw::is_there(message.get("error")) => {}
-        None => turn.breaks(judged, || Detail::differs("`body` or `error`", "neither")),
-        Some(other) => turn.breaks(judged, || Detail::differs("an object", other).at("/body")),
+        None => exchange.breaks(context, || Detail::differs("`body` or `error`", "neither")),
+        Some(other) => exchange.breaks(context, || Detail::differs("an object", other).at("/body")),
     }
 }

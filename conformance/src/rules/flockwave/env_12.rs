@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, INTEGER, Shape, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, INTEGER, Level, Mutant, Rule, RuleContext, Shape, Status,
+    Tree, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,13 +17,22 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Requests of unknown types are answered by an error that says nothing.", |out| {
+        if out.refuses_unknown_type()
+            && let Some(message) = out.message().as_object_mut()
+        {
+            message.remove("body");
+            message.insert("error".to_owned(), json!({}));
+        }
+    }),
     mutants: &[
         Mutant {
             name: "an empty error",
             make: || {
-                fw::then(|talk| {
-                    let id = talk.sends(json!({ "type": "LCN-INF" }));
-                    talk.answers(&id, json!({ "error": {} }));
+                fw::then(|session| {
+                    let id = session.sends(json!({ "type": "LCN-INF" }));
+                    session.answers(&id, json!({ "error": {} }));
                 })
             },
             also: &[],
@@ -29,9 +40,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "a code that is a string",
             make: || {
-                fw::then(|talk| {
-                    let id = talk.sends(json!({ "type": "LCN-INF" }));
-                    talk.answers(&id, json!({ "error": { "code": "three", "message": "No" } }));
+                fw::then(|session| {
+                    let id = session.sends(json!({ "type": "LCN-INF" }));
+                    session.answers(&id, json!({ "error": { "code": "three", "message": "No" } }));
                 })
             },
             also: &[],
@@ -39,19 +50,19 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(error) = turn.message().and_then(|message| message.get("error")) else { return };
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(error) = exchange.message().and_then(|message| message.get("error")) else { return };
     if *error == Tree::Null {
         return;
     }
-    judged.exercise();
+    context.covered();
     let fits = |name: &str, shape: Shape| {
         let value = error.get(name).filter(|value| **value != Tree::Null)?;
         Some(shape.mismatch(value).is_none())
     };
     let (code, message) = (fits("code", INTEGER), fits("message", Shape::Text));
     if code == Some(false) || message == Some(false) || (code, message) == (None, None) {
-        turn.breaks(judged, || {
+        exchange.breaks(context, || {
             Detail::differs("an integer `code`, a string `message`, or both", error).at("/error")
         });
     }

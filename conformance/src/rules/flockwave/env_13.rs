@@ -2,10 +2,13 @@
 //!
 //! What servers do with other keys that they don't know is seen where someone tries it.
 
-use super::fw::{self, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, Tree, fw,
+};
+
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-13",
         level: Level::Must,
@@ -15,6 +18,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server, and requests that try it",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Messages have a key of their own that starts with $.", |out| {
+        out.message()["$wind"] = json!("fair");
+    }),
     mutants: &[
         Mutant {
             name: "another key that begins so",
@@ -23,18 +30,18 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         },
         Mutant {
             name: "a request with an unknown key is refused",
-            make: || fw::refused("tcp#9", "FW-ENV-13"),
+            make: || fw::refused("tcp#9", &RULE.rule),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::served(turn, judged);
-    let Some(Tree::Object(members)) = turn.message() else { return };
-    judged.exercise();
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::served(exchange, context);
+    let Some(Tree::Object(members)) = exchange.message() else { return };
+    context.covered();
     let reserved = members.iter().find(|(key, _)| key.starts_with('$') && key != "$fw.version");
     if let Some((key, _)) = reserved {
-        turn.breaks(judged, || Detail::new(format!("the key {} is reserved", fw::quoted(key))));
+        exchange.breaks(context, || Detail::new(format!("the key {} is reserved", fw::quoted(key))));
     }
 }

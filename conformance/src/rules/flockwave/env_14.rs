@@ -2,8 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +14,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("The type of notifications of UAV-INF is a number.", |out| {
+        if let Some(body) = out.notification_of("UAV-INF") {
+            body["type"] = json!(7);
+        }
+    }),
     mutants: &[
         Mutant {
             name: "no type",
@@ -29,8 +34,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.is_of_server() && turn.body.is_some() {
-        fw::field(turn, judged, "type", true, &Shape::Text);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.is_of_server() && exchange.body.is_some() {
+        fw::field(exchange, context, "type", true, &Shape::Text);
     }
 }

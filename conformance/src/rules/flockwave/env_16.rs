@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, fw,
+    sys_ping_01, sys_ping_02,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +17,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "responses over time",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("CONN-LIST is answered by OBJ-LIST.", |out| {
+        if let Some(body) = out.body_of("CONN-LIST") {
+            body["type"] = json!("OBJ-LIST");
+        }
+    }),
     mutants: &[
         Mutant {
             name: "another type",
@@ -24,31 +32,33 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "SYS-PING is answered with itself",
             make: || fw::reply("ACK-ACK", |body| body["type"] = "SYS-PING".into()),
-            also: &["FW-SYS-PING-01", "FW-SYS-PING-02"],
+            also: &[&sys_ping_01::RULE.rule, &sys_ping_02::RULE.rule],
         },
         Mutant {
             name: "a setting RTK-SOURCE is answered with itself",
             make: || {
-                fw::then(|talk| talk.asks(json!({ "type": "RTK-SOURCE", "id": null }), json!({ "id": null })))
+                fw::then(|session| {
+                    session.asks(json!({ "type": "RTK-SOURCE", "id": null }), json!({ "id": null }))
+                })
             },
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let (Some(asked), Some(found)) = (&turn.asked, turn.type_name) else { return };
-    let Some(question) = asked.type_name.as_deref().filter(|name| judged.definitions.shapes().has(name))
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let (Some(asked), Some(found)) = (&exchange.asked, exchange.type_name) else { return };
+    let Some(question) = asked.type_name.as_deref().filter(|name| context.definitions.shapes().has(name))
     else {
         return;
     };
-    if turn.role != Role::Response || !turn.is_of_server() {
+    if exchange.role != Role::Response || !exchange.is_of_server() {
         return;
     }
     let expected = answer(question, asked.is_setting);
-    judged.exercise();
+    context.covered();
     if found != expected && found != "ACK-NAK" {
-        turn.breaks(judged, || {
+        exchange.breaks(context, || {
             Detail::new(format!(
                 "{} answers {question}, where {expected} or ACK-NAK should",
                 fw::quoted(found)

@@ -4,8 +4,9 @@ use serde_json::json;
 
 use uavspec_codegen::schema::json_type::Direction;
 
-use super::fw::{self, Role, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -19,21 +20,27 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("A CONN-LIST that nobody asked for follows each SYS-VER.", |out| {
+        if out.kind() == "SYS-VER" {
+            out.follow(None, json!({ "type": "CONN-LIST", "ids": ["radio-1"] }));
+        }
+    }),
     mutants: &[Mutant {
         name: "an answer without `refs`",
-        make: || fw::then(|talk| talk.tells(json!({ "type": "UAV-LIST", "ids": [] }))),
+        make: || fw::then(|session| session.tells(json!({ "type": "UAV-LIST", "ids": [] }))),
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let shapes = judged.definitions.shapes();
-    let Some(name) = turn.type_name.filter(|name| shapes.has(name)) else { return };
-    if turn.role != Role::Notification {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let shapes = context.definitions.shapes();
+    let Some(name) = exchange.type_name.filter(|name| shapes.has(name)) else { return };
+    if exchange.role != Role::Notification {
         return;
     }
-    judged.exercise();
+    context.covered();
     if !shapes.goes(name, Direction::Notification) {
-        turn.breaks(judged, || Detail::new(format!("{name} has no `refs`, and it is no notification")));
+        exchange.breaks(context, || Detail::new(format!("{name} has no `refs`, and it is no notification")));
     }
 }

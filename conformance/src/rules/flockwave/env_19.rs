@@ -5,10 +5,11 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, fw,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-19",
         level: Level::Must,
@@ -18,18 +19,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "requests over time",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::behaviour("An id that was answered is refused when it comes again."),
     mutants: &[
         Mutant {
             name: "an id is used twice at the same time",
             make: || {
-                fw::then(|talk| {
-                    let id = talk.sends(json!({ "type": "SYS-PING" }));
-                    let other = talk.sends(json!({ "type": "SYS-PING" }));
-                    if let Some(line) = talk.lines.last_mut() {
+                fw::then(|session| {
+                    let id = session.sends(json!({ "type": "SYS-PING" }));
+                    let other = session.sends(json!({ "type": "SYS-PING" }));
+                    if let Some(line) = session.lines.last_mut() {
                         line["msg"]["id"] = id.clone().into();
                     }
                     for _ in [&id, &other] {
-                        talk.answers(&id, json!({ "body": { "type": "ACK-ACK" } }));
+                        session.answers(&id, json!({ "body": { "type": "ACK-ACK" } }));
                     }
                 })
             },
@@ -37,21 +40,21 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         },
         Mutant {
             name: "an id that was answered is refused",
-            make: || fw::refused("tcp#9", "FW-ENV-19"),
+            make: || fw::refused("tcp#9", &RULE.rule),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::served(turn, judged);
-    if turn.role != Role::Request || turn.is_of_server() || !turn.exchange.connection.is_told {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::served(exchange, context);
+    if exchange.role != Role::Request || exchange.is_of_server() || !exchange.record.connection.is_told {
         return;
     }
-    judged.exercise();
-    if turn.is_id_in_use {
-        turn.breaks(judged, || {
-            let id = turn.id.map(fw::quoted).unwrap_or_default();
+    context.covered();
+    if exchange.is_id_in_use {
+        exchange.breaks(context, || {
+            let id = exchange.id.map(fw::quoted).unwrap_or_default();
             Detail::new(format!("another request with the id {id} waits for its answer")).at("/id")
         });
     }

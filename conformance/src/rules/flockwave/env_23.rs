@@ -2,8 +2,9 @@
 
 use std::collections::HashSet;
 
-use super::fw::{self, Conversation, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Session, Status, Tree, fw,
+};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -16,12 +17,21 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Notifications have a key twice.", |out| {
+        if out.is_notification() {
+            out.write = |message| {
+                let text = message.to_string();
+                text.replacen('{', "{\"$fw.version\":\"1.0\",", 1)
+            };
+        }
+    }),
     mutants: &[
         Mutant {
             name: "`NaN`",
             make: || {
-                let talk = Conversation::new();
-                let text = String::from_utf8(talk.to_bytes()).ok()?;
+                let session = Session::new();
+                let text = String::from_utf8(session.to_bytes()).ok()?;
                 Some(text.replacen("\"name\":\"Hill\"", "\"name\":\"Hill\",\"gusts\":NaN", 1).into_bytes())
             },
             also: &[],
@@ -29,8 +39,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "a key twice",
             make: || {
-                let talk = Conversation::new();
-                let text = String::from_utf8(talk.to_bytes()).ok()?;
+                let session = Session::new();
+                let text = String::from_utf8(session.to_bytes()).ok()?;
                 Some(
                     text.replacen("\"name\":\"Hill\"", "\"name\":\"Hill\",\"name\":\"Hill\"", 1).into_bytes(),
                 )
@@ -43,11 +53,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 /// How many keys are few.
 const FEW: usize = 16;
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(message) = turn.message() else { return };
-    judged.exercise();
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(message) = exchange.message() else { return };
+    context.covered();
     if let Some((path, what)) = loose(message) {
-        turn.breaks(judged, || Detail::new(what).at(path));
+        exchange.breaks(context, || Detail::new(what).at(path));
     }
 }
 

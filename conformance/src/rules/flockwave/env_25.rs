@@ -3,10 +3,12 @@
 //! The specification lets answers come in any order. Most clients never see another than that of their requests, so it is
 //! good to know of a server that doesn't keep to it. That a request isn't answered at all is another rule's matter.
 
-use super::fw::{self, PerConnection, Role, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{
+    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Role, Rule,
+    RuleContext, Status, fw,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-25",
         level: Level::Info,
@@ -16,9 +18,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "requests that try it",
     },
     check: Check::State(|| Box::new(Order::default())),
+    covers: &[],
+    bug: Bug::behaviour("Over TCP, requests that come at once are answered from the last to the first."),
     mutants: &[Mutant {
         name: "the last one is answered first",
-        make: || fw::over("tcp#9", |talk| talk.pipelines("FW-ENV-25", &[2, 0, 1])),
+        make: || fw::over("tcp#9", |session| session.pipelines(&RULE.rule, &[2, 0, 1])),
         also: &[],
     }],
 };
@@ -36,17 +40,18 @@ struct Answered {
 }
 
 impl Checker for Order {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
-        let is_answer = turn.role == Role::Response && turn.exchange.connection.is_told;
-        let Some(asked) = turn.asked.as_ref().filter(|_| is_answer && turn.tried(&RULE.rule).is_some())
+    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        let is_answer = exchange.role == Role::Response && exchange.record.connection.is_told;
+        let Some(asked) =
+            exchange.asked.as_ref().filter(|_| is_answer && exchange.tried(&RULE.rule).is_some())
         else {
             return;
         };
-        judged.exercise();
-        let answered = self.0.of(turn);
+        context.covered();
+        let answered = self.0.of(exchange);
         let later = answered.latest.filter(|latest| *latest > asked.place);
         if let Some(later) = later.filter(|_| !answered.is_told) {
-            turn.breaks(judged, || {
+            exchange.breaks(context, || {
                 Detail::new(format!("the request in {later} was answered before that in {}", asked.place))
                     .at("/refs")
             });

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Shape, Tree, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
+    Tree, fw, ust_errors,
+};
 use crate::flockwave::body_schema::Mismatch;
 use crate::json::pointer;
 
@@ -17,26 +19,28 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "`errors` of UAV-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[Attribution::new(&["UAV-INF"], "status.*.errors.*", &[Fault::Value])],
+    bug: Bug::message("An error code is negative.", |out| out.set_in_state("errors", json!([-1]))),
     mutants: &[
         Mutant { name: "a negative code", make: || fw::errors(&[-1]), also: &[] },
         Mutant {
             name: "a word",
             make: || fw::state(|kite| kite["errors"] = json!(["windy"])),
-            also: &["FW-UST-ERRORS"],
+            also: &[&ust_errors::RULE.rule],
         },
     ],
 };
 
 const CODE: Shape = Shape::Integer(0, i128::MAX);
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    for (uav, state) in fw::states(turn, "UAV-INF") {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    for (uav, state) in fw::states(exchange, "UAV-INF") {
         let Some(Tree::List(codes)) = state.get("errors") else { continue };
-        judged.exercise();
+        context.covered();
         let wrong = codes.iter().enumerate().find_map(|(at, code)| Some((at, CODE.mismatch(code)?)));
         if let Some((at, found)) = wrong {
             let path = pointer(&["body", "status", uav, "errors", &at.to_string()]);
-            fw::mismatched(turn, judged, Mismatch { path, ..found });
+            fw::mismatched(exchange, context, Mismatch { path, ..found });
         }
     }
 }

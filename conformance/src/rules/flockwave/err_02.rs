@@ -1,7 +1,8 @@
 //! `FW-ERR-02`.
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,12 +14,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "`errors` of UAV-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("The absence of errors is listed.", |out| out.set_in_state("errors", json!([0]))),
     mutants: &[
         Mutant { name: "0", make: || fw::errors(&[0]), also: &[] },
         Mutant { name: "0 beside another", make: || fw::errors(&[0, 1]), also: &[] },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::codes(turn, judged, |codes| codes.contains(&0).then(|| "0 is listed".to_owned()));
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::codes(exchange, context, |codes| codes.contains(&0).then(|| "0 is listed".to_owned()));
 }

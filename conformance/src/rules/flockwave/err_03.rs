@@ -1,7 +1,8 @@
 //! `FW-ERR-03`.
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,11 +14,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "`errors` of UAV-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("An error code is reserved.", |out| out.set_in_state("errors", json!([300]))),
     mutants: &[Mutant { name: "300", make: || fw::errors(&[300]), also: &[] }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::codes(turn, judged, |codes| {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::codes(exchange, context, |codes| {
         let reserved = codes.iter().find(|code| (256..=32767).contains(*code))?;
         Some(format!("{reserved} is reserved"))
     });

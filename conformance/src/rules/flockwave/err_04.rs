@@ -1,9 +1,10 @@
 //! `FW-ERR-04`.
 
+use serde_json::json;
+
 use std::ops::RangeInclusive;
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +16,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "`errors` of UAV-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("An error code isn't registered.", |out| out.set_in_state("errors", json!([50]))),
     mutants: &[Mutant { name: "12", make: || fw::errors(&[12]), also: &[] }],
 };
 
@@ -22,8 +25,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 const KNOWN: [RangeInclusive<i128>; 9] =
     [1..=11, 63..=63, 64..=75, 127..=127, 128..=142, 188..=191, 192..=207, 253..=254, 255..=255];
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::codes(turn, judged, |codes| {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::codes(exchange, context, |codes| {
         let is_known =
             |code: &i128| *code <= 0 || *code > 255 || KNOWN.iter().any(|known| known.contains(code));
         let unknown = codes.iter().find(|code| !is_known(code))?;

@@ -1,9 +1,10 @@
 //! `FW-ERR-06`.
 
+use serde_json::json;
+
 use std::collections::HashSet;
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,11 +16,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "`errors` of UAV-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("An error code is listed twice.", |out| out.set_in_state("errors", json!([64, 64]))),
     mutants: &[Mutant { name: "a code twice", make: || fw::errors(&[1, 1]), also: &[] }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::codes(turn, judged, |codes| {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::codes(exchange, context, |codes| {
         let mut seen = HashSet::new();
         let twice = codes.iter().find(|code| !seen.insert(**code))?;
         Some(format!("{twice} stands there twice"))

@@ -1,7 +1,8 @@
 //! `FW-ERR-09`.
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,11 +14,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "`errors` of UAV-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("A UAV stands on the ground and takes off.", |out| {
+        out.set_in_state("errors", json!([1, 5]));
+    }),
     mutants: &[Mutant { name: "landing on the ground", make: || fw::errors(&[1, 6]), also: &[] }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::codes(turn, judged, |codes| {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::codes(exchange, context, |codes| {
         let flying = codes.iter().find(|code| [5, 6, 63].contains(*code)).filter(|_| codes.contains(&1))?;
         Some(format!("{flying} is for the air, and 1 says that the UAV is on the ground"))
     });

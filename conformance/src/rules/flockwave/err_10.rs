@@ -1,7 +1,8 @@
 //! `FW-ERR-10`.
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,14 +14,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "`errors` of UAV-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("An error is simulated.", |out| out.set_in_state("errors", json!([188]))),
     mutants: &[
         Mutant { name: "188", make: || fw::errors(&[188]), also: &[] },
         Mutant { name: "253", make: || fw::errors(&[253]), also: &[] },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::codes(turn, judged, |codes| {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::codes(exchange, context, |codes| {
         let simulated = codes.iter().find(|code| [188, 253].contains(*code))?;
         Some(format!("{simulated} is made up for a test"))
     });

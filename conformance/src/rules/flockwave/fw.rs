@@ -14,14 +14,14 @@ use serde_json::{Value, json};
 
 pub(super) use self::lines::{Lines, are_several, is_called};
 pub(super) use self::per_connection::PerConnection;
+pub(super) use crate::flockwave::body_schema::Shape;
 use crate::flockwave::body_schema::{Deviation, Mismatch, integer};
-pub(super) use crate::flockwave::body_schema::{INTEGER, Shape};
-pub(super) use crate::flockwave::session::{OPERATIONS, Reference, Role, Stage, Turn};
+pub(super) use crate::flockwave::session::{Exchange, OPERATIONS, Reference, Role};
 pub(super) use crate::json::Tree;
 use crate::json::pointer;
-pub(super) use crate::rules::sample::Conversation;
+pub(super) use crate::rules::sample::Session;
 
-use super::{Detail, Judged};
+use super::{Detail, Rule, RuleContext};
 
 pub(super) const GENERAL: &str = "Flockwave 2.10, general remarks on messages";
 pub(super) const SCHEMA: &str = "Flockwave 2.10, published JSON Schema";
@@ -48,22 +48,28 @@ const MAX_ID: usize = 256;
 const MAX_TOLD: usize = 4;
 
 /// Something has another shape than it should, here in the message.
-pub(super) fn mismatched(turn: &Turn<'_>, judged: &mut Judged<'_>, found: Mismatch) {
-    turn.breaks(judged, || {
+pub(super) fn mismatched(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, found: Mismatch) {
+    exchange.breaks(context, || {
         let Mismatch { path, expected, actual } = found;
         Detail::differs(expected, actual).at(path)
     });
 }
 
 /// A field of the body has this shape; it may be left out where it isn't required.
-pub(super) fn field(turn: &Turn<'_>, judged: &mut Judged<'_>, name: &str, is_required: bool, shape: &Shape) {
-    member(turn, judged, turn.body, &["body"], (name, is_required), shape);
+pub(super) fn field(
+    exchange: &Exchange<'_>,
+    context: &mut RuleContext<'_>,
+    name: &str,
+    is_required: bool,
+    shape: &Shape,
+) {
+    member(exchange, context, exchange.body, &["body"], (name, is_required), shape);
 }
 
 /// A member of something at `keys` has this shape.
 pub(super) fn member(
-    turn: &Turn<'_>,
-    judged: &mut Judged<'_>,
+    exchange: &Exchange<'_>,
+    context: &mut RuleContext<'_>,
     holder: Option<&Tree<'_>>,
     keys: &[&str],
     (name, is_required): (&str, bool),
@@ -74,22 +80,22 @@ pub(super) fn member(
         None => return,
         Some(value) => shape.mismatch(value),
     };
-    judged.exercise();
+    context.covered();
     if let Some(found) = found {
         let path = pointer(keys) + &pointer(&[name]) + &found.path;
-        mismatched(turn, judged, Mismatch { path, ..found });
+        mismatched(exchange, context, Mismatch { path, ..found });
     }
 }
 
-impl Turn<'_> {
+impl Exchange<'_> {
     /// Something in it breaks a rule.
-    pub(super) fn breaks(&self, judged: &mut Judged<'_>, detail: impl FnOnce() -> Detail) {
-        judged.report(&self.subject(), self.exchange.place, || detail().excerpt(self.excerpt()));
+    pub(super) fn breaks(&self, context: &mut RuleContext<'_>, detail: impl FnOnce() -> Detail) {
+        context.violation(&self.subject(), self.record.place, || detail().excerpt(self.excerpt()));
     }
 
     /// Its body deviates from its definition, and so breaks a rule on `subject`.
-    pub(super) fn deviates(&self, judged: &mut Judged<'_>, subject: &str, deviation: &Deviation) {
-        judged.report_defined(subject, self.exchange.place, deviation.definition, || {
+    pub(super) fn deviates(&self, context: &mut RuleContext<'_>, subject: &str, deviation: &Deviation) {
+        context.violation_of(subject, self.record.place, deviation.definition, || {
             let Mismatch { path, expected, actual } = &deviation.mismatch;
             Detail::differs(expected, actual).at(path).excerpt(self.excerpt())
         });
@@ -97,16 +103,16 @@ impl Turn<'_> {
 }
 
 /// The members of a field of the body that is an object.
-pub(super) fn members<'t>(turn: &Turn<'t>, name: &str) -> &'t [(Cow<'t, str>, Tree<'t>)] {
-    match turn.field(name) {
+pub(super) fn members<'t>(exchange: &Exchange<'t>, name: &str) -> &'t [(Cow<'t, str>, Tree<'t>)] {
+    match exchange.field(name) {
         Some(Tree::Object(members)) => members,
         _ => &[],
     }
 }
 
 /// The members of what a server says of the state of each object of a type.
-pub(super) fn states<'t>(turn: &Turn<'t>, type_name: &str) -> &'t [(Cow<'t, str>, Tree<'t>)] {
-    if turn.body_of(type_name).is_some() { members(turn, "status") } else { &[] }
+pub(super) fn states<'t>(exchange: &Exchange<'t>, type_name: &str) -> &'t [(Cow<'t, str>, Tree<'t>)] {
+    if exchange.body_of(type_name).is_some() { members(exchange, "status") } else { &[] }
 }
 
 /// A text as it is quoted.
@@ -117,12 +123,12 @@ pub(super) fn quoted(text: &str) -> String {
 }
 
 /// Each object that was asked for stands in exactly one part of the reply, if it is of one of these types.
-pub(super) fn partition(turn: &Turn<'_>, judged: &mut Judged<'_>, types: &[&str]) {
-    let Some((asked, parts)) = replied(turn, types) else { return };
-    judged.exercise();
+pub(super) fn partition(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
+    let Some((asked, parts)) = replied(exchange, types) else { return };
+    context.covered();
     let mut found: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for part in parts {
-        for object in named(turn, part).filter(|object| asked.contains(*object)) {
+        for object in named(exchange, part).filter(|object| asked.contains(*object)) {
             let stands = found.entry(object).or_default();
             if stands.last() != Some(part) {
                 stands.push(part);
@@ -133,7 +139,7 @@ pub(super) fn partition(turn: &Turn<'_>, judged: &mut Judged<'_>, types: &[&str]
     let wrong = asked.iter().map(|object| (object, stands(object))).filter(|(_, stands)| stands.len() != 1);
     let wrong: Vec<(&String, Vec<&str>)> = wrong.collect();
     if !wrong.is_empty() {
-        turn.breaks(judged, || {
+        exchange.breaks(context, || {
             let told = wrong.iter().take(MAX_TOLD).map(|(object, found)| match found.len() {
                 0 => format!("{} in none", quoted(object)),
                 _ => format!("{} in {}", quoted(object), found.join(" and ")),
@@ -155,15 +161,15 @@ pub(super) fn partition(turn: &Turn<'_>, judged: &mut Judged<'_>, types: &[&str]
 }
 
 /// The reply tells of nothing that wasn't asked for, if it is of one of these types.
-pub(super) fn strangers(turn: &Turn<'_>, judged: &mut Judged<'_>, types: &[&str]) {
-    let Some((asked, parts)) = replied(turn, types) else { return };
-    judged.exercise();
+pub(super) fn strangers(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
+    let Some((asked, parts)) = replied(exchange, types) else { return };
+    context.covered();
     let stranger = parts.iter().find_map(|part| {
-        let (key, _) = members(turn, part).iter().find(|(key, _)| !asked.contains(key.as_ref()))?;
+        let (key, _) = members(exchange, part).iter().find(|(key, _)| !asked.contains(key.as_ref()))?;
         Some((*part, key))
     });
     if let Some((part, key)) = stranger {
-        turn.breaks(judged, || {
+        exchange.breaks(context, || {
             Detail::new(format!("{} wasn't asked for", quoted(key))).at(pointer(&["body", part, key]))
         });
     }
@@ -171,17 +177,17 @@ pub(super) fn strangers(turn: &Turn<'_>, judged: &mut Judged<'_>, types: &[&str]
 
 /// What was asked for, and the parts of a reply that tell about it.
 fn replied<'u>(
-    turn: &'u Turn<'_>,
+    exchange: &'u Exchange<'_>,
     types: &[&str],
 ) -> Option<(&'u BTreeSet<String>, &'static [&'static str])> {
-    let name = turn.type_name.filter(|name| turn.response(name).is_some() && types.contains(name))?;
-    let asked = turn.asked_same()?.objects.as_ref()?;
+    let name = exchange.type_name.filter(|name| exchange.response(name).is_some() && types.contains(name))?;
+    let asked = exchange.asked_same()?.objects.as_ref()?;
     Some((asked, parts(name)?.told))
 }
 
 /// What a part of a reply names: the keys of a map, or the strings of a list.
-fn named<'t>(turn: &Turn<'t>, part: &str) -> impl Iterator<Item = &'t str> {
-    let (members, values) = match turn.field(part) {
+fn named<'t>(exchange: &Exchange<'t>, part: &str) -> impl Iterator<Item = &'t str> {
+    let (members, values) = match exchange.field(part) {
         Some(Tree::Object(members)) => (&members[..], &[][..]),
         Some(Tree::List(values)) => (&[][..], &values[..]),
         _ => (&[][..], &[][..]),
@@ -190,13 +196,13 @@ fn named<'t>(turn: &Turn<'t>, part: &str) -> impl Iterator<Item = &'t str> {
 }
 
 /// Each object's key in the map is its id.
-pub(super) fn keyed(turn: &Turn<'_>, judged: &mut Judged<'_>, type_name: &str) {
-    for (key, state) in states(turn, type_name) {
-        judged.exercise();
+pub(super) fn keyed(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, type_name: &str) {
+    for (key, state) in states(exchange, type_name) {
+        context.covered();
         let id = state.get("id");
         // That there is an id, and a string, is another rule's matter.
         if let Some(id) = id.and_then(Tree::as_str).filter(|id| id != key) {
-            turn.breaks(judged, || {
+            exchange.breaks(context, || {
                 Detail::differs(quoted(key), quoted(id)).at(pointer(&["body", "status", key, "id"]))
             });
         }
@@ -204,26 +210,30 @@ pub(super) fn keyed(turn: &Turn<'_>, judged: &mut Judged<'_>, type_name: &str) {
 }
 
 /// No value of a list stands there twice.
-pub(super) fn unique(turn: &Turn<'_>, judged: &mut Judged<'_>, name: &str) {
-    let Some(Tree::List(values)) = turn.field(name) else { return };
-    judged.exercise();
+pub(super) fn unique(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, name: &str) {
+    let Some(Tree::List(values)) = exchange.field(name) else { return };
+    context.covered();
     let mut seen = HashSet::new();
     let repeated = values.iter().filter_map(Tree::as_str).find(|text| !seen.insert(*text));
     if let Some(text) = repeated {
-        turn.breaks(judged, || {
+        exchange.breaks(context, || {
             Detail::new(format!("{} stands there twice", quoted(text))).at(pointer(&["body", name]))
         });
     }
 }
 
 /// Asks of each list of error codes what is wrong with it. What is no integer is another rule's matter.
-pub(super) fn codes(turn: &Turn<'_>, judged: &mut Judged<'_>, wrong: impl Fn(&[i128]) -> Option<String>) {
-    for (uav, state) in states(turn, "UAV-INF") {
+pub(super) fn codes(
+    exchange: &Exchange<'_>,
+    context: &mut RuleContext<'_>,
+    wrong: impl Fn(&[i128]) -> Option<String>,
+) {
+    for (uav, state) in states(exchange, "UAV-INF") {
         let Some(Tree::List(values)) = state.get("errors") else { continue };
         let codes: Vec<i128> = values.iter().filter_map(integer).collect();
-        judged.exercise();
+        context.covered();
         if let Some(message) = wrong(&codes) {
-            turn.breaks(judged, || {
+            exchange.breaks(context, || {
                 let told: Vec<String> = codes.iter().take(16).map(ToString::to_string).collect();
                 let path = pointer(&["body", "status", uav, "errors"]);
                 Detail::new(message).at(path).actual(format!("[{}]", told.join(", ")))
@@ -240,14 +250,19 @@ pub(super) fn is_there(value: Option<&Tree<'_>>) -> bool {
 
 /// Exactly one of the members of a body is there. A null among them counts only where nothing else does, and only if
 /// null may be what it says.
-pub(super) fn exactly_one(turn: &Turn<'_>, judged: &mut Judged<'_>, names: &[&str], may_be_null: &str) {
-    judged.exercise();
-    let mut found: Vec<&str> = names.iter().copied().filter(|name| is_there(turn.field(name))).collect();
-    if found.is_empty() && turn.field(may_be_null) == Some(&Tree::Null) {
+pub(super) fn exactly_one(
+    exchange: &Exchange<'_>,
+    context: &mut RuleContext<'_>,
+    names: &[&str],
+    may_be_null: &str,
+) {
+    context.covered();
+    let mut found: Vec<&str> = names.iter().copied().filter(|name| is_there(exchange.field(name))).collect();
+    if found.is_empty() && exchange.field(may_be_null) == Some(&Tree::Null) {
         found.push(may_be_null);
     }
     if found.len() != 1 {
-        turn.breaks(judged, || {
+        exchange.breaks(context, || {
             let found = if found.is_empty() { "none".to_owned() } else { found.join(" and ") };
             Detail::differs(format!("exactly one of {}", names.join(", ")), found).at("/body")
         });
@@ -257,35 +272,35 @@ pub(super) fn exactly_one(turn: &Turn<'_>, judged: &mut Judged<'_>, names: &[&st
 /// Whether this is the response to a request that tries the rule. That there is none breaks it, and so does a connection
 /// that didn't come about. Of a recording that doesn't show how the connection ended, nobody knows what was to come; nor
 /// what was lost, where messages may be.
-pub(super) fn tried(turn: &Turn<'_>, judged: &mut Judged<'_>) -> bool {
-    let Some(how) = turn.tried(judged.rule) else { return false };
-    let (what, actual) = match turn.role {
+pub(super) fn tried(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) -> bool {
+    let Some(how) = exchange.tried(context.rule) else { return false };
+    let (what, actual) = match exchange.role {
         Role::Response => {
-            judged.exercise();
+            context.covered();
             return true;
         }
-        Role::Unanswered if is_over(turn) => ("no response", "none"),
-        Role::Event if turn.exchange.text == "refused" => ("no connection", "none"),
+        Role::Unanswered if is_over(exchange) => ("no response", "none"),
+        Role::Event if exchange.record.text == "refused" => ("no connection", "none"),
         _ => return false,
     };
-    judged.exercise();
-    unserved(turn, judged, what, actual, how);
+    context.covered();
+    unserved(exchange, context, what, actual, how);
     false
 }
 
 /// Whether all that answered a request would be known.
-fn is_over(turn: &Turn<'_>) -> bool {
-    turn.exchange.note.is_some() && turn.exchange.connection.is_told
+fn is_over(exchange: &Exchange<'_>) -> bool {
+    exchange.record.note.is_some() && exchange.record.connection.is_told
 }
 
 /// A request that tries the rule, or the connection for it, comes to nothing. Of `how` it is tried, what stands before
 /// the first colon is the subject: what is tried in several ways is one weakness.
-fn unserved(turn: &Turn<'_>, judged: &mut Judged<'_>, what: &str, actual: &str, how: &str) {
-    let type_name = turn.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
+fn unserved(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, what: &str, actual: &str, how: &str) {
+    let type_name = exchange.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
     let (way, kind) = how.split_once(": ").unwrap_or((how, ""));
     let subject = if way.is_empty() { type_name.unwrap_or("message") } else { way };
-    judged.report(subject, turn.exchange.place, || {
-        let why = match turn.exchange.note {
+    context.violation(subject, exchange.record.place, || {
+        let why = match exchange.record.note {
             // The client itself gave up.
             None | Some("client") => String::new(),
             Some("eof") => "; the server closed the connection".to_owned(),
@@ -298,13 +313,14 @@ fn unserved(turn: &Turn<'_>, judged: &mut Judged<'_>, what: &str, actual: &str, 
 }
 
 /// Whether this is the response to a request that tries the rule, and that was served. That it wasn't breaks the rule.
-pub(super) fn served(turn: &Turn<'_>, judged: &mut Judged<'_>) -> bool {
-    if !tried(turn, judged) {
+pub(super) fn served(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) -> bool {
+    if !tried(exchange, context) {
         return false;
     }
-    let Some((actual, reason)) = refusal(turn) else { return true };
-    let way = turn.tried(judged.rule).and_then(|how| how.split(": ").next()).filter(|way| !way.is_empty());
-    judged.report(way.unwrap_or(actual), turn.exchange.place, || {
+    let Some((actual, reason)) = refusal(exchange) else { return true };
+    let way =
+        exchange.tried(context.rule).and_then(|how| how.split(": ").next()).filter(|way| !way.is_empty());
+    context.violation(way.unwrap_or(actual), exchange.record.place, || {
         Detail::new(match reason {
             Some(reason) => format!("refused: {}", quoted(reason)),
             None => "refused".to_owned(),
@@ -316,26 +332,27 @@ pub(super) fn served(turn: &Turn<'_>, judged: &mut Judged<'_>) -> bool {
 }
 
 /// What a response refuses a request with, and the reason that it gives.
-fn refusal<'t>(turn: &Turn<'t>) -> Option<(&'static str, Option<&'t str>)> {
-    if turn.type_name == Some("ACK-NAK") {
-        return Some(("ACK-NAK", turn.field("reason").and_then(Tree::as_str)));
+fn refusal<'t>(exchange: &Exchange<'t>) -> Option<(&'static str, Option<&'t str>)> {
+    if exchange.type_name == Some("ACK-NAK") {
+        return Some(("ACK-NAK", exchange.field("reason").and_then(Tree::as_str)));
     }
-    let error = turn.message()?.get("error").filter(|error| **error != Tree::Null && turn.body.is_none())?;
+    let error =
+        exchange.message()?.get("error").filter(|error| **error != Tree::Null && exchange.body.is_none())?;
     Some(("an error", error.get("message").and_then(Tree::as_str)))
 }
 
 /// A request that tries the rule has an entry in `error` for what nobody knows or can do. Of what is asked for, and stands
 /// nowhere in the reply, other rules tell.
-pub(super) fn in_error(turn: &Turn<'_>, judged: &mut Judged<'_>, types: &[&str]) {
-    if !served(turn, judged) {
+pub(super) fn in_error(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
+    if !served(exchange, context) {
         return;
     }
-    let Some((asked, parts)) = replied(turn, types) else { return };
-    let stands = |object: &str, part: &str| named(turn, part).any(|named| named == object);
+    let Some((asked, parts)) = replied(exchange, types) else { return };
+    let stands = |object: &str, part: &str| named(exchange, part).any(|named| named == object);
     let is_told = |object: &String| parts.iter().any(|part| stands(object, part));
     let wrong = asked.first().filter(|_| asked.iter().all(is_told));
     if let Some(object) = wrong.filter(|_| !asked.iter().any(|object| stands(object, "error"))) {
-        turn.breaks(judged, || {
+        exchange.breaks(context, || {
             Detail::new(format!("{} has no entry in `error`", quoted(object)))
                 .at("/body")
                 .expected("an entry in `error`")
@@ -345,8 +362,8 @@ pub(super) fn in_error(turn: &Turn<'_>, judged: &mut Judged<'_>, types: &[&str])
 }
 
 /// The ids of a list, where it is one of strings, and not too long to be followed.
-pub(super) fn listed(turn: &Turn<'_>) -> Option<BTreeSet<String>> {
-    let Some(Tree::List(values)) = turn.field("ids").filter(|_| turn.role != Role::Unanswered) else {
+pub(super) fn listed(exchange: &Exchange<'_>) -> Option<BTreeSet<String>> {
+    let Some(Tree::List(values)) = exchange.field("ids").filter(|_| exchange.role != Role::Unanswered) else {
         return None;
     };
     let mut room = MAX_LISTED;
@@ -371,59 +388,59 @@ pub(super) fn is_version(text: &str) -> bool {
 }
 
 /// Whether it is a response of the server, and what its `refs` name is known for certain.
-pub(super) fn refers(turn: &Turn<'_>) -> bool {
-    let is_response = turn.role == Role::Response && turn.is_of_server();
-    is_response && turn.exchange.connection.is_told && turn.reference != Reference::Unclear
+pub(super) fn refers(exchange: &Exchange<'_>) -> bool {
+    let is_response = exchange.role == Role::Response && exchange.is_of_server();
+    is_response && exchange.record.connection.is_told && exchange.reference != Reference::Unclear
 }
 
-/// The conversation that conforms, with another body of the first response of this type.
+/// The session that conforms, with another body of the first response of this type.
 pub(super) fn reply(type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Vec<u8>> {
-    Some(Conversation::new().reply(type_name, change)?.to_bytes())
+    Some(Session::new().reply(type_name, change)?.to_bytes())
 }
 
 /// The same, with another envelope.
 pub(super) fn reply_message(type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Vec<u8>> {
-    Some(Conversation::new().reply_message(type_name, change)?.to_bytes())
+    Some(Session::new().reply_message(type_name, change)?.to_bytes())
 }
 
 /// The same, with another body of the first notification of this type.
 pub(super) fn notice(type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Vec<u8>> {
-    Some(Conversation::new().notice(type_name, change)?.to_bytes())
+    Some(Session::new().notice(type_name, change)?.to_bytes())
 }
 
 /// The same, with another state of a glider in the last report.
 pub(super) fn state(change: impl FnOnce(&mut Value)) -> Option<Vec<u8>> {
-    Some(Conversation::new().state(change)?.to_bytes())
+    Some(Session::new().state(change)?.to_bytes())
 }
 
 /// The same, with other error codes in that state.
 pub(super) fn errors(codes: &[i64]) -> Option<Vec<u8>> {
-    Some(Conversation::new().errors(codes)?.to_bytes())
+    Some(Session::new().errors(codes)?.to_bytes())
 }
 
 /// The same, with another connection, over which this is said.
 #[allow(clippy::unnecessary_wraps)] // as all mutants
-pub(super) fn over(connection: &'static str, say: impl FnOnce(&mut Conversation)) -> Option<Vec<u8>> {
-    Some(Conversation::new().then(|talk| talk.over(connection, say)).to_bytes())
+pub(super) fn over(connection: &'static str, say: impl FnOnce(&mut Session)) -> Option<Vec<u8>> {
+    Some(Session::new().then(|session| session.over(connection, say)).to_bytes())
 }
 
 /// The same, with more that is said before it ends.
 #[allow(clippy::unnecessary_wraps)] // as all mutants
-pub(super) fn then(say: impl FnOnce(&mut Conversation)) -> Option<Vec<u8>> {
-    Some(Conversation::new().then(say).to_bytes())
+pub(super) fn then(say: impl FnOnce(&mut Session)) -> Option<Vec<u8>> {
+    Some(Session::new().then(say).to_bytes())
 }
 
 /// The same, with a trial of a rule that gets no answer.
-pub(super) fn unanswered(connection: &'static str, rule: &str) -> Option<Vec<u8>> {
-    over(connection, |talk| {
-        talk.tries(rule, "without an answer", json!({ "type": "SYS-PING" }));
+pub(super) fn unanswered(connection: &'static str, rule: &Rule) -> Option<Vec<u8>> {
+    over(connection, |session| {
+        session.tries(rule, "without an answer", json!({ "type": "SYS-PING" }));
     })
 }
 
 /// The same, with a trial of a rule that is refused.
-pub(super) fn refused(connection: &'static str, rule: &str) -> Option<Vec<u8>> {
+pub(super) fn refused(connection: &'static str, rule: &Rule) -> Option<Vec<u8>> {
     let no = json!({ "type": "ACK-NAK", "reason": "Too windy" });
-    over(connection, |talk| talk.tries_and_hears(rule, "refused", json!({ "type": "SYS-PING" }), no))
+    over(connection, |session| session.tries_and_hears(rule, "refused", json!({ "type": "SYS-PING" }), no))
 }
 
 /// Takes a member out of an object.

@@ -2,8 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +14,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "BCN-INF, CLK-INF, DEV-INF, EXT-INF, RTK-INF, UAV-PREFLT, WTH-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("The last thing that was asked for is missing, in BCN-INF and the like.", |out| {
+        out.lose_last(&["BCN-INF", "CLK-INF", "WTH-INF", "RTK-INF", "EXT-INF", "UAV-PREFLT"]);
+    }),
     mutants: &[
         Mutant {
             name: "nothing of what was asked for, BCN-INF",
@@ -56,6 +59,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 const TYPES: [&str; 7] = ["BCN-INF", "CLK-INF", "DEV-INF", "EXT-INF", "RTK-INF", "UAV-PREFLT", "WTH-INF"];
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::partition(turn, judged, &TYPES);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::partition(exchange, context, &TYPES);
 }

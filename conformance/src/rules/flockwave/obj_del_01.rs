@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Shape, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Shape,
+    Status, attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +17,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "OBJ-DEL",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["OBJ-DEL"], "ids", attribution::MISSING),
+        Attribution::new(&["OBJ-DEL"], "ids.*", attribution::MISSING),
+    ],
+    bug: Bug::message("OBJ-DEL has its ids as a text.", |out| {
+        if let Some(body) = out.body_of("OBJ-DEL") {
+            body["ids"] = body["ids"][0].take();
+        }
+    }),
     mutants: &[
         Mutant {
             name: "no ids",
@@ -24,9 +35,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "as an answer",
             make: || {
-                fw::then(|talk| {
-                    let id = talk.sends(json!({ "type": "UAV-SOAR" }));
-                    talk.answers(&id, json!({ "body": { "type": "OBJ-DEL", "ids": ["vane"] } }));
+                fw::then(|session| {
+                    let id = session.sends(json!({ "type": "UAV-SOAR" }));
+                    session.answers(&id, json!({ "body": { "type": "OBJ-DEL", "ids": ["vane"] } }));
                 })
             },
             also: &[],
@@ -34,13 +45,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("OBJ-DEL").is_none() {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("OBJ-DEL").is_none() {
         return;
     }
-    judged.exercise();
-    if turn.role != Role::Notification {
-        turn.breaks(judged, || Detail::new("it has `refs`, and is a notification"));
+    context.covered();
+    if exchange.role != Role::Notification {
+        exchange.breaks(context, || Detail::new("it has `refs`, and is a notification"));
     }
-    fw::field(turn, judged, "ids", true, &Shape::List(&Shape::Text));
+    fw::field(exchange, context, "ids", true, &Shape::List(&Shape::Text));
 }

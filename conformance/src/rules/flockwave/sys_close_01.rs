@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Shape, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, Detail, Exchange, Fault, FlockwaveRule, Level, Mutant, Needs, Role, Rule,
+    RuleContext, Shape, Status, fw, sys_close_02,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +17,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-CLOSE",
     },
     check: Check::Exchange(judge),
+    covers: &[Attribution::new(&["SYS-CLOSE"], "reason", &[Fault::Kind])],
+    bug: Bug::message("The reason of SYS-CLOSE is a number.", |out| {
+        out.set("SYS-CLOSE", "reason", json!(7));
+    })
+    .needs(Needs::Farewell),
     mutants: &[
         Mutant {
             name: "a reason that is a number",
@@ -24,23 +31,23 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "as an answer",
             make: || {
-                fw::then(|talk| {
-                    let id = talk.sends(json!({ "type": "UAV-SOAR" }));
-                    talk.answers(&id, json!({ "body": { "type": "SYS-CLOSE" } }));
+                fw::then(|session| {
+                    let id = session.sends(json!({ "type": "UAV-SOAR" }));
+                    session.answers(&id, json!({ "body": { "type": "SYS-CLOSE" } }));
                 })
             },
-            also: &["FW-SYS-CLOSE-02"],
+            also: &[&sys_close_02::RULE.rule],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("SYS-CLOSE").is_none() {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("SYS-CLOSE").is_none() {
         return;
     }
-    judged.exercise();
-    if turn.role != Role::Notification {
-        turn.breaks(judged, || Detail::new("it has `refs`, and is a notification"));
+    context.covered();
+    if exchange.role != Role::Notification {
+        exchange.breaks(context, || Detail::new("it has `refs`, and is a notification"));
     }
-    fw::field(turn, judged, "reason", false, &Shape::Nullable(&Shape::Text));
+    fw::field(exchange, context, "reason", false, &Shape::Nullable(&Shape::Text));
 }

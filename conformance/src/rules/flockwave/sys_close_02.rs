@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Conversation, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Session, Status,
+    fw,
+};
 use crate::flockwave::session::remembered::Remembered;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -16,14 +18,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-CLOSE over time",
     },
     check: Check::State(|| Box::new(Closing::default())),
+    covers: &[],
+    bug: Bug::message("SYS-CLOSE comes after each SYS-VER, and the connection goes on.", |out| {
+        if out.kind() == "SYS-VER" {
+            out.follow(None, json!({ "type": "SYS-CLOSE" }));
+        }
+    }),
     mutants: &[Mutant {
         name: "the server speaks on",
         make: || {
-            let mut talk = Conversation::new();
-            let closed = talk.lines.pop()?;
-            talk.tells(json!({ "type": "SYS-MSG", "items": [{ "message": "One more thing" }] }));
-            talk.lines.push(closed);
-            Some(talk.to_bytes())
+            let mut session = Session::new();
+            let closed = session.lines.pop()?;
+            session.tells(json!({ "type": "SYS-MSG", "items": [{ "message": "One more thing" }] }));
+            session.lines.push(closed);
+            Some(session.to_bytes())
         },
         also: &[],
     }],
@@ -42,16 +50,16 @@ impl Default for Closing {
 }
 
 impl Checker for Closing {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
-        if !turn.is_of_server() || !turn.exchange.connection.is_told {
+    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        if !exchange.is_of_server() || !exchange.record.connection.is_told {
             return;
         }
-        if self.0.remove(&turn.serial).is_some() {
-            turn.breaks(judged, || Detail::new("the server speaks on after SYS-CLOSE"));
+        if self.0.remove(&exchange.serial).is_some() {
+            exchange.breaks(context, || Detail::new("the server speaks on after SYS-CLOSE"));
         }
-        if turn.body_of("SYS-CLOSE").is_some() {
-            judged.exercise();
-            self.0.insert(turn.serial, (), 0);
+        if exchange.body_of("SYS-CLOSE").is_some() {
+            context.covered();
+            self.0.insert(exchange.serial, (), 0);
         }
     }
 }

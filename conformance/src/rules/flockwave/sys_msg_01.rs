@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Shape, Tree, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status, Tree,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +17,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-MSG",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["SYS-MSG"], "items", attribution::MISSING),
+        Attribution::new(&["SYS-MSG"], "items.*", attribution::MISSING),
+        Attribution::new(&["SYS-MSG"], "items.*.message", attribution::MISSING),
+    ],
+    bug: Bug::message("Items of SYS-MSG have no message.", |out| {
+        if let Some(item) = out.item() {
+            item.remove("message");
+        }
+    }),
     mutants: &[
         Mutant {
             name: "an item without a message",
@@ -29,15 +41,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("SYS-MSG").is_none() {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("SYS-MSG").is_none() {
         return;
     }
-    fw::field(turn, judged, "items", true, &Shape::List(&Shape::Object));
-    if let Some(Tree::List(items)) = turn.field("items") {
+    fw::field(exchange, context, "items", true, &Shape::List(&Shape::Object));
+    if let Some(Tree::List(items)) = exchange.field("items") {
         for (at, item) in items.iter().enumerate().filter(|(_, item)| matches!(item, Tree::Object(_))) {
             let keys = ["body", "items", &at.to_string()];
-            fw::member(turn, judged, Some(item), &keys, ("message", true), &Shape::Text);
+            fw::member(exchange, context, Some(item), &keys, ("message", true), &Shape::Text);
         }
     }
 }

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -17,6 +19,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-PORTS",
     },
     check: Check::Exchange(judge),
+    covers: &[Attribution::new(&["SYS-PORTS"], "ports.**", attribution::UNFIT)],
+    bug: Bug::message("Ports are texts.", |out| {
+        for port in out.ports() {
+            *port = json!(port.to_string());
+        }
+    }),
     mutants: &[
         Mutant {
             name: "port 0",
@@ -31,8 +39,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("SYS-PORTS").is_some() {
-        fw::field(turn, judged, "ports", true, &Shape::Map(&Shape::Integer(1, 65535)));
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("SYS-PORTS").is_some() {
+        fw::field(exchange, context, "ports", true, &Shape::Map(&Shape::Integer(1, 65535)));
     }
 }

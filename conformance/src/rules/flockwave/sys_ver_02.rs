@@ -1,7 +1,11 @@
 //! `FW-SYS-VER-02`.
 
-use super::fw::{self, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, Tree,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +17,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-VER",
     },
     check: Check::Exchange(judge),
+    covers: &[Attribution::new(&["SYS-VER"], "version", attribution::UNFIT)],
+    bug: Bug::message("The version of the software is a word.", |out| {
+        out.set("SYS-VER", "version", json!("newest"));
+    }),
     mutants: &[
         Mutant {
             name: "a number",
@@ -27,12 +35,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(body) = turn.body_of("SYS-VER") else { return };
-    judged.exercise();
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(body) = exchange.body_of("SYS-VER") else { return };
+    context.covered();
     let version = body.get("version");
     if !version.and_then(Tree::as_str).is_some_and(fw::is_version) {
-        turn.breaks(judged, || {
+        exchange.breaks(context, || {
             let found = version.map_or_else(|| "nothing".to_owned(), ToString::to_string);
             Detail::differs("one to three numbers with dots between them", found).at("/body/version")
         });

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
+    fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +17,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-VER",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["SYS-VER"], "name", &[Fault::Kind]),
+        Attribution::new(&["SYS-VER"], "revision", &[Fault::Kind]),
+    ],
+    bug: Bug::message("The name of the server is a list.", |out| {
+        out.set("SYS-VER", "name", json!(["glider"]));
+    }),
     mutants: &[
         Mutant {
             name: "a revision that is a number",
@@ -29,9 +38,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("SYS-VER").is_some() {
-        fw::field(turn, judged, "name", false, &Shape::Nullable(&Shape::Text));
-        fw::field(turn, judged, "revision", false, &Shape::Nullable(&Shape::Text));
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.body_of("SYS-VER").is_some() {
+        fw::field(exchange, context, "name", false, &Shape::Nullable(&Shape::Text));
+        fw::field(exchange, context, "revision", false, &Shape::Nullable(&Shape::Text));
     }
 }

@@ -3,10 +3,12 @@
 //! Lines that are no messages, but make up one together, are one that holds line breaks. What they make up no message
 //! with is no JSON at all, of which another rule tells.
 
-use super::fw::{self, Lines, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{
+    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Lines, Mutant, Place, Rule, RuleContext,
+    Status, fw,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-TCP-01",
         level: Level::Must,
@@ -16,11 +18,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server on connections whose name begins with `tcp`",
     },
     check: Check::State(|| Box::new(Broken::default())),
+    covers: &[],
+    bug: Bug::behaviour("Over TCP, notifications are written in several lines."),
     mutants: &[
         Mutant {
             name: "a message in several lines",
             make: || {
-                fw::over("tcp#9", |talk| {
+                fw::over("tcp#9", |session| {
                     for line in [
                         "{",
                         "\"$fw.version\": \"1.0\", \"id\": \"{\\\"\",",
@@ -28,7 +32,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
                         "\"vane\"",
                         "] } }",
                     ] {
-                        talk.says_raw(line);
+                        session.says_raw(line);
                     }
                 })
             },
@@ -40,7 +44,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
                 let message = |id: &str| {
                     format!(r#"{{"$fw.version":"1.0","id":"{id}","body":{{"type":"OBJ-DEL","ids":[]}}}}"#)
                 };
-                fw::over("tcp#9", |talk| talk.says_raw(&["a", "b", "c"].map(message).join(" ")))
+                fw::over("tcp#9", |session| session.says_raw(&["a", "b", "c"].map(message).join(" ")))
             },
             also: &[],
         },
@@ -52,20 +56,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 struct Broken(Lines);
 
 impl Checker for Broken {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
-        if turn.is_of_server() && fw::is_called(turn, "tcp") {
-            judged.exercise();
+    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        if exchange.is_of_server() && fw::is_called(exchange, "tcp") {
+            context.covered();
         }
-        if fw::are_several(turn, "tcp") {
-            turn.breaks(judged, || {
+        if fw::are_several(exchange, "tcp") {
+            exchange.breaks(context, || {
                 Detail::new("several messages in a line").expected("one").actual("more than one")
             });
         } else {
-            self.0.follow(turn);
+            self.0.follow(exchange);
         }
         self.0.other.clear();
         for (line, count) in self.0.whole.drain(..) {
-            judged.report("message", line.place, || {
+            context.violation("message", line.place, || {
                 Detail::new(format!("a message in {count} lines"))
                     .expected("one line")
                     .actual(format!("{count} lines"))

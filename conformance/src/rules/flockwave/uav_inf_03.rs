@@ -1,7 +1,8 @@
 //! `FW-UAV-INF-03`.
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +14,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "UAV-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("A UAV has another id than its key.", |out| {
+        out.set_in_state("id", json!("ghost-1"));
+    }),
     mutants: &[Mutant {
         name: "another id",
         make: || fw::state(|kite| kite["id"] = "hawk".into()),
@@ -20,6 +25,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::keyed(turn, judged, "UAV-INF");
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    fw::keyed(exchange, context, "UAV-INF");
 }

@@ -2,8 +2,9 @@
 
 use serde_json::json;
 
-use super::fw::{self, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, Tree, fw,
+};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -16,6 +17,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "UAV-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Notifications have errors, too.", |out| {
+        if let Some(body) = out.notification_of("UAV-INF") {
+            body["error"] = json!({ "ghost-1": "there is no such UAV" });
+        }
+    }),
     mutants: &[Mutant {
         name: "errors in a notification",
         make: || fw::notice("UAV-INF", |body| body["error"] = json!({ "owl": "Lost" })),
@@ -23,11 +30,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(Tree::Object(members)) = turn.notification("UAV-INF") else { return };
-    judged.exercise();
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(Tree::Object(members)) = exchange.notification("UAV-INF") else { return };
+    context.covered();
     if let Some((key, _)) = members.iter().find(|(key, _)| key != "type" && key != "status") {
-        turn.breaks(judged, || {
+        exchange.breaks(context, || {
             Detail::new(format!("it has {}, too", fw::quoted(key))).at(pointer(&["body", key]))
         });
     }

@@ -1,7 +1,8 @@
 //! `FW-UAV-INF-08`.
 
-use super::fw::{self, Tree, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, Tree, fw,
+};
 use crate::flockwave::session::ids::Ids;
 use crate::json::pointer;
 
@@ -15,6 +16,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "UAV-INF over time",
     },
     check: Check::State(|| Box::new(Latest::default())),
+    covers: &[],
+    bug: Bug::message("Every other time stamp lies ten seconds back.", |out| {
+        let is_odd = out.number % 2 == 1;
+        out.shift_timestamps(|time| if is_odd { time - 10_000 } else { time });
+    }),
     mutants: &[Mutant {
         name: "it goes back",
         make: || fw::state(|kite| kite["timestamp"] = 1_789_000_000_000_u64.into()),
@@ -38,22 +44,22 @@ impl Default for Latest {
 }
 
 impl Checker for Latest {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
-        if !turn.exchange.connection.is_told {
+    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        if !exchange.record.connection.is_told {
             return;
         }
-        for (uav, state) in fw::states(turn, "UAV-INF") {
+        for (uav, state) in fw::states(exchange, "UAV-INF") {
             let Some(Tree::Int(now)) = state.get("timestamp") else { continue };
             if uav.len() > MAX_ID {
                 continue;
             }
-            judged.exercise();
-            match self.0.get_mut(turn.serial, uav) {
-                None => self.0.insert(turn.serial, uav, *now, uav.len()),
+            context.covered();
+            match self.0.get_mut(exchange.serial, uav) {
+                None => self.0.insert(exchange.serial, uav, *now, uav.len()),
                 Some(latest) => {
                     let before = std::mem::replace(latest, *now);
                     if *now < before {
-                        turn.breaks(judged, || {
+                        exchange.breaks(context, || {
                             Detail::differs(format!("{before} or more, as before"), now).at(pointer(&[
                                 "body",
                                 "status",

@@ -2,8 +2,7 @@
 //!
 //! The time of the server is known from SYS-TIME, as far as it can be: up to the time that its answer took.
 
-use super::fw::{self, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 use crate::flockwave::session::seconds;
 use crate::json::pointer;
 
@@ -17,6 +16,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "UAV-INF over time",
     },
     check: Check::Context(judge),
+    covers: &[],
+    bug: Bug::message("Time stamps lie an hour ahead.", |out| {
+        out.shift_timestamps(|time| time + 3_600_000);
+    }),
     mutants: &[Mutant {
         name: "a state of tomorrow",
         make: || fw::state(|kite| kite["timestamp"] = 1_790_086_400_000_u64.into()),
@@ -27,14 +30,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 /// How much clocks may have drifted apart since, in seconds.
 const TOLERANCE: f64 = 1.0;
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let (Some(time), Some((_, ahead))) = (turn.time, turn.clock) else { return };
-    for (uav, state) in fw::states(turn, "UAV-INF") {
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let (Some(time), Some((_, ahead))) = (exchange.time, exchange.clock) else { return };
+    for (uav, state) in fw::states(exchange, "UAV-INF") {
         let Some(stamp) = state.get("timestamp").and_then(seconds) else { continue };
-        judged.exercise();
+        context.covered();
         let early = stamp - time - ahead;
         if early > TOLERANCE {
-            turn.breaks(judged, || {
+            exchange.breaks(context, || {
                 Detail::new(format!("{early:.1} s after the time of the server")).at(pointer(&[
                     "body",
                     "status",

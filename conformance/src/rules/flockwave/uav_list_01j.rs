@@ -1,7 +1,9 @@
 //! `FW-UAV-LIST-01J`.
 
-use super::fw::{self, Shape, Tree, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
+    Tree, fw,
+};
 use crate::flockwave::body_schema::Mismatch;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -14,6 +16,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "UAV-LIST",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["UAV-LIST"], "ids", &[Fault::Value]),
+        Attribution::new(&["UAV-LIST"], "ids.*", &[Fault::Value]),
+    ],
+    bug: Bug::message("UAV-LIST has its first id twice.", |out| out.repeat_first_id("UAV-LIST")),
     mutants: &[
         Mutant {
             name: "an id twice",
@@ -28,12 +35,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(Tree::List(ids)) = turn.body_of("UAV-LIST").and_then(|body| body.get("ids")) else { return };
-    fw::unique(turn, judged, "ids");
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(Tree::List(ids)) = exchange.body_of("UAV-LIST").and_then(|body| body.get("ids")) else { return };
+    fw::unique(exchange, context, "ids");
     // What is no string is another rule's matter.
     let wrong = ids.iter().filter(|id| id.as_str().is_some()).find_map(|id| Shape::ObjectId.mismatch(id));
     if let Some(found) = wrong {
-        fw::mismatched(turn, judged, Mismatch { path: "/body/ids".to_owned(), ..found });
+        fw::mismatched(exchange, context, Mismatch { path: "/body/ids".to_owned(), ..found });
     }
 }

@@ -1,7 +1,11 @@
 //! `FW-WTH-01`.
 
-use super::fw::{self, INTEGER, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, Exchange, FlockwaveRule, INTEGER, Level, Mutant, Rule, RuleContext, Status,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +19,18 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "WTH-AT, WTH-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["WTH-AT"], "weather", attribution::MISSING),
+        Attribution::new(&["WTH-AT"], "weather.timestamp", attribution::MISSING),
+        Attribution::new(&["WTH-INF"], "status.*", attribution::MISSING),
+        Attribution::new(&["WTH-INF"], "status.*.timestamp", attribution::MISSING),
+    ],
+    bug: Bug::message("The time of the weather is a text.", |out| {
+        out.each_status("WTH-INF", |status| status["timestamp"] = json!("noon"));
+        if let Some(body) = out.body_of("WTH-AT") {
+            body["weather"]["timestamp"] = json!("noon");
+        }
+    }),
     mutants: &[
         Mutant {
             name: "seconds with a fraction",
@@ -31,11 +47,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    for (key, weather) in fw::states(turn, "WTH-INF") {
-        fw::member(turn, judged, Some(weather), &["body", "status", key], ("timestamp", true), &INTEGER);
+fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    for (key, weather) in fw::states(exchange, "WTH-INF") {
+        fw::member(exchange, context, Some(weather), &["body", "status", key], ("timestamp", true), &INTEGER);
     }
-    if let Some(weather) = turn.body_of("WTH-AT").and_then(|body| body.get("weather")) {
-        fw::member(turn, judged, Some(weather), &["body", "weather"], ("timestamp", true), &INTEGER);
+    if let Some(weather) = exchange.body_of("WTH-AT").and_then(|body| body.get("weather")) {
+        fw::member(exchange, context, Some(weather), &["body", "weather"], ("timestamp", true), &INTEGER);
     }
 }

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::{Role, Tree, Turn};
+use super::{Exchange, Role, Tree};
 use crate::flockwave::record::Direction;
+use crate::json::Frame;
 use crate::model::Place;
 
 /// How long a message over several lines may be, in bytes: what is longer is taken for no message.
@@ -43,28 +44,20 @@ pub(in crate::rules) struct Lines {
 struct Open {
     lines: Vec<Line>,
     text: String,
-    nesting: Nesting,
-}
-
-/// How deep a text has gone into values of JSON.
-#[derive(Debug, Default)]
-struct Nesting {
-    depth: usize,
-    is_in_string: bool,
-    is_escaped: bool,
+    frame: Frame,
 }
 
 impl Lines {
     /// Follows what goes over a connection.
-    pub(in crate::rules) fn follow(&mut self, turn: &Turn<'_>) {
-        let index = turn.exchange.connection.index;
-        match turn.role {
+    pub(in crate::rules) fn follow(&mut self, exchange: &Exchange<'_>) {
+        let index = exchange.record.connection.index;
+        match exchange.role {
             Role::Unanswered => {}
-            Role::Unreadable if turn.exchange.direction == Direction::In => self.line(index, turn),
+            Role::Unreadable if exchange.record.direction == Direction::In => self.line(index, exchange),
             // What clients send doesn't part what servers do.
-            _ if turn.exchange.direction == Direction::Out => {}
+            _ if exchange.record.direction == Direction::Out => {}
             // The client didn't wait for the rest.
-            Role::Event if turn.exchange.note == Some("client") => _ = self.open.remove(&index),
+            Role::Event if exchange.record.note == Some("client") => _ = self.open.remove(&index),
             _ => self.part(index),
         }
     }
@@ -82,17 +75,17 @@ impl Lines {
         }
     }
 
-    fn line(&mut self, index: usize, turn: &Turn<'_>) {
-        let exchange = turn.exchange;
+    fn line(&mut self, index: usize, exchange: &Exchange<'_>) {
+        let record = exchange.record;
         let line = Line {
-            place: exchange.place,
-            actual: exchange.value.map(ToString::to_string),
-            excerpt: turn.excerpt(),
+            place: record.place,
+            actual: record.value.map(ToString::to_string),
+            excerpt: exchange.excerpt(),
         };
         // A number between others is JSON as well, and it doesn't matter which it is.
-        let text = if exchange.value.is_some() { "0" } else { exchange.text };
+        let text = if record.value.is_some() { "0" } else { record.text };
         let is_first = !self.open.contains_key(&index);
-        if is_first && (!is_of_lines(turn) || !text.trim_start().starts_with('{')) {
+        if is_first && (!is_of_lines(exchange) || !text.trim_start().starts_with('{')) {
             return self.other.push(line);
         }
         if is_first && self.open.len() >= MAX_CONNECTIONS {
@@ -102,11 +95,11 @@ impl Lines {
         open.lines.push(line);
         open.text.push_str(text);
         open.text.push('\n');
-        open.nesting.follow(text);
+        let depth = open.frame.follow(text);
         if open.text.len() > MAX_TEXT || open.lines.len() > MAX_LINES {
             return self.part(index);
         }
-        if open.nesting.depth > 0 {
+        if depth > 0 {
             return;
         }
         let is_message = open.lines.len() > 1 && matches!(Tree::read(&open.text), Ok(Tree::Object(_)));
@@ -119,42 +112,27 @@ impl Lines {
     }
 }
 
-impl Nesting {
-    fn follow(&mut self, text: &str) {
-        for byte in text.bytes() {
-            match byte {
-                _ if self.is_escaped => self.is_escaped = false,
-                b'\\' if self.is_in_string => self.is_escaped = true,
-                b'"' => self.is_in_string = !self.is_in_string,
-                b'{' | b'[' if !self.is_in_string => self.depth += 1,
-                b'}' | b']' if !self.is_in_string => self.depth = self.depth.saturating_sub(1),
-                _ => {}
-            }
-        }
-    }
-}
-
 /// Whether messages are lines on this connection: those of TCP are called `tcp` or begin so.
-fn is_of_lines(turn: &Turn<'_>) -> bool {
-    is_called(turn, "tcp")
+fn is_of_lines(exchange: &Exchange<'_>) -> bool {
+    is_called(exchange, "tcp")
 }
 
 /// Whether the name of the connection begins so.
-pub(in crate::rules) fn is_called(turn: &Turn<'_>, start: &str) -> bool {
-    let name = turn.exchange.connection.name.get(..start.len());
+pub(in crate::rules) fn is_called(exchange: &Exchange<'_>, start: &str) -> bool {
+    let name = exchange.record.connection.name.get(..start.len());
     name.is_some_and(|name| name.eq_ignore_ascii_case(start))
 }
 
 /// Whether a server sends several messages in the place of one: in one line, or in one datagram.
-pub(in crate::rules) fn are_several(turn: &Turn<'_>, transport: &str) -> bool {
-    let exchange = turn.exchange;
-    if turn.role != Role::Unreadable || exchange.direction != Direction::In || exchange.value.is_some() {
+pub(in crate::rules) fn are_several(exchange: &Exchange<'_>, transport: &str) -> bool {
+    let record = exchange.record;
+    if exchange.role != Role::Unreadable || record.direction != Direction::In || record.value.is_some() {
         return false;
     }
     let is_object = |text: &str| matches!(Tree::read(text), Ok(Tree::Object(_)));
-    is_called(turn, transport)
-        && Tree::read(exchange.text).err().is_some_and(|error| {
-            let (first, rest) = exchange.text.split_at_checked(error.at).unwrap_or_default();
+    is_called(exchange, transport)
+        && Tree::read(record.text).err().is_some_and(|error| {
+            let (first, rest) = record.text.split_at_checked(error.at).unwrap_or_default();
             // Of more than two, the first is enough to see it.
             is_object(first)
                 && (is_object(rest) || Tree::read(rest).is_err_and(|error| starts_object(rest, error.at)))

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Role, Turn};
+use super::{Exchange, Role};
 
 /// Of how many connections something is kept; more at the same time are rare, and of the oldest it is forgotten.
 const MAX_CONNECTIONS: usize = 16;
@@ -20,24 +20,24 @@ impl<T> Default for PerConnection<T> {
 
 impl<T: Default> PerConnection<T> {
     /// The state of the connection over which something goes.
-    pub(in crate::rules) fn of(&mut self, turn: &Turn<'_>) -> &mut T {
-        let index = turn.exchange.connection.index;
+    pub(in crate::rules) fn of(&mut self, exchange: &Exchange<'_>) -> &mut T {
+        let index = exchange.record.connection.index;
         if self.0.len() >= MAX_CONNECTIONS && !self.0.contains_key(&index) {
             self.0.pop_first();
         }
         let (serial, state) = self.0.entry(index).or_default();
-        if *serial != turn.serial {
-            (*serial, *state) = (turn.serial, T::default());
+        if *serial != exchange.serial {
+            (*serial, *state) = (exchange.serial, T::default());
         }
         state
     }
 
     /// The state of a connection that comes to its end here, and is known to.
-    pub(in crate::rules) fn closed(&mut self, turn: &Turn<'_>) -> Option<T> {
-        if turn.role != Role::Event || turn.exchange.text != "closed" {
+    pub(in crate::rules) fn closed(&mut self, exchange: &Exchange<'_>) -> Option<T> {
+        if exchange.role != Role::Event || exchange.record.text != "closed" {
             return None;
         }
-        self.0.remove(&turn.exchange.connection.index).map(|(_, state)| state)
+        self.0.remove(&exchange.record.connection.index).map(|(_, state)| state)
     }
 
     /// Forgets all.

@@ -1,4 +1,4 @@
-//! An exchange with what it means in its conversation.
+//! An record with what it means in its session.
 
 use std::borrow::Cow;
 
@@ -7,7 +7,7 @@ use uavspec_codegen::schema::json_type::Direction;
 use super::{Asked, Named};
 use crate::definitions::Definitions;
 use crate::flockwave::body_schema::Deviation;
-use crate::flockwave::record::{self, Exchange};
+use crate::flockwave::record::{self, SessionRecord};
 use crate::json::Tree;
 use crate::model::Rule;
 
@@ -17,7 +17,7 @@ const MAX_EXCERPT: usize = 160;
 /// How much of the name of a type is shown.
 const MAX_NAME: usize = 40;
 
-/// What something is in its conversation.
+/// What something is in its session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// Something happened to the connection.
@@ -60,11 +60,11 @@ pub struct ClockMove {
     pub is_after_nothing: bool,
 }
 
-/// An exchange with what it means in its conversation.
+/// An record with what it means in its session.
 #[derive(Clone, Debug)]
-pub struct Turn<'t> {
-    /// The exchange.
-    pub exchange: &'t Exchange<'t>,
+pub struct Exchange<'t> {
+    /// The record.
+    pub record: &'t SessionRecord<'t>,
     /// What it is.
     pub role: Role,
     /// Tells its connection from all others, also from those that had the same name before.
@@ -97,9 +97,9 @@ pub struct Turn<'t> {
     pub deviations: Option<Vec<Deviation>>,
 }
 
-impl<'t> Turn<'t> {
-    pub(super) fn new(exchange: &'t Exchange<'t>, time: Option<f64>) -> Self {
-        let message = exchange.value.filter(|value| matches!(value, Tree::Object(_)));
+impl<'t> Exchange<'t> {
+    pub(super) fn new(record: &'t SessionRecord<'t>, time: Option<f64>) -> Self {
+        let message = record.value.filter(|value| matches!(value, Tree::Object(_)));
         let text = |key| message.and_then(|message| message.get(key)).and_then(Tree::as_str);
         let body = message.and_then(|message| message.get("body"));
         let body = body.filter(|body| matches!(body, Tree::Object(_)));
@@ -107,7 +107,7 @@ impl<'t> Turn<'t> {
         // Optional members may be null, says the advice to authors of the specification.
         let has_refs =
             message.and_then(|message| message.get("refs")).is_some_and(|refs| *refs != Tree::Null);
-        let role = match (exchange.direction, message) {
+        let role = match (record.direction, message) {
             (record::Direction::Event, _) => Role::Event,
             (_, None) => Role::Unreadable,
             _ if has_refs => Role::Response,
@@ -115,7 +115,7 @@ impl<'t> Turn<'t> {
             _ => Role::Request,
         };
         Self {
-            exchange,
+            record,
             role,
             serial: 0,
             time,
@@ -135,20 +135,20 @@ impl<'t> Turn<'t> {
     }
 
     /// That a request has got no answer.
-    pub(crate) fn unanswered(exchange: &'t Exchange<'t>, serial: u64, asked: Asked) -> Self {
-        let turn = Self::new(exchange, None);
-        Self { role: Role::Unanswered, serial, asked: Some(asked), ..turn }
+    pub(crate) fn unanswered(record: &'t SessionRecord<'t>, serial: u64, asked: Asked) -> Self {
+        let exchange = Self::new(record, None);
+        Self { role: Role::Unanswered, serial, asked: Some(asked), ..exchange }
     }
 
     /// Whether it is a message of the server, readable or not.
     pub fn is_of_server(&self) -> bool {
-        self.exchange.direction == record::Direction::In && self.role != Role::Unanswered
+        self.record.direction == record::Direction::In && self.role != Role::Unanswered
     }
 
     /// The message, where it is one of the server.
     pub fn message(&self) -> Option<&'t Tree<'t>> {
         let is_object = |value: &&Tree<'_>| matches!(value, Tree::Object(_));
-        self.exchange.value.filter(is_object).filter(|_| self.is_of_server())
+        self.record.value.filter(is_object).filter(|_| self.is_of_server())
     }
 
     /// The body of a message of the server that is of this type.
@@ -168,7 +168,7 @@ impl<'t> Turn<'t> {
 
     /// Whether it has what makes it a message of Flockwave: a version, and a type.
     pub fn is_sound(&self) -> bool {
-        let version = self.exchange.value.and_then(|message| message.get("$fw.version"));
+        let version = self.record.value.and_then(|message| message.get("$fw.version"));
         version.and_then(Tree::as_str).is_some() && self.type_name.is_some()
     }
 
@@ -177,7 +177,7 @@ impl<'t> Turn<'t> {
     pub fn tried(&self, rule: &Rule) -> Option<&str> {
         let (of, how) = match &self.asked {
             Some(asked) => asked.trial.as_ref().map(|(rule, how)| (*rule, how.as_str()))?,
-            None => self.exchange.trial.filter(|_| self.role == Role::Event).map(|of| (of.rule, of.how))?,
+            None => self.record.trial.filter(|_| self.role == Role::Event).map(|of| (of.rule, of.how))?,
         };
         (of.id == rule.id).then_some(how)
     }
@@ -230,8 +230,8 @@ impl<'t> Turn<'t> {
 
     /// The beginning of it, as it is written.
     pub(crate) fn excerpt(&self) -> String {
-        let mut text: String = self.exchange.text.chars().take(MAX_EXCERPT).collect();
-        if text.len() < self.exchange.text.len() {
+        let mut text: String = self.record.text.chars().take(MAX_EXCERPT).collect();
+        if text.len() < self.record.text.len() {
             text.push('…');
         }
         text

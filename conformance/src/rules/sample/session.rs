@@ -1,9 +1,11 @@
-//! A conversation of Flockwave that conforms: a client looks after two gliders, as a recording of the client shows it. In
+//! A session of Flockwave that conforms: a client looks after two gliders, as a recording of the client shows it. In
 //! the middle it tries how the server takes what is unusual, over connections of their own.
 
 mod trials;
 
 use serde_json::{Value, json};
+
+use crate::model::Rule;
 
 /// When it begins, in seconds since the epoch.
 const BEGIN: f64 = 1_790_000_000.0;
@@ -16,7 +18,7 @@ const REPORTS: (u32, f64) = (12, 5.0);
 
 /// A recording, line by line.
 #[derive(Clone, Debug)]
-pub struct Conversation {
+pub struct Session {
     /// Its lines.
     pub lines: Vec<Value>,
     connection: &'static str,
@@ -25,36 +27,36 @@ pub struct Conversation {
     said: u64,
 }
 
-impl Default for Conversation {
+impl Default for Session {
     fn default() -> Self {
         Self::new()
     }
 }
 
 #[allow(clippy::needless_pass_by_value)] // bodies are written where they are passed
-impl Conversation {
-    /// The whole conversation.
+impl Session {
+    /// The whole session.
     pub fn new() -> Self {
-        let mut talk = Self::opened();
-        talk.server();
-        talk.fleet();
-        talk.operations();
-        talk.rest();
-        talk.trials();
+        let mut session = Self::opened();
+        session.server();
+        session.fleet();
+        session.operations();
+        session.rest();
+        session.trials();
         for _ in 0..REPORTS.0 {
-            talk.time += REPORTS.1;
-            talk.report();
+            session.time += REPORTS.1;
+            session.report();
         }
-        talk.tells(json!({ "type": "SYS-CLOSE", "reason": "The wind drops" }));
-        talk.closed("eof");
-        talk
+        session.tells(json!({ "type": "SYS-CLOSE", "reason": "The wind drops" }));
+        session.closed("eof");
+        session
     }
 
     /// A connection over which nothing has gone yet.
     pub fn opened() -> Self {
-        let mut talk = Self { lines: Vec::new(), connection: "hill", time: BEGIN, asked: 0, said: 0 };
-        talk.event("connect");
-        talk
+        let mut session = Self { lines: Vec::new(), connection: "hill", time: BEGIN, asked: 0, said: 0 };
+        session.event("connect");
+        session
     }
 
     /// The client asks, and the server answers with a body of the same type.
@@ -79,16 +81,16 @@ impl Conversation {
     }
 
     /// The client asks, to try a rule; the id of its request.
-    pub fn tries(&mut self, rule: &str, how: &str, request: Value) -> String {
+    pub fn tries(&mut self, rule: &Rule, how: &str, request: Value) -> String {
         let id = self.sends(request);
         self.marks_trial(rule, how);
         id
     }
 
     /// What went last over the connection, or happened to it, tries a rule.
-    fn marks_trial(&mut self, rule: &str, how: &str) {
+    fn marks_trial(&mut self, rule: &Rule, how: &str) {
         if let Some(line) = self.lines.last_mut() {
-            line["trial"] = rule.into();
+            line["trial"] = rule.id.into();
             line["how"] = how.into();
         }
     }
@@ -108,7 +110,7 @@ impl Conversation {
     }
 
     /// A connection that is to try a rule doesn't come about.
-    pub fn refused(&mut self, rule: &str, how: &str, why: &str) {
+    pub fn refused(&mut self, rule: &Rule, how: &str, why: &str) {
         self.noted("refused", "why", why);
         self.marks_trial(rule, how);
     }
