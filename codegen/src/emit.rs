@@ -5,6 +5,7 @@ pub mod docs;
 mod identifier;
 pub mod inspect;
 pub mod json_schema;
+mod origin;
 pub(crate) mod prose;
 pub mod python;
 #[cfg(feature = "rust")]
