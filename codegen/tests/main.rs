@@ -15,6 +15,7 @@ mod json_schema;
 mod json_types;
 mod lint;
 mod oracle;
+mod origin;
 mod properties;
 mod support;
 mod type_pages;

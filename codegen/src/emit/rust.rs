@@ -8,6 +8,7 @@
 mod enumeration;
 mod error_code;
 mod identifier;
+mod imports;
 mod json_type;
 mod message;
 mod types;
@@ -23,12 +24,14 @@ use quote::quote;
 use self::identifier::{Scope, ident, module_name};
 #[cfg(feature = "files")]
 use super::emitter::{Input, Output};
+use super::origin::Origins;
 use super::{GENERATED_BY, OutputFile};
 #[cfg(feature = "files")]
 use crate::failure::Failure;
 use crate::prose;
-use crate::schema::{MessageId, Package, Schema};
+use crate::schema::{Element, MessageId, Package, Schema};
 use crate::source::SourceMap;
+use crate::span::Span;
 
 /// Options of the emitter.
 #[derive(Clone, Debug)]
@@ -87,7 +90,7 @@ impl Place {
 /// All that the parts of the emitter look up.
 struct Context<'s> {
     schema: &'s Schema,
-    sources: &'s SourceMap,
+    origins: Origins<'s>,
     /// By [`MessageId`].
     places: Vec<Option<Place>>,
     /// Names of the types of the enums of each message, by [`MessageId`].
@@ -136,7 +139,7 @@ static UNPLACED: Place = Place { modules: Vec::new(), type_name: String::new(), 
 pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<OutputFile> {
     let mut context = Context {
         schema,
-        sources,
+        origins: Origins::new(schema, sources),
         places: vec![None; schema.messages.len()],
         enum_names: vec![Vec::new(); schema.messages.len()],
     };
@@ -236,7 +239,17 @@ fn set_place(context: &mut Context<'_>, id: MessageId, place: Place, scope: &mut
 fn header(from: &str) -> String {
     // A path with a line break would end the comment.
     let from = from.replace(['\n', '\r'], " ");
-    format!("// {GENERATED_BY} from {from}. Do not edit: run `cargo xtask codegen`.\n\n")
+    format!("// {GENERATED_BY} from {from}. Do not edit.\n\n")
+}
+
+/// The header line of a file that comes from the definition that holds `span`.
+fn header_of(context: &Context<'_>, package: &Package, span: Span) -> String {
+    header(&format!("{} of {}", context.origins.path(span), package.name))
+}
+
+/// The header line of a file that comes from all definitions of a package.
+fn header_of_package(package: &Package) -> String {
+    header(&format!("the definitions of {}", package.name))
 }
 
 fn root(packages: &[(&Package, String, Modules)], options: &Options) -> String {
@@ -317,9 +330,9 @@ fn package_files(
         json = Some(json_type::declaration());
         files.append(&mut json_type::files(context, package, module));
     }
-    let layouts = assert_layouts(modules.messages.iter().map(|(_, place)| place));
+    let layouts = assert_layouts(context, &modules.messages);
     let tokens = quote!(#doc #error_codes #(#messages)* #(#kinds)* #json #layouts);
-    let text = header(&format!("the definitions of package {}", package.name)) + &layout_file(tokens);
+    let text = header_of_package(package) + &layout_file(tokens);
     files.push(OutputFile { path: format!("{module}.rs"), text });
     for kind in ["srv", "action"] {
         let of_kind: Vec<&InterfaceModule> =
@@ -327,7 +340,7 @@ fn package_files(
         if !of_kind.is_empty() {
             files.push(OutputFile {
                 path: format!("{module}/{kind}.rs"),
-                text: kind_module(package, &of_kind),
+                text: kind_module(context, package, &of_kind),
             });
         }
     }
@@ -337,13 +350,13 @@ fn package_files(
         let doc = inner_documentation(&format!("The parts of {}.", prose::code(&from.name)));
         let parts: Vec<TokenStream> =
             interface.parts.iter().map(|(id, _)| message::tokens(context, *id)).collect();
-        let source = context.sources.path(context.sources.source_of(from.span));
-        files.push(OutputFile { path, text: header(source) + &layout_file(quote!(#doc #(#parts)*)) });
+        let text = header_of(context, package, from.span) + &layout_file(quote!(#doc #(#parts)*));
+        files.push(OutputFile { path, text });
     }
     files
 }
 
-fn kind_module(package: &Package, interfaces: &[&InterfaceModule]) -> String {
+fn kind_module(context: &Context<'_>, package: &Package, interfaces: &[&InterfaceModule]) -> String {
     let what = if interfaces[0].kind == "srv" { "Services" } else { "Actions" };
     let doc = inner_documentation(&format!("{what} of package `{}`.", package.name));
     let modules = interfaces.iter().map(|interface| {
@@ -353,16 +366,23 @@ fn kind_module(package: &Package, interfaces: &[&InterfaceModule]) -> String {
         ));
         re_export(&doc, &interface.module, interface.parts.iter().flat_map(|(_, place)| place.names()))
     });
-    let parts = interfaces.iter().flat_map(|interface| &interface.parts);
-    let layouts = assert_layouts(parts.map(|(_, place)| place));
-    header(&format!("the definitions of package {}", package.name))
-        + &layout_file(quote!(#doc #(#modules)* #layouts))
+    let layouts = assert_layouts(context, interfaces.iter().flat_map(|interface| &interface.parts));
+    header_of_package(package) + &layout_file(quote!(#doc #(#modules)* #layouts))
 }
 
-/// Has the compiler check the layouts of those messages that have one.
-fn assert_layouts<'p>(places: impl Iterator<Item = &'p Place>) -> Option<TokenStream> {
+/// Has the compiler check the layouts of those messages of fixed size that nest others: of a layout without them the
+/// generator knows everything.
+fn assert_layouts<'p>(
+    context: &Context<'_>,
+    messages: impl IntoIterator<Item = &'p (MessageId, Place)>,
+) -> Option<TokenStream> {
+    let nests = |id: MessageId| {
+        let fields = &context.schema.message(id).fields;
+        fields.iter().any(|field| matches!(field.ty.element, Element::Message(_)))
+    };
+    let has_layout = |(id, place): &&(MessageId, Place)| !place.view_name.is_empty() && nests(*id);
     let names: Vec<_> =
-        places.filter(|place| !place.view_name.is_empty()).map(|place| ident(&place.type_name)).collect();
+        messages.into_iter().filter(has_layout).map(|(_, place)| ident(&place.type_name)).collect();
     (!names.is_empty()).then(|| quote!(::uavspec_runtime::assert_layouts! { #(#names;)* }))
 }
 
@@ -383,14 +403,14 @@ fn message_files(context: &Context<'_>) -> Vec<OutputFile> {
     let file = |id: &MessageId| {
         let place = context.place(*id);
         let message = context.schema.message(*id);
-        let source = context.sources.path(context.sources.source_of(message.span));
         let doc = inner_documentation(&format!(
             "[`{0}`](struct@{0}) and the types of its fields.",
             ident(&place.type_name)
         ));
         let tokens = message::tokens(context, *id);
         let path = format!("{}.rs", place.modules.join("/"));
-        OutputFile { path, text: header(source) + &layout_file(quote!(#doc #tokens)) }
+        let header = header_of(context, context.schema.package_of(message), message.span);
+        OutputFile { path, text: header + &layout_file(quote!(#doc #tokens)) }
     };
     let workers = thread::available_parallelism().map_or(1, NonZero::get);
     let share = ids.len().div_ceil(workers).max(1);
@@ -408,7 +428,7 @@ fn message_files(context: &Context<'_>) -> Vec<OutputFile> {
 
 /// Tokens as text: laid out, with a blank line between items.
 fn layout_file(tokens: TokenStream) -> String {
-    let file: syn::File = match syn::parse2(tokens) {
+    let file: syn::File = match syn::parse2(imports::shorten(tokens)) {
         Ok(file) => file,
         // The tokens come from `quote` and identifiers alone; were they no Rust, the compiler says so.
         Err(error) => return format!("compile_error!({:?});\n", error.to_string()),
@@ -419,14 +439,13 @@ fn layout_file(tokens: TokenStream) -> String {
     for line in prettyplease::unparse(&head).lines() {
         push_line(line, &mut text);
     }
-    let mut was_module = false;
+    let mut last_list = List::None;
     for item in file.items {
-        let is_module = matches!(item, syn::Item::Mod(_) | syn::Item::Use(_));
-        let continues_list = is_module && was_module;
-        if !text.is_empty() && !continues_list {
+        let list = List::of(&item);
+        if !text.is_empty() && (list == List::None || list != last_list) {
             text.push('\n');
         }
-        was_module = is_module;
+        last_list = list;
         if let syn::Item::Macro(call) = item {
             list_entries(&call, &mut text);
             continue;
@@ -437,10 +456,31 @@ fn layout_file(tokens: TokenStream) -> String {
     text
 }
 
+/// A list of items without blank lines in between.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum List {
+    Imports,
+    /// Modules, and what is re-exported from them.
+    Modules,
+    None,
+}
+
+impl List {
+    fn of(item: &syn::Item) -> Self {
+        match item {
+            syn::Item::Use(item) if matches!(item.vis, syn::Visibility::Inherited) => Self::Imports,
+            syn::Item::Mod(_) | syn::Item::Use(_) => Self::Modules,
+            _ => Self::None,
+        }
+    }
+}
+
 /// Writes a macro call in braces with each entry on a line of its own: `name! { first; second; … }`.
 fn list_entries(call: &syn::ItemMacro, text: &mut String) {
-    for segment in &call.mac.path.segments {
-        let _ = write!(text, "::{}", segment.ident);
+    let path = &call.mac.path;
+    for (index, segment) in path.segments.iter().enumerate() {
+        let separator = if index > 0 || path.leading_colon.is_some() { "::" } else { "" };
+        let _ = write!(text, "{separator}{}", segment.ident);
     }
     text.push_str("! {\n");
     let mut line = String::new();
@@ -448,11 +488,27 @@ fn list_entries(call: &syn::ItemMacro, text: &mut String) {
         let is_end = matches!(&token, TokenTree::Punct(punct) if punct.as_char() == ';');
         write_tokens(token.into(), &mut line);
         if is_end {
-            let _ = writeln!(text, "    {}", line.trim_end());
+            push_entry(line.trim_end(), text);
             line.clear();
         }
     }
     text.push_str("}\n");
+}
+
+/// Writes an entry of a macro call. A long list of names is wrapped.
+fn push_entry(entry: &str, text: &mut String) {
+    let mut width = 0;
+    for word in entry.split_inclusive(' ') {
+        let is_wrapped = !entry.contains('"') && width + word.len() > 100;
+        if width == 0 || is_wrapped {
+            text.truncate(text.trim_end_matches(' ').len());
+            text.push_str(if is_wrapped { "\n    " } else { "    " });
+            width = 0;
+        }
+        text.push_str(word);
+        width += word.len();
+    }
+    text.push('\n');
 }
 
 /// Writes tokens with spaces where people put them, and perhaps one after the last.
@@ -475,6 +531,8 @@ fn write_tokens(tokens: TokenStream, text: &mut String) {
                 let is_path = punct.spacing() == Spacing::Joint || text.ends_with(':');
                 match punct.as_char() {
                     ':' if is_path => text.push(':'),
+                    '!' => text.push_str(" !"),
+                    '=' if text.ends_with('!') => text.push_str("= "),
                     '=' => text.push_str(" = "),
                     separator @ (':' | ',' | ';') => text.extend([separator, ' ']),
                     operator => text.push(operator),

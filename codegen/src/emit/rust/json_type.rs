@@ -15,7 +15,7 @@ use quote::quote;
 
 use self::types::Definitions;
 use super::identifier::{self, Scope, ident};
-use super::{Context, header, inner_documentation, layout_file};
+use super::{Context, header_of_package, inner_documentation, layout_file};
 use crate::emit::OutputFile;
 use crate::prose;
 use crate::schema::json_type::{Definition, Expression, Member, TYPE_FIELD};
@@ -48,8 +48,7 @@ pub(super) fn files(context: &Context<'_>, package: &Package, module: &str) -> V
     if !package.json_types.is_empty() {
         re_exported = definitions.names().iter().map(|name| ident(name)).collect();
         let doc = inner_documentation(&format!("The types of package `{}`.", package.name));
-        let sources = sources(context, package);
-        let text = header(&sources) + &layout_file(quote!(#doc #(#tokens)*));
+        let text = header_of_package(package) + &layout_file(quote!(#doc #(#tokens)*));
         files.push(OutputFile { path: format!("{module}/{MODULE}/{TYPES}.rs"), text });
     }
     let (root, mut messages) = message::files(context, package, &names, module);
@@ -68,19 +67,10 @@ pub(super) fn files(context: &Context<'_>, package: &Package, module: &str) -> V
     // What is absent and what is null are two things. Messages are few at a time, and an indirection would be in
     // everybody's way.
     let allowed = quote!(#![allow(clippy::large_enum_variant)] #![allow(clippy::option_option)]);
-    let text = header(&sources(context, package)) + &layout_file(quote!(#doc #allowed #types #root));
+    let text = header_of_package(package) + &layout_file(quote!(#doc #allowed #types #root));
     files.push(OutputFile { path: format!("{module}/{MODULE}.rs"), text });
     files.append(&mut messages);
     files
-}
-
-/// The pages that define types or messages.
-fn sources(context: &Context<'_>, package: &Package) -> String {
-    let types = package.json_types.iter().map(|id| context.schema.json_type(*id).span);
-    let messages = package.json_messages.iter().map(|id| context.schema.json_message(*id).span);
-    let paths: BTreeSet<&str> =
-        types.chain(messages).map(|span| context.sources.path(context.sources.source_of(span))).collect();
-    paths.into_iter().collect::<Vec<_>>().join(", ")
 }
 
 /// What the types of a package are called, and which hold themselves.
