@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 pub(crate) use self::output::{Difference, Folder, compare, write};
 use self::parallel::side_by_side;
 use crate::diagnostic::has_errors;
-use crate::emit::{self, OutputFile};
+use crate::emit::Input;
 use crate::failure::Failure;
-use crate::load::{Config, EmitterOptions, Plan, PlannedOutput, RustOptions, read_translated};
+use crate::load::{Config, Plan, read_translated};
 use crate::render;
 use crate::schema::Schema;
 use crate::source::SourceMap;
@@ -67,33 +67,8 @@ pub(crate) fn emit_all(
     translations: &Translations,
     sources: &SourceMap,
 ) -> Result<Vec<Folder>, Failure> {
-    side_by_side(&plan.outputs, |output: &PlannedOutput| {
-        let files = match &output.emitter {
-            EmitterOptions::Rust(options) => emit_rust(schema, sources, options)?,
-            EmitterOptions::JsonSchema(options) => emit::json_schema::emit(schema, options),
-            EmitterOptions::Docs(options) => {
-                emit::docs::emit(schema, translations, sources, &options.read()?)
-            }
-            EmitterOptions::Vectors(options) => emit::vectors::emit(schema, options),
-            EmitterOptions::TypeScript(options) => emit::typescript::emit(schema, translations, options),
-            EmitterOptions::Python => emit::python::emit(schema, translations),
-        };
-        Ok(Folder { path: output.path.clone(), files })
+    let input = Input { schema, translations, sources };
+    side_by_side(&plan.outputs, |output| {
+        Ok(Folder { path: output.path.clone(), files: output.output.emit(input)? })
     })
-}
-
-#[cfg(feature = "rust")]
-#[allow(clippy::unnecessary_wraps)] // the other build's can fail
-fn emit_rust(
-    schema: &Schema,
-    sources: &SourceMap,
-    options: &RustOptions,
-) -> Result<Vec<OutputFile>, Failure> {
-    let options = emit::rust::Options { root: options.root.clone(), readme: options.readme.clone() };
-    Ok(emit::rust::emit(schema, sources, &options))
-}
-
-#[cfg(not(feature = "rust"))]
-fn emit_rust(_: &Schema, _: &SourceMap, _: &RustOptions) -> Result<Vec<OutputFile>, Failure> {
-    Err(Failure::new("this build can't emit Rust").with_hint("enable the feature `rust` of uavspec-codegen"))
 }

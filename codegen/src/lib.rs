@@ -73,20 +73,25 @@ mod characters;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod diagnostic;
-pub mod directive;
+mod directive;
 pub mod dynamic;
 pub mod emit;
-pub mod example;
+mod example;
 #[cfg(feature = "files")]
 mod failure;
 pub mod finding;
 pub mod format;
+// Parts of both are for commands alone.
 #[cfg(feature = "files")]
+#[cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 mod generate;
 pub mod lint;
 #[cfg(feature = "files")]
+#[cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 pub mod load;
 pub mod msg;
+#[cfg(feature = "files")]
+mod path;
 mod pattern;
 mod prose;
 mod read;
@@ -98,9 +103,9 @@ pub mod rewrite;
 pub mod schema;
 pub mod source;
 mod span;
-pub mod table;
+mod table;
 pub mod translation;
-pub mod unit;
+mod unit;
 pub mod value;
 
 pub use diagnostic::Diagnostic;
@@ -111,3 +116,12 @@ pub use generate::{Generated, generate};
 pub use read::{PackageInput, read};
 pub use schema::Schema;
 pub use source::{SourceId, SourceMap};
+
+/// Parsers and examples, for the tests of this crate alone.
+#[doc(hidden)]
+pub mod internal {
+    pub use crate::example::{Example, catalogues, is_catalogue, packages};
+    pub use crate::msg::annotation::Note;
+    pub use crate::msg::parse as parse_definition;
+    pub use crate::table::parse as parse_page;
+}

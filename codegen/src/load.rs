@@ -4,16 +4,14 @@ mod config;
 mod files;
 mod lint;
 mod mistake;
-mod path;
 
 use std::path::Path;
 
-pub(crate) use self::config::{Config, Emitter, EmitterOptions, Inputs, Plan, PlannedOutput, RustOptions};
+pub(crate) use self::config::{Config, Inputs, Plan};
 pub(crate) use self::files::{
     Loaded, is_definition, literal_base, load, load_beside, load_named, load_with_catalogues,
 };
 pub(crate) use self::lint::PresetName;
-pub(crate) use self::path::normalise;
 use crate::diagnostic::{Diagnostic, has_errors};
 use crate::failure::Failure;
 use crate::msg::Dialect;

@@ -20,7 +20,7 @@ const FLOORS: &[&[&str]] = &[
     &["schema"],
     &["table"],
     &["msg"],
-    &["characters", "directive", "finding", "pattern", "prose", "source", "unit", "value"],
+    &["characters", "directive", "finding", "path", "pattern", "prose", "source", "unit", "value"],
     &["diagnostic"],
     &["failure", "span"],
 ];

@@ -1,9 +1,11 @@
-//! The tests of the generator, in one program: each file is a module.
+//! The tests of the generator, in one program; each file is a module.
 
+mod attributes;
 mod bindings;
 mod breaking;
 mod dynamic;
 mod edge;
+mod emitters;
 mod fixtures;
 mod format;
 mod format_properties;

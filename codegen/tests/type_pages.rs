@@ -137,12 +137,8 @@ fn read_page(text: &str) -> (SourceMap, Schema) {
     (sources, schema)
 }
 
-fn config() -> ProptestConfig {
-    ProptestConfig { failure_persistence: None, cases: 64, ..ProptestConfig::default() }
-}
-
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(support::config(64))]
 
     #[test]
     fn what_is_read_is_what_was_meant(types in types()) {

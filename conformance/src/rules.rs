@@ -70,7 +70,7 @@ pub fn mutants() -> impl Iterator<Item = Mutant> {
         of.mutants.iter().map(|flockwave::Mutant { name, make, also }| Mutant {
             rule: &of.rule,
             name,
-            also: also.iter().filter_map(|id| rule(id)).collect(),
+            also: also.to_vec(),
             make: Make::Session(*make),
         })
     });

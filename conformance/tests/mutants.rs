@@ -115,6 +115,7 @@ bool is_landed            # Whether it stands on the ground
 }
 
 #[test]
+#[ignore = "takes long"]
 fn so_do_those_of_px4() {
     let Some(corpus) = shared("corpus/px4") else { return };
     let definitions = Definitions::load(&corpus.join("main")).expect("definitions");

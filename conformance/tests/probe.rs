@@ -15,7 +15,8 @@ use uavspec_conformance::check::check_capture;
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::flockwave::transport::endpoint::Endpoint;
 use uavspec_conformance::probe::{Options, Probed, probe};
-use uavspec_conformance::serve::{self, Server, Transport, bug};
+use uavspec_conformance::rules::flockwave;
+use uavspec_conformance::serve::{self, Server, Transport};
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 
@@ -294,7 +295,7 @@ fn uavspec(arguments: &[&str]) -> (Option<i32>, String, String) {
 #[test]
 fn the_command_says_what_came_of_it_and_records_it() {
     let place = SocketAddr::from(([127, 0, 0, 1], 0));
-    let bug = bug("FW-SYS-VER-02");
+    let bug = flockwave::rule("FW-SYS-VER-02");
     let options = serve::Options { bug, ..serve::Options::default() };
     let server = Server::start(options, &[(Transport::Tcp, place)]).expect("it starts");
     let url = server.listening()[0].to_string();

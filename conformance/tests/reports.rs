@@ -11,7 +11,7 @@ use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::rules::mutants;
 use uavspec_conformance::rules::sample::{Flight, Session};
 
-use support::shared;
+use support::{extent, shared};
 
 /// Those of this program, which many recordings are judged by.
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
@@ -296,7 +296,7 @@ fn recording(lines: Vec<(Content, Style)>) -> Vec<u8> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(256))]
+    #![proptest_config(ProptestConfig::with_cases(extent(256, 64)))]
 
     #[test]
     fn random_recordings_come_to_the_same(lines in prop::collection::vec((content(), style()), 1..40)) {

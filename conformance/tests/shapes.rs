@@ -10,6 +10,7 @@ use uavspec_conformance::check::check_capture;
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::flockwave::body_schema::Deviation;
 use uavspec_conformance::json::Tree;
+use uavspec_conformance::rules::flockwave::attributed;
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 
@@ -137,11 +138,11 @@ fn each_deviation_is_told_once() {
         for body in changed(&body) {
             let (deviations, found) = (deviations(&type_name, direction, &body), found(direction, &body));
             let told = found.get("FW-ENV-18").cloned().unwrap_or_default();
-            let expected = deviations.iter().filter(|deviation| deviation.told_by.is_none());
+            let expected = deviations.iter().filter(|deviation| attributed(&type_name, deviation).is_none());
             let expected: BTreeSet<String> = expected.map(|one| one.mismatch.path.clone()).collect();
             assert!(told.is_subset(&expected) && told.is_empty() == expected.is_empty(), "{body}: {found:?}");
             for deviation in &deviations {
-                let Some(rule) = deviation.told_by else { continue };
+                let Some(rule) = attributed(&type_name, deviation).map(|rule| rule.id) else { continue };
                 assert!(found.contains_key(rule), "{rule} is to tell {deviation:?} of {body}: {found:?}");
                 own += 1;
             }

@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
+use crate::emit::Emitter;
 use crate::failure::Failure;
-use crate::load::{Config, Emitter, Plan};
+use crate::load::{Config, Plan};
 use crate::schema::Form;
 
 /// Which definitions a command reads.
@@ -43,7 +44,7 @@ pub(super) struct PackageArgs {
 }
 
 impl PackageArgs {
-    pub(super) fn plan(&self, out: &Path, emit: &[Emitter]) -> Plan {
+    pub(super) fn plan(&self, out: &Path, emit: &[&Emitter]) -> Plan {
         Plan::from_arguments(&self.package, self.dialect.into(), &self.input, out, emit)
     }
 }

@@ -1,27 +1,35 @@
 //! `codegen`: writes output, or compares it with what is there.
 
+use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::arguments::PackageArgs;
 use super::print::{plural, report};
 use crate::diagnostic::has_errors;
+use crate::emit::{EMITTERS, Emitter, emitter};
 use crate::failure::Failure;
 use crate::generate::{self, Difference, Folder, emit_all};
-use crate::load::{Config, Emitter, Loaded, read_translated};
+use crate::load::{Config, Loaded, read_translated};
 use crate::schema::Schema;
 
-/// Arguments of `codegen`.
-#[derive(Args, Debug)]
-#[command(after_help = "Examples:
+/// What stands below the options of `codegen --help`.
+const EXAMPLES: &str = "Examples:
   cargo xtask codegen                 generate what uavspec.toml says
   cargo xtask codegen --check         write nothing; fail where output is stale
   cargo xtask codegen --package px4 --dialect px4 --input msg --out generated --emit rust,docs
 
 Without --package, the file uavspec.toml (or definitions/uavspec.toml) is looked for here and in each folder above.
-With --package, each emitter writes to a folder of its name below --out.")]
+With --package, each emitter writes to a folder of its name below --out.
+
+Options of outputs in uavspec.toml, where `output.NAME` is a folder or a table with the key `path` and options:";
+
+/// Arguments of `codegen`.
+#[derive(Args, Debug)]
+#[command(after_help = after_help())]
 pub struct CodegenArgs {
     /// Write nothing; list what differs and fail if anything does.
     #[arg(long)]
@@ -35,8 +43,26 @@ pub struct CodegenArgs {
     #[arg(long, value_name = "DIR", requires = "package")]
     out: Option<PathBuf>,
     /// What to generate.
-    #[arg(long, value_name = "KIND", value_delimiter = ',', requires = "package", default_values = ["rust", "json_schema", "docs"])]
-    emit: Vec<Emitter>,
+    #[arg(long, value_name = "KIND", value_delimiter = ',', requires = "package", value_parser = emitters(),
+        default_values = ["rust", "json_schema", "docs"])]
+    emit: Vec<&'static Emitter>,
+}
+
+/// The values of `--emit`.
+fn emitters() -> impl TypedValueParser<Value = &'static Emitter> {
+    let values = EMITTERS.iter().map(|emitter| PossibleValue::new(emitter.name).help(emitter.help));
+    PossibleValuesParser::new(values).try_map(|name| emitter(&name))
+}
+
+/// The examples, and the options of each emitter.
+fn after_help() -> String {
+    let mut text = EXAMPLES.to_owned();
+    for emitter in EMITTERS {
+        for (key, meaning) in emitter.options {
+            let _ = write!(text, "\n  {:24} {meaning}", format!("{}.{key}", emitter.name));
+        }
+    }
+    text
 }
 
 pub(super) fn run(args: &CodegenArgs) -> Result<bool, Failure> {

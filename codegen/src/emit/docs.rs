@@ -17,6 +17,8 @@ mod book;
 mod cell;
 mod commands;
 mod composer;
+#[cfg(feature = "files")]
+mod configuration;
 mod constants;
 mod enums;
 mod error_codes;
@@ -37,6 +39,8 @@ mod site;
 mod tests;
 mod words;
 
+#[cfg(feature = "files")]
+pub(super) use self::configuration::Configuration;
 pub use self::options::{Beside, Options};
 use self::rules::Rules;
 use self::site::Site;

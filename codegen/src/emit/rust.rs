@@ -21,13 +21,18 @@ use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 use quote::quote;
 
 use self::identifier::{Scope, ident, module_name};
+#[cfg(feature = "files")]
+use super::emitter::{Input, Output};
 use super::{GENERATED_BY, OutputFile};
+#[cfg(feature = "files")]
+use crate::failure::Failure;
 use crate::prose;
 use crate::schema::{MessageId, Package, Schema};
 use crate::source::SourceMap;
 
 /// Options of the emitter.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "files", derive(serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Options {
     /// Name of the file at the root of the module tree: `mod.rs`, or `lib.rs` for a whole crate.
     pub root: String,
@@ -38,6 +43,13 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self { root: "mod.rs".to_owned(), readme: None }
+    }
+}
+
+#[cfg(feature = "files")]
+impl Output for Options {
+    fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
+        Ok(emit(input.schema, input.sources, self))
     }
 }
 

@@ -49,9 +49,13 @@ mod typical;
 
 use self::case::Case;
 use self::print::{Head, quote};
+#[cfg(feature = "files")]
+use super::emitter::{Input, Others, Output};
 use super::json_schema::{self, DRAFT, Target};
 use super::{GENERATED_BY, OutputFile};
 use crate::dynamic::Types;
+#[cfg(feature = "files")]
+use crate::failure::Failure;
 use crate::schema::json_type::Direction;
 use crate::schema::{Dialect, Form, JsonMessageId, Kind, Message, MessageId, Package, Schema};
 
@@ -63,9 +67,30 @@ const SUITE: &str = "json-schema-test-suite/tests/draft2020-12";
 
 /// How vectors are emitted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "files", derive(serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Options {
-    /// How the schemas are that they refer to.
-    pub schemas: json_schema::Options,
+    /// The absolute address that every `$id` of the schemas starts with, if it isn't the default.
+    pub base: Option<String>,
+}
+
+impl Options {
+    /// How the schemas are emitted that the vectors refer to.
+    fn schemas(&self) -> json_schema::Options {
+        self.base.clone().map_or_else(json_schema::Options::default, |base| json_schema::Options { base })
+    }
+}
+
+#[cfg(feature = "files")]
+impl Output for Options {
+    /// The vectors refer to the schemas that are emitted beside them.
+    fn complete(&mut self, others: &Others<'_>) {
+        let base = self.base.take();
+        self.base = base.or_else(|| others.text("json_schema", "base").map(str::to_owned));
+    }
+
+    fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
+        Ok(emit(input.schema, self))
+    }
 }
 
 /// Emits all vectors, sorted by path.
@@ -129,7 +154,7 @@ impl Emitter<'_> {
         Head {
             facts,
             title: json_schema::name(self.schema, target),
-            schema: json_schema::id(self.schema, target, &self.options.schemas),
+            schema: json_schema::id(self.schema, target, &self.options.schemas()),
         }
     }
 }

@@ -122,7 +122,7 @@ fn spelled(text: &str, annotation: &Annotation<'_>) -> String {
     let content = written.get(1..written.len() - 1).unwrap_or("").trim();
     match &annotation.statement {
         Statement::Unit(symbol) => format!("[{symbol}]"),
-        Statement::Frame(name) => format!("[@frame {name}]"),
+        Statement::Attribute(attribute, text) => format!("[@{} {text}]", attribute.name),
         Statement::Count(field) => format!("[@count {field}]"),
         Statement::Enum(_) => format!("[@enum {}]", single_spaced(argument(content, "enum"))),
         Statement::Flags(_) => format!("[@flags {}]", single_spaced(argument(content, "flags"))),

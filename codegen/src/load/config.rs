@@ -1,5 +1,7 @@
 //! What to read and what to write: from `uavspec.toml`, or from the command line.
 
+use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
@@ -7,32 +9,13 @@ use toml::Spanned;
 
 use super::lint::{Lint, PlannedLint};
 use super::mistake::misplaced;
-use super::path::normalise;
-use crate::emit::{docs, json_schema, typescript, vectors};
+use crate::emit::{self, EMITTERS, Emitter, Others, Output, emitter};
 use crate::failure::Failure;
+use crate::path::normalise;
 use crate::schema::Form;
 
 /// Names of the file, in the order in which they are looked for in a folder.
 const FILE_NAMES: [&str; 2] = ["uavspec.toml", "definitions/uavspec.toml"];
-
-/// A kind of output.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum), value(rename_all = "snake_case"))]
-pub(crate) enum Emitter {
-    /// Rust modules.
-    Rust,
-    /// JSON Schemas.
-    JsonSchema,
-    /// Documentation: Markdown laid out for mdBook.
-    Docs,
-    /// Test vectors, as JSON.
-    Vectors,
-    /// TypeScript modules.
-    #[cfg_attr(feature = "cli", value(name = "typescript"))]
-    TypeScript,
-    /// Python modules.
-    Python,
-}
 
 /// A `uavspec.toml` that has been read.
 #[derive(Debug)]
@@ -49,7 +32,7 @@ pub(crate) struct Config {
 #[serde(deny_unknown_fields)]
 struct File {
     #[serde(default)]
-    output: Outputs,
+    output: BTreeMap<Spanned<String>, Spanned<toml::Value>>,
     #[serde(default, rename = "package")]
     packages: Vec<Package>,
     #[serde(default)]
@@ -64,92 +47,6 @@ struct File {
 struct Translations {
     #[serde(default)]
     include: Vec<String>,
-}
-
-#[derive(Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Outputs {
-    rust: Option<Output<RustTable>>,
-    json_schema: Option<Output<JsonSchemaTable>>,
-    docs: Option<Output<DocsTable>>,
-    vectors: Option<Output<VectorsTable>>,
-    typescript: Option<Output<TypeScriptTable>>,
-    python: Option<Output<PythonTable>>,
-}
-
-/// An output: its folder, or a table of the folder and options.
-#[derive(Debug, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "expected a path, or a table of `path` and `root`, `readme` (rust), `base` (json_schema, vectors), `title`, `rules`, `contents` (docs) or `form` (typescript)"
-)]
-enum Output<T> {
-    Path(PathBuf),
-    Table(T),
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RustTable {
-    path: PathBuf,
-    root: Option<String>,
-    readme: Option<String>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct JsonSchemaTable {
-    path: PathBuf,
-    base: Option<String>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct DocsTable {
-    path: PathBuf,
-    title: Option<String>,
-    #[serde(default)]
-    rules: bool,
-    /// Files with parts of the table of contents, as mdBook writes it.
-    #[serde(default)]
-    contents: OneOrMany,
-}
-
-/// A path, or a list of them.
-#[derive(Debug, Deserialize)]
-#[serde(untagged, expecting = "expected a path, or a list of paths")]
-enum OneOrMany {
-    One(PathBuf),
-    Many(Vec<PathBuf>),
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct VectorsTable {
-    path: PathBuf,
-    base: Option<String>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TypeScriptTable {
-    path: PathBuf,
-    #[serde(default)]
-    form: FormName,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct PythonTable {
-    path: PathBuf,
-}
-
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum FormName {
-    #[default]
-    Source,
-    Compiled,
 }
 
 #[derive(Debug, Deserialize)]
@@ -199,7 +96,7 @@ pub(crate) struct PlannedPackage {
     pub(crate) form: Form,
     pub(crate) inputs: Inputs,
     /// Wanted messages with their places in the configuration file.
-    pub(crate) select: Option<Vec<(String, std::ops::Range<usize>)>>,
+    pub(crate) select: Option<Vec<(String, Range<usize>)>>,
     pub(crate) ros_package: Option<String>,
     pub(crate) origin: Option<String>,
     pub(crate) revision: Option<String>,
@@ -218,82 +115,7 @@ pub(crate) enum Inputs {
 #[derive(Debug)]
 pub(crate) struct PlannedOutput {
     pub(crate) path: PathBuf,
-    pub(crate) emitter: EmitterOptions,
-}
-
-/// An emitter with its options.
-#[derive(Debug)]
-pub(crate) enum EmitterOptions {
-    Rust(RustOptions),
-    JsonSchema(json_schema::Options),
-    Docs(DocsOptions),
-    Vectors(vectors::Options),
-    TypeScript(typescript::Options),
-    Python,
-}
-
-/// Options of the emitter of documentation.
-#[derive(Debug)]
-pub(crate) struct DocsOptions {
-    options: docs::Options,
-    /// Files with parts of the table of contents, which are read when the documentation is made: commands that
-    /// make none don't need them.
-    contents: Vec<PathBuf>,
-}
-
-/// Options of the Rust emitter, which may be absent from the build.
-#[derive(Debug)]
-pub(crate) struct RustOptions {
-    /// Name of the file at the root of the module tree.
-    #[cfg_attr(not(feature = "rust"), allow(dead_code))]
-    pub(crate) root: String,
-    /// A page to be the documentation of the root.
-    #[cfg_attr(not(feature = "rust"), allow(dead_code))]
-    pub(crate) readme: Option<String>,
-}
-
-impl<T> Output<T> {
-    fn table(self, of_path: impl FnOnce(PathBuf) -> T) -> T {
-        match self {
-            Self::Path(path) => of_path(path),
-            Self::Table(table) => table,
-        }
-    }
-}
-
-impl Default for OneOrMany {
-    fn default() -> Self {
-        Self::Many(Vec::new())
-    }
-}
-
-impl OneOrMany {
-    fn paths(&self) -> &[PathBuf] {
-        match self {
-            Self::One(path) => std::slice::from_ref(path),
-            Self::Many(paths) => paths,
-        }
-    }
-}
-
-impl DocsOptions {
-    /// All that the emitter wants to know.
-    pub(crate) fn read(&self) -> Result<docs::Options, Failure> {
-        let read = |path: &PathBuf| {
-            std::fs::read_to_string(path).map_err(|error| {
-                Failure::new(format!("{}: {error}", path.display()))
-                    .with_hint("`output.docs.contents` names it: make it first, or take it out")
-            })
-        };
-        let more_contents = self.contents.iter().map(read).collect::<Result<String, Failure>>()?;
-        Ok(docs::Options { more_contents, ..self.options.clone() })
-    }
-}
-
-impl RustOptions {
-    fn new(root: Option<String>, readme: Option<String>) -> Self {
-        Self { root: root.unwrap_or_else(|| "mod.rs".to_owned()), readme }
-    }
+    pub(crate) output: Box<dyn Output>,
 }
 
 impl Config {
@@ -348,58 +170,8 @@ impl Config {
         let folder = &self.folder;
         // Definitions in a folder of their own are shown from the folder above: `definitions/px4/…`.
         let root = if folder.ends_with("definitions") { folder.join("..") } else { folder.clone() };
-        let outputs = self.file.output;
-        let mut planned = Vec::new();
-        let mut schema_base = None;
-        let (mut schemas, mut vectors) = (None, None);
-        let mut plan = |path: &Path, emitter| {
-            planned.push(PlannedOutput { path: normalise(&folder.join(path)), emitter });
-        };
-        if let Some(output) = outputs.rust {
-            let RustTable { path, root, readme } =
-                output.table(|path| RustTable { path, root: None, readme: None });
-            plan(&path, EmitterOptions::Rust(RustOptions::new(root, readme)));
-        }
-        if let Some(output) = outputs.json_schema {
-            let JsonSchemaTable { path, base } = output.table(|path| JsonSchemaTable { path, base: None });
-            schema_base.clone_from(&base);
-            schemas = Some(path.clone());
-            plan(&path, EmitterOptions::JsonSchema(json_schema_options(base)));
-        }
-        if let Some(output) = outputs.vectors {
-            let VectorsTable { path, base } = output.table(|path| VectorsTable { path, base: None });
-            vectors = Some(path.clone());
-            // They refer to the schemas that are emitted beside them.
-            plan(&path, EmitterOptions::Vectors(vectors_options(base.or(schema_base))));
-        }
-        if let Some(output) = outputs.docs {
-            let DocsTable { path, title, rules, contents } = output.table(|path| DocsTable {
-                path,
-                title: None,
-                rules: false,
-                contents: OneOrMany::default(),
-            });
-            let contents = contents.paths().iter().map(|path| folder.join(path)).collect();
-            let beside = docs::Beside {
-                schemas: schemas.map(|folder| seen_from(&path, &folder)),
-                vectors: vectors.map(|folder| seen_from(&path, &folder)),
-            };
-            let options = docs::Options { rules, beside, ..docs_options(title) };
-            plan(&path, EmitterOptions::Docs(DocsOptions { options, contents }));
-        }
-        if let Some(output) = outputs.typescript {
-            let TypeScriptTable { path, form } =
-                output.table(|path| TypeScriptTable { path, form: FormName::default() });
-            let form = match form {
-                FormName::Source => typescript::Form::Source,
-                FormName::Compiled => typescript::Form::Compiled,
-            };
-            plan(&path, EmitterOptions::TypeScript(typescript::Options { form }));
-        }
-        if let Some(output) = outputs.python {
-            let PythonTable { path } = output.table(|path| PythonTable { path });
-            plan(&path, EmitterOptions::Python);
-        }
+        let outputs = outputs(self.file.output, folder)
+            .map_err(|(range, message)| unreadable_at(&self.path, &self.text, range, &message))?;
         let packages = self
             .file
             .packages
@@ -423,39 +195,43 @@ impl Config {
         let lint = self.file.lint.plan(folder, &self.path, &self.text)?;
         let config = Some((self.path, self.text));
         let catalogues = (folder.clone(), self.file.translations.include);
-        Ok(Plan {
-            root: normalise(&root),
-            packages,
-            outputs: planned,
-            config,
-            lint,
-            catalogues,
-            revision: None,
-        })
+        Ok(Plan { root: normalise(&root), packages, outputs, config, lint, catalogues, revision: None })
     }
-}
-
-fn json_schema_options(base: Option<String>) -> json_schema::Options {
-    let default = json_schema::Options::default();
-    json_schema::Options { base: base.unwrap_or(default.base) }
-}
-
-fn vectors_options(base: Option<String>) -> vectors::Options {
-    vectors::Options { schemas: json_schema_options(base) }
-}
-
-fn docs_options(title: Option<String>) -> docs::Options {
-    let default = docs::Options::default();
-    docs::Options { title: title.unwrap_or(default.title), ..default }
 }
 
 /// A configuration file that can't be read, shown like any other mistake.
 fn unreadable(path: &str, text: &str, error: &toml::de::Error) -> Failure {
     match error.span() {
-        Some(range) => misplaced(path, text, range, error.message())
-            .with_hint("the README of uavspec lists all keys, under \"Use it in your build\""),
+        Some(range) => unreadable_at(path, text, range, error.message()),
         None => Failure::new(format!("{path}: {}", error.message())),
     }
+}
+
+/// Like [`unreadable`], for a mistake at `range`.
+fn unreadable_at(path: &str, text: &str, range: Range<usize>, message: &str) -> Failure {
+    misplaced(path, text, range, message)
+        .with_hint("the README of uavspec lists all keys, under \"Use it in your build\"")
+}
+
+/// The outputs of the tables `output.NAME`, in the order of [`EMITTERS`]; else what is wrong, and where.
+fn outputs(
+    tables: BTreeMap<Spanned<String>, Spanned<toml::Value>>,
+    folder: &Path,
+) -> Result<Vec<PlannedOutput>, (Range<usize>, String)> {
+    let mut configured = BTreeMap::new();
+    for (name, value) in tables {
+        let emitter = emitter(name.get_ref()).map_err(|message| (name.span(), message))?;
+        let range = value.span();
+        let table = emitter.table(value.into_inner()).map_err(|message| (range.clone(), message))?;
+        configured.insert(emitter.name, (range, table));
+    }
+    let tables = configured.iter().map(|(name, (_, table))| (*name, table.clone())).collect();
+    let read = |(emitter, (range, table)): (&Emitter, &(Range<usize>, emit::Table))| {
+        let mut output = emitter.read(table.options.clone()).map_err(|message| (range.clone(), message))?;
+        output.complete(&Others { folder, path: &table.path, tables: &tables });
+        Ok(PlannedOutput { path: normalise(&folder.join(&table.path)), output })
+    };
+    EMITTERS.iter().filter_map(|emitter| Some((emitter, configured.get(emitter.name)?))).map(read).collect()
 }
 
 impl Plan {
@@ -465,24 +241,11 @@ impl Plan {
         form: Form,
         inputs: &[PathBuf],
         out: &Path,
-        emit: &[Emitter],
+        emit: &[&Emitter],
     ) -> Self {
         let outputs = emit
             .iter()
-            .map(|emitter| match emitter {
-                Emitter::Rust => ("rust", EmitterOptions::Rust(RustOptions::new(None, None))),
-                Emitter::JsonSchema => ("json_schema", EmitterOptions::JsonSchema(json_schema_options(None))),
-                Emitter::Docs => (
-                    "docs",
-                    EmitterOptions::Docs(DocsOptions { options: docs_options(None), contents: Vec::new() }),
-                ),
-                Emitter::Vectors => ("vectors", EmitterOptions::Vectors(vectors_options(None))),
-                Emitter::TypeScript => {
-                    ("typescript", EmitterOptions::TypeScript(typescript::Options::default()))
-                }
-                Emitter::Python => ("python", EmitterOptions::Python),
-            })
-            .map(|(folder, emitter)| PlannedOutput { path: out.join(folder), emitter })
+            .map(|emitter| PlannedOutput { path: out.join(emitter.name), output: emitter.default() })
             .collect();
         let package = PlannedPackage {
             name: name.to_owned(),
@@ -501,31 +264,6 @@ impl Plan {
             lint: PlannedLint::default(),
             catalogues: (PathBuf::new(), Vec::new()),
             revision: None,
-        }
-    }
-}
-
-/// The path of the folder `to` as an address in a page of the folder `from`, by their texts alone.
-fn seen_from(from: &Path, to: &Path) -> String {
-    let (from, to) = (normalise(from), normalise(to));
-    let shared = from.components().zip(to.components()).take_while(|(left, right)| left == right).count();
-    let up = from.components().skip(shared).map(|_| "..".to_owned());
-    let down = to.components().skip(shared).map(|part| part.as_os_str().to_string_lossy().into_owned());
-    up.chain(down).collect::<Vec<_>>().join("/")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn folders_are_seen_from_each_other() {
-        for (from, to, expected) in [
-            ("../generated/docs", "../generated/schemas", "../schemas"),
-            ("docs/messages", "./schemas", "../../schemas"),
-            ("docs", "docs/schemas", "schemas"),
-        ] {
-            assert_eq!(seen_from(Path::new(from), Path::new(to)), expected);
         }
     }
 }

@@ -9,11 +9,11 @@ use globset::{GlobBuilder, GlobSetBuilder};
 use walkdir::WalkDir;
 
 use super::config::{Inputs, Plan, PlannedPackage};
-use super::path::normalise;
 use crate::diagnostic::Diagnostic;
 use crate::failure::Failure;
 use crate::msg::ast::{Element, Item};
 use crate::msg::{self, Dialect, Kind};
+use crate::path::normalise;
 use crate::read::PackageInput;
 use crate::schema::Form;
 use crate::source::{SourceId, SourceMap, Span};

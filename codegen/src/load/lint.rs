@@ -8,10 +8,10 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::mistake::misplaced;
-use super::path::normalise;
 use crate::diagnostic::Level;
 use crate::failure::Failure;
 use crate::lint::{self, Preset};
+use crate::path::normalise;
 
 /// The table `lint`.
 #[derive(Debug, Default, Deserialize)]

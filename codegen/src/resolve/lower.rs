@@ -1,6 +1,6 @@
 //! Parts of files to messages: fields, constants, groups, topics, and what annotations say of them.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use uavspec_runtime::Scalar;
 
@@ -100,7 +100,7 @@ impl<'s> Resolver<'s> {
             range: None,
             invalid: None,
             uncontrolled: None,
-            frame: None,
+            attributes: BTreeMap::new(),
             enum_prefixes: Vec::new(),
             enumeration: None,
             counts: None,
@@ -139,7 +139,9 @@ impl<'s> Resolver<'s> {
                 Statement::Uncontrolled(special) => {
                     field.uncontrolled = self.special(special, field.ty, annotation.span);
                 }
-                Statement::Frame(frame) => field.frame = Some((*frame).to_owned()),
+                Statement::Attribute(attribute, text) => {
+                    field.attributes.insert(attribute.name, (*text).to_owned());
+                }
                 // A count is resolved with the whole message: the array may stand below. Pages alone have the others.
                 Statement::Count(_)
                 | Statement::Length { .. }
@@ -240,7 +242,7 @@ impl<'s> Resolver<'s> {
                     self.claimed[index].extend(prefixes.iter().map(|prefix| prefix.prefix.to_owned()));
                 }
                 Statement::Uncontrolled(_)
-                | Statement::Frame(_)
+                | Statement::Attribute(..)
                 | Statement::Count(_)
                 | Statement::Length { .. }
                 | Statement::Unique

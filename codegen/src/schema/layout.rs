@@ -5,13 +5,13 @@ use uavspec_runtime::layout::{self, Member};
 use super::{CdrSize, Element, Message, MessageId, Schema, Shape, shape_text};
 
 /// Longest message that is taken: no transport of either world carries more.
-pub const MAX_MESSAGE_SIZE: u64 = 16 << 20;
+pub(crate) const MAX_MESSAGE_SIZE: u64 = 16 << 20;
 
 /// Bytes before the first member of a CDR payload.
 const CDR_HEADER: u64 = 4;
 
 /// Name of the member that ROS gives to an empty structure.
-pub const EMPTY_MEMBER: &str = "structure_needs_at_least_one_member";
+pub(crate) const EMPTY_MEMBER: &str = "structure_needs_at_least_one_member";
 
 /// Where each member of a message lies in memory.
 #[derive(Clone, Debug, PartialEq, Eq)]

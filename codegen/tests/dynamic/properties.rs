@@ -165,7 +165,7 @@ fn messages_with_many_parts_are_written_like_those_with_few() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 1000, ..ProptestConfig::default() })]
+    #![proptest_config(support::config(1000))]
 
     #[test]
     fn messages_of_px4_are_read_as_they_were_written(

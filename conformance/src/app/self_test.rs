@@ -120,7 +120,7 @@ fn servers(definitions: &Definitions) -> bool {
     );
     let mut are_right = true;
     for (case, row) in cases.iter().zip(rows) {
-        let name = case.bug.map_or_else(|| case.name(), |bug| bug.rule.to_owned());
+        let name = case.bug.map_or_else(|| case.name(), |of| of.rule.id.to_owned());
         let (is_right, text) = match row {
             Ok(row) if row.is_right() && case.bug.is_some() => (true, "found".to_owned()),
             Ok(row) if row.is_right() => {

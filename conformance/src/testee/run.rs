@@ -11,7 +11,7 @@
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use uavspec_codegen::dynamic::Types;
 
@@ -21,7 +21,6 @@ use super::link::{Link, Said};
 use super::options::{Options, excerpt};
 use super::outcome::{Manners, Outcome, Verdict};
 use super::protocol::{Answer, Hello};
-use super::target::Target;
 
 /// Asks a testee the selected cases (indices, which are the ids on the wire); an error where it can't be started or
 /// doesn't introduce itself. `progress` gets how many are done, and how many there are.

@@ -6,7 +6,7 @@ use super::groups::in_groups;
 use super::markdown::{Page, Table, anchor, code, href, link, number_column, text_column};
 use super::scope::Scope;
 use super::site::Part;
-use super::words;
+use super::words::{self, Word};
 use crate::schema::{Element, Form, Message, MessageId, Shape, Special, Type};
 use crate::translation::MessageText;
 use crate::value::Value;
@@ -90,9 +90,10 @@ fn values(scope: Scope<'_, '_>, id: MessageId, index: usize, counter: Option<usi
     };
     lines.extend(special(&field.invalid, MessageText::Invalid(index), words::NO_DATA));
     lines.extend(special(&field.uncontrolled, MessageText::Uncontrolled(index), words::NOT_CONTROLLED));
-    if field.frame.is_some() {
-        lines.push(words.fill(words::FRAME, &[("frame", &scope.inline_of(MessageText::Frame(index)))]));
-    }
+    lines.extend(field.attributes().map(|(attribute, _)| {
+        let text = scope.inline_of(MessageText::Attribute(index, attribute));
+        words.fill(Word::of(attribute), &[(attribute.name, &text)])
+    }));
     let default = |value: &Value| words.fill(words::DEFAULT, &[("value", &code(&value.to_string()))]);
     lines.extend(field.default.as_ref().map(default));
     lines.extend(field.counts.map(|array| count(scope, id, array)));

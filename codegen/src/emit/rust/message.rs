@@ -353,9 +353,7 @@ impl Parts<'_> {
         if let Some(uncontrolled) = &field.uncontrolled {
             facts.push(format!("not controlled: {}", special_text(uncontrolled)));
         }
-        if let Some(frame) = &field.frame {
-            facts.push(format!("frame: {}", prose::inline(frame)));
-        }
+        facts.extend(field.attributes().map(|(attribute, text)| attribute.said(&prose::inline(text))));
         if let Some(array) = field.counts {
             facts.push(format!("counts the entries in use of [`{0}`](Self::{0})", self.fields[array]));
         }

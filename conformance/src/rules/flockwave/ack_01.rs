@@ -2,8 +2,9 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Role};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, env_17, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,10 +16,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ACK-ACK, ACK-NAK",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("An acknowledgment that answers nothing follows each SYS-VER.", |out| {
+        if out.kind() == "SYS-VER" {
+            out.follow(None, json!({ "type": "ACK-ACK" }));
+        }
+    })
+    .with(&[&env_17::RULE.rule]),
     mutants: &[Mutant {
         name: "an acknowledgment of nothing",
         make: || fw::then(|session| session.tells(json!({ "type": "ACK-ACK" }))),
-        also: &["FW-ENV-17"],
+        also: &[&env_17::RULE.rule],
     }],
 };
 

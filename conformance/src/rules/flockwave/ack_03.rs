@@ -1,7 +1,11 @@
 //! `FW-ACK-03`.
 
-use super::fw::{self, Exchange, Tree};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, Detail, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext,
+    Status, Tree, fw,
+};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -14,6 +18,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ACK-ACK",
     },
     check: Check::Exchange(judge),
+    covers: &[Attribution::new(&["ACK-ACK"], "*", &[Fault::Further])],
+    bug: Bug::message("ACK-ACK has a reason.", |out| {
+        if let Some(body) = out.body_of("ACK-ACK") {
+            body["reason"] = json!("why not");
+        }
+    }),
     mutants: &[Mutant {
         name: "a reason",
         make: || fw::reply("ACK-ACK", |body| body["reason"] = "Fine".into()),

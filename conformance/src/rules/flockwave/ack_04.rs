@@ -1,7 +1,11 @@
 //! `FW-ACK-04`.
 
-use super::fw::{self, Exchange, Shape, Tree};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, Detail, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape,
+    Status, Tree, fw,
+};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -14,6 +18,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ACK-NAK",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["ACK-NAK"], "*", &[Fault::Further]),
+        Attribution::new(&["ACK-NAK"], "reason", &[Fault::Kind]),
+    ],
+    bug: Bug::message("The reason of ACK-NAK is an object.", |out| {
+        if let Some(body) = out.body_of("ACK-NAK") {
+            body["reason"] = json!({ "en": "no" });
+        }
+    }),
     mutants: &[
         Mutant {
             name: "a number for the reason",

@@ -4,10 +4,11 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Needs, Rule, RuleContext, Status, fw,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ACK-06",
         level: Level::Must,
@@ -17,17 +18,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "requests that try it",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::behaviour("Requests are served without the login that they need (with --login).")
+        .needs(Needs::Login),
     mutants: &[
         Mutant {
             name: "it is served",
             make: || {
                 let served = json!({ "type": "UAV-LIST", "ids": ["kite"] });
                 let asked = json!({ "type": "UAV-LIST" });
-                fw::over("tcp#9", |session| session.tries_and_hears("FW-ACK-06", "", asked, served))
+                fw::over("tcp#9", |session| session.tries_and_hears(&RULE.rule, "", asked, served))
             },
             also: &[],
         },
-        Mutant { name: "it isn't answered", make: || fw::unanswered("tcp#9", "FW-ACK-06"), also: &[] },
+        Mutant { name: "it isn't answered", make: || fw::unanswered("tcp#9", &RULE.rule), also: &[] },
     ],
 };
 

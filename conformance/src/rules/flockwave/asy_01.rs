@@ -2,8 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +14,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "LOG-DATA",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("LOG-DATA has a receipt and an error.", |out| {
+        if let Some(body) = out.body_of("LOG-DATA")
+            && body.get("receipt").is_some()
+        {
+            body["error"] = json!("the log is late");
+        }
+    }),
     mutants: &[
         Mutant {
             name: "a result beside the receipt",

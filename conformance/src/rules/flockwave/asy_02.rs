@@ -1,7 +1,6 @@
 //! `FW-ASY-02`.
 
-use super::fw::{self, Exchange};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, asy_09, fw};
 use crate::flockwave::session::OPERATIONS;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -14,6 +13,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "commands to several objects",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("The last object that was asked for is missing.", |out| {
+        out.lose_last(&OPERATIONS);
+    })
+    .with(&[&asy_09::RULE.rule]),
     mutants: &[
         Mutant {
             name: "a glider is missing",

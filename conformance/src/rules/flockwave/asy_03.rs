@@ -1,7 +1,8 @@
 //! `FW-ASY-03`.
 
-use super::fw::{self, Exchange};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 use crate::flockwave::session::OPERATIONS;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -14,6 +15,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "commands to several objects",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("There is an object that nobody asked for.", |out| {
+        if OPERATIONS.contains(&out.kind()) {
+            out.message()["body"]["error"]["ghost-1"] = json!("there is no such object");
+        }
+    }),
     mutants: &[Mutant {
         name: "one more glider",
         make: || fw::reply("UAV-TAKEOFF", |body| body["error"]["hawk"] = "Asleep".into()),

@@ -2,10 +2,12 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Role, Shape, Tree};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Attribution, Bug, Check, Exchange, Fault, FlockwaveRule, Level, Mutant, OPERATIONS, Role, Rule,
+    RuleContext, Shape, Status, Tree, attribution, env_18, fw,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-04",
         level: Level::Should,
@@ -15,6 +17,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "replies with `receipt`",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&OPERATIONS, "receipt", &[Fault::Kind]),
+        Attribution::new(&OPERATIONS, "receipt.*", attribution::UNFIT),
+        Attribution::new(&["LOG-DATA"], "receipt", attribution::WRONG),
+    ],
+    bug: Bug::behaviour("Receipts are 70 characters long.").with(&[&env_18::RULE.rule]),
     mutants: &[
         Mutant {
             name: "a number",

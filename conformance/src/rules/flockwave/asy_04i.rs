@@ -2,10 +2,12 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Stage};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, asy_10,
+    asy_22, fw,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-04I",
         level: Level::Info,
@@ -15,6 +17,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "replies with `receipt` over time",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::behaviour("All operations have the same receipt.")
+        .with(&[&asy_10::RULE.rule, &asy_22::RULE.rule]),
     mutants: &[Mutant {
         name: "two gliders with the same receipt",
         make: || {

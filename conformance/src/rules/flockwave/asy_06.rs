@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Stage};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, asy_09,
+    bug, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +17,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ASYNC-* over time",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Progress comes before the response with the receipt.", |out| {
+        if let Some(receipt) = out.receipt() {
+            out.precede(bug::progress(&receipt));
+        }
+    })
+    .with(&[&asy_09::RULE.rule]),
     mutants: &[Mutant {
         name: "the end of an operation before its receipt",
         make: || {
@@ -25,7 +34,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
                     .answers(&id, json!({ "body": { "type": "UAV-RTH", "receipt": { "kite": "rcpt-8" } } }));
             })
         },
-        also: &["FW-ASY-09"],
+        also: &[&asy_09::RULE.rule],
     }],
 };
 

@@ -1,7 +1,8 @@
 //! `FW-ASY-07`.
 
-use super::fw::{self, Exchange};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +14,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ASYNC-RESP",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("ASYNC-RESP has a result and an error.", |out| {
+        if let Some(body) = out.body_of("ASYNC-RESP") {
+            body["result"] = json!(true);
+            body["error"] = json!("and yet");
+        }
+    }),
     mutants: &[
         Mutant {
             name: "both",

@@ -1,9 +1,11 @@
 //! `FW-ASY-08`.
 
-use serde_json::json;
+use serde_json::{Value, json};
 
-use super::fw::{self, Exchange, Shape};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Attribution, Bug, Check, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +17,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ASYNC-RESP",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["ASYNC-RESP"], "id", attribution::MISSING),
+        Attribution::new(&["ASYNC-RESP"], "error", &[Fault::Kind]),
+    ],
+    bug: Bug::message("The error of ASYNC-RESP is a number.", |out| {
+        if let Some(body) = out.body_of("ASYNC-RESP").and_then(Value::as_object_mut) {
+            body.remove("result");
+            body.insert("error".to_owned(), json!(7));
+        }
+    }),
     mutants: &[
         Mutant {
             name: "an id that is a number",

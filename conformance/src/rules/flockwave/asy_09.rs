@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Role, Stage};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Stage, Status, bug,
+    fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +17,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ASYNC-* over time",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Progress of an operation comes that nobody knows.", |out| {
+        if out.receipt().is_some() {
+            out.follow(None, bug::progress(&json!("nobody-has-this")));
+        }
+    }),
     mutants: &[Mutant {
         name: "the end of what never began",
         make: || {

@@ -7,8 +7,10 @@ use std::collections::BTreeMap;
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, PerConnection, Role, Stage, Tree};
-use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Role, Rule,
+    RuleContext, Stage, Status, Tree, asy_17, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -20,6 +22,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ASYNC-* over time",
     },
     check: Check::State(|| Box::new(Ends::default())),
+    covers: &[],
+    bug: Bug::message("Nothing is heard of the end of operations.", |out| {
+        if out.kind() == "ASYNC-RESP" {
+            out.message = None;
+        }
+    })
+    .with(&[&asy_17::RULE.rule]),
     mutants: &[
         Mutant {
             name: "a result after the timeout",
@@ -44,7 +53,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             make: || {
                 fw::over("tcp#9", |session| {
                     let test = json!({ "type": "UAV-TEST", "ids": ["kite"], "component": "lamp" });
-                    let id = session.tries("FW-ASY-10", "", test);
+                    let id = session.tries(&RULE.rule, "", test);
                     let body = json!({ "type": "UAV-TEST", "receipt": { "kite": "rcpt-50" } });
                     session.answers(&id, json!({ "body": body }));
                     session.wait(2.0 * PATIENCE);

@@ -2,8 +2,9 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Stage};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, bug, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +16,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ASYNC-ST over time",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Progress comes after the end.", |out| {
+        if let Some(body) = out.body_of("ASYNC-RESP") {
+            let receipt = body["id"].clone();
+            out.follow(None, bug::progress(&receipt));
+        }
+    }),
     mutants: &[Mutant {
         name: "progress after the end",
         make: || {

@@ -1,7 +1,11 @@
 //! `FW-ASY-12`.
 
-use super::fw::{self, Exchange, Shape};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +19,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ASYNC-ST",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["ASYNC-ST"], "id", attribution::MISSING),
+        Attribution::new(&["ASYNC-ST"], "progress", attribution::MISSING),
+        Attribution::new(&["ASYNC-ST"], "progress.percentage", attribution::WRONG),
+        Attribution::new(&["ASYNC-ST"], "suspended", &[Fault::Kind]),
+    ],
+    bug: Bug::message("More than all is done.", |out| {
+        if let Some(body) = out.body_of("ASYNC-ST") {
+            body["progress"]["percentage"] = json!(140);
+        }
+    }),
     mutants: &[
         Mutant {
             name: "110 percent",

@@ -2,8 +2,12 @@
 //!
 //! A recording shows it where an operation is resumed that nobody said to be suspended.
 
-use super::fw::{self, Exchange, Session, Stage};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, asy_19};
+use serde_json::Value;
+
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Session, Stage, Status,
+    asy_19, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +19,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ASYNC-RESUME over time",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Nobody is told that an operation is suspended.", |out| {
+        if let Some(body) = out.body_of("ASYNC-ST").and_then(Value::as_object_mut) {
+            body.remove("suspended");
+        }
+    }),
     mutants: &[Mutant {
         name: "it isn't told",
         make: || {

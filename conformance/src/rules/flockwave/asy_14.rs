@@ -2,10 +2,11 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Role, Stage};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Stage, Status, fw,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-14",
         level: Level::Must,
@@ -15,6 +16,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ASYNC-* over time",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::behaviour("Suspended operations go on by themselves."),
     mutants: &[Mutant {
         name: "it ends by itself",
         make: || {

@@ -1,7 +1,8 @@
 //! `FW-ASY-16`.
 
-use super::fw::{self, Exchange};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +14,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ASYNC-CANCEL, ASYNC-RESUME",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Receipts that were cancelled or resumed are also errors.", |out| {
+        if !["ASYNC-CANCEL", "ASYNC-RESUME"].contains(&out.kind()) {
+            return;
+        }
+        let body = &mut out.message()["body"];
+        if let Some(receipt) = body["success"][0].as_str().map(str::to_owned) {
+            body["error"][receipt] = json!("and yet");
+        }
+    }),
     mutants: &[
         Mutant {
             name: "a receipt in both",

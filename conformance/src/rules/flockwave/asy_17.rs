@@ -8,10 +8,12 @@ use std::collections::{BTreeMap, VecDeque};
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, PerConnection, Stage};
-use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule,
+    RuleContext, Session, Stage, Status, fw,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-17",
         level: Level::Must,
@@ -21,6 +23,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ASYNC-CANCEL over time",
     },
     check: Check::State(|| Box::new(Cancelled::default())),
+    covers: &[],
+    bug: Bug::behaviour("Operations that were cancelled go on."),
     mutants: &[
         Mutant {
             name: "nothing is told of its end",
@@ -63,7 +67,7 @@ const PATIENCE: f64 = 10.0;
 const MAX_CANCELLED: usize = 1_000;
 
 /// An operation is begun, and cancelled.
-fn cancel(session: &mut fw::Session, receipt: &str) {
+fn cancel(session: &mut Session, receipt: &str) {
     session.command(receipt);
     session.asks(json!({ "type": "ASYNC-CANCEL", "ids": [receipt] }), json!({ "success": [receipt] }));
 }

@@ -2,10 +2,9 @@
 
 use serde_json::json;
 
-use super::fw;
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, Status};
+use super::{Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, fw};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-18",
         level: Level::Info,
@@ -17,16 +16,18 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(|exchange, context| {
         fw::in_error(exchange, context, &["ASYNC-CANCEL", "ASYNC-RESUME"])
     }),
+    covers: &[],
+    bug: Bug::behaviour("Operations that nobody knows can be cancelled."),
     mutants: &[
         Mutant {
             name: "it is cancelled",
             make: || {
                 let cancel = json!({ "type": "ASYNC-CANCEL", "ids": ["rcpt-none"] });
                 let done = json!({ "type": "ASYNC-CANCEL", "success": ["rcpt-none"] });
-                fw::over("tcp#9", |session| session.tries_and_hears("FW-ASY-18", "", cancel, done))
+                fw::over("tcp#9", |session| session.tries_and_hears(&RULE.rule, "", cancel, done))
             },
             also: &[],
         },
-        Mutant { name: "the request is refused", make: || fw::refused("tcp#9", "FW-ASY-18"), also: &[] },
+        Mutant { name: "the request is refused", make: || fw::refused("tcp#9", &RULE.rule), also: &[] },
     ],
 };

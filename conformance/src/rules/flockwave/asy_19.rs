@@ -4,10 +4,9 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-19",
         level: Level::Info,
@@ -17,6 +16,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ASYNC-RESUME that tries it",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::behaviour("Operations that aren't suspended can be resumed."),
     mutants: &[
         Mutant {
             name: "it is resumed",
@@ -25,12 +26,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
                 let done = json!({ "type": "ASYNC-RESUME", "success": ["rcpt-30"] });
                 fw::over("tcp#9", |session| {
                     session.command("rcpt-30");
-                    session.tries_and_hears("FW-ASY-19", "", resume, done);
+                    session.tries_and_hears(&RULE.rule, "", resume, done);
                 })
             },
             also: &[],
         },
-        Mutant { name: "the request is refused", make: || fw::refused("tcp#9", "FW-ASY-19"), also: &[] },
+        Mutant { name: "the request is refused", make: || fw::refused("tcp#9", &RULE.rule), also: &[] },
     ],
 };
 

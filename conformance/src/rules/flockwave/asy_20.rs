@@ -1,7 +1,9 @@
 //! `FW-ASY-20`.
 
-use super::fw::{self, Exchange, Shape};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +15,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ASYNC-TIMEOUT",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["ASYNC-TIMEOUT"], "ids", attribution::MISSING),
+        Attribution::new(&["ASYNC-TIMEOUT"], "ids.*", attribution::MISSING),
+    ],
+    bug: Bug::message("ASYNC-TIMEOUT has its receipt as a text.", |out| {
+        if let Some(body) = out.body_of("ASYNC-TIMEOUT") {
+            body["ids"] = body["ids"][0].take();
+        }
+    }),
     mutants: &[Mutant {
         name: "one id without a list",
         make: || fw::notice("ASYNC-TIMEOUT", |body| body["ids"] = "rcpt-2".into()),

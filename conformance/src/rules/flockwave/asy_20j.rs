@@ -2,8 +2,9 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Attribution, Bug, Check, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +16,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ASYNC-TIMEOUT",
     },
     check: Check::Exchange(judge),
+    covers: &[Attribution::new(&["ASYNC-TIMEOUT"], "ids", &[Fault::Value])],
+    bug: Bug::message("ASYNC-TIMEOUT has its receipt twice.", |out| {
+        if let Some(ids) = out.ids_of("ASYNC-TIMEOUT") {
+            ids.extend_from_within(..1);
+        }
+    }),
     mutants: &[Mutant {
         name: "an id twice",
         make: || {

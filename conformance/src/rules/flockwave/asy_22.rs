@@ -1,9 +1,11 @@
 //! `FW-ASY-22`.
 
-use serde_json::json;
+use serde_json::{Value, json};
 
-use super::fw::{self, Exchange, Role, Tree};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Attribution, Bug, Check, Detail, Exchange, Fault, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext,
+    Status, Tree, fw,
+};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -18,6 +20,18 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "replies with `result`, ASYNC-RESP",
     },
     check: Check::Exchange(judge),
+    covers: &[Attribution::new(&TYPES, "result.*", &[Fault::Null, Fault::Kind])],
+    bug: Bug::message("Results that are booleans are texts.", |out| {
+        let is_command = out.kind().starts_with("UAV-") || out.kind() == "ASYNC-RESP";
+        let Some(result) = out.message()["body"].get_mut("result").filter(|_| is_command) else { return };
+        let values: Vec<&mut Value> = match result {
+            Value::Object(values) => values.values_mut().collect(),
+            value => vec![value],
+        };
+        for value in values.into_iter().filter(|value| value.is_boolean()) {
+            *value = json!("yes");
+        }
+    }),
     mutants: &[
         Mutant {
             name: "null, in a reply",
@@ -99,7 +113,7 @@ const RESULTS: [Laid; 18] = [
 ];
 
 /// These types.
-pub(crate) const TYPES: [&str; RESULTS.len()] = {
+const TYPES: [&str; RESULTS.len()] = {
     let mut types = [""; RESULTS.len()];
     let mut at = 0;
     while at < types.len() {

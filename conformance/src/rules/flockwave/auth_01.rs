@@ -1,7 +1,10 @@
 //! `FW-AUTH-01`.
 
-use super::fw::{self, Exchange, Tree};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Needs, Rule, RuleContext, Status, Tree, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +16,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "AUTH-RESP",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("A failed login has a user.", |out| {
+        if let Some(body) = out.body_of("AUTH-RESP") {
+            body["result"] = json!(false);
+            body["user"] = json!("nobody");
+        }
+    })
+    .needs(Needs::Login),
     mutants: &[
         Mutant {
             name: "both",

@@ -2,8 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +14,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "CONN-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("The last connection that was asked for is missing.", |out| {
+        out.lose_last(&["CONN-INF"]);
+    }),
     mutants: &[Mutant {
         name: "a connection is missing",
         make: || fw::reply("CONN-INF", |body| body["error"] = json!({})),

@@ -1,7 +1,8 @@
 //! `FW-CONN-INF-02`.
 
-use super::fw::{self, Exchange};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +14,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "CONN-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Connections have other ids than their keys.", |out| {
+        out.each_status("CONN-INF", |status| status["id"] = json!("radio-7"));
+    }),
     mutants: &[Mutant {
         name: "another id",
         make: || fw::notice("CONN-INF", |body| body["status"]["winch"]["id"] = "tow".into()),

@@ -1,7 +1,11 @@
 //! `FW-CONN-INF-03`.
 
-use super::fw::{self, Exchange, Shape};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +17,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "CONN-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["CONN-INF"], "status.*", attribution::MISSING),
+        Attribution::new(&["CONN-INF"], "status.*.purpose", attribution::UNFIT),
+        Attribution::new(&["CONN-INF"], "status.*.status", attribution::UNFIT),
+    ],
+    bug: Bug::message("The purpose of connections is a number.", |out| {
+        out.each_status("CONN-INF", |status| status["purpose"] = json!(1));
+    }),
     mutants: &[
         Mutant {
             name: "a purpose of its own",

@@ -4,8 +4,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw, inf_01};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -17,6 +16,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "DEV-LIST, DEV-SUB, DEV-UNSUB",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("The last object or path that was asked for is missing.", |out| {
+        out.lose_last(&["DEV-LIST", "DEV-INF"]);
+    })
+    .with(&[&inf_01::RULE.rule]),
     mutants: &[
         Mutant {
             name: "an object without a tree",

@@ -5,8 +5,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Lines, Session};
-use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Lines, Mutant, Place, Rule, RuleContext,
+    Session, Status, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -18,6 +20,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server",
     },
     check: Check::State(|| Box::new(Unreadable::default())),
+    covers: &[],
+    bug: Bug::message("Notifications of UAV-INF come in an array.", |out| {
+        if out.notification_of("UAV-INF").is_some() {
+            let message = out.message().take();
+            *out.message() = json!([message]);
+        }
+    }),
     mutants: &[
         Mutant {
             name: "what the server sends is no JSON",

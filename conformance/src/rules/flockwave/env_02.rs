@@ -1,7 +1,8 @@
 //! `FW-ENV-02`.
 
-use super::fw::{self, Exchange, Shape};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +14,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("The version of the protocol is a number.", |out| {
+        out.message()["$fw.version"] = json!(1);
+    }),
     mutants: &[
         Mutant {
             name: "no version",

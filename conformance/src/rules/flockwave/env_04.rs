@@ -1,7 +1,10 @@
 //! `FW-ENV-04`.
 
-use super::fw::{self, Exchange, Role};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +16,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server over time",
     },
     check: Check::Context(judge),
+    covers: &[],
+    bug: Bug::message("All messages have the same id.", |out| out.message()["id"] = json!("s1")),
     mutants: &[Mutant {
         name: "a response has the id of the one before",
         make: || fw::reply_message("ACK-ACK", |message| message["id"] = "say-1".into()),

@@ -1,7 +1,10 @@
 //! `FW-ENV-05`.
 
-use super::fw::{self, Exchange, Session, Shape};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::Value;
+
+use super::{
+    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Session, Shape, Status, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +16,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Notifications have refs, which are null.", |out| {
+        if out.is_notification() {
+            out.message()["refs"] = Value::Null;
+        }
+    }),
     mutants: &[Mutant {
         name: "`refs` of 37 characters",
         make: || {

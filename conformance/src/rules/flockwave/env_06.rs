@@ -4,8 +4,9 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Reference};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Reference, Rule, RuleContext, Status, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -17,6 +18,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "responses over time",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("An acknowledgment that refers to no request follows each SYS-VER.", |out| {
+        if out.kind() == "SYS-VER" {
+            out.follow(Some("nobody-sent-this"), json!({ "type": "ACK-ACK" }));
+        }
+    }),
     mutants: &[Mutant {
         name: "a response to what nobody asked",
         make: || {

@@ -6,10 +6,12 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Role, Session};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, env_25};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Session, Status,
+    env_25, fw,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-07",
         level: Level::Must,
@@ -19,6 +21,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "requests over time",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Requests of unknown types aren't answered.", |out| {
+        if out.refuses_unknown_type() {
+            out.message = None;
+        }
+    }),
     mutants: &[
         Mutant {
             name: "a request without an answer",
@@ -29,7 +37,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             name: "a request without an answer after which a probe waits no longer",
             make: || {
                 fw::over("tcp#9", |session| {
-                    session.tries("FW-ENV-07", "", json!({ "type": "SYS-VER" }));
+                    session.tries(&RULE.rule, "", json!({ "type": "SYS-VER" }));
                 })
             },
             also: &[],

@@ -2,8 +2,9 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Reference};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Reference, Rule, RuleContext, Status, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +16,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "responses over time",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("SYS-PING is answered twice.", |out| {
+        if out.asked() == Some("SYS-PING") {
+            let refs = out.message()["refs"].as_str().unwrap_or_default().to_owned();
+            out.follow(Some(&refs), json!({ "type": "ACK-ACK" }));
+        }
+    }),
     mutants: &[Mutant {
         name: "a second answer",
         make: || {

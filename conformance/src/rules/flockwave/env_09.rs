@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Reference, Session};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Reference, Rule, RuleContext, Session,
+    Status, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +17,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "responses over time",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("An acknowledgment refers to each notification of UAV-INF.", |out| {
+        if out.notification_of("UAV-INF").is_some() {
+            let refs = out.message()["id"].as_str().unwrap_or_default().to_owned();
+            out.follow(Some(&refs), json!({ "type": "ACK-ACK" }));
+        }
+    }),
     mutants: &[Mutant {
         name: "a response to a notification",
         make: || {

@@ -2,8 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +14,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Beside its body SYS-VER has an error.", |out| {
+        if out.kind() == "SYS-VER" {
+            out.message()["error"] = json!({ "message": "all is well" });
+        }
+    }),
     mutants: &[Mutant {
         name: "both",
         make: || fw::reply_message("SYS-VER", |message| message["error"] = json!({ "code": 7 })),

@@ -1,7 +1,8 @@
 //! `FW-ENV-11`.
 
-use super::fw::{self, Exchange, Tree};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, Tree, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +16,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Notifications of UAV-INF have neither body nor error.", |out| {
+        if out.notification_of("UAV-INF").is_some()
+            && let Some(message) = out.message().as_object_mut()
+        {
+            message.remove("body");
+        }
+    }),
     mutants: &[
         Mutant {
             name: "neither",

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, INTEGER, Shape, Tree};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, INTEGER, Level, Mutant, Rule, RuleContext, Shape, Status,
+    Tree, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +17,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Requests of unknown types are answered by an error that says nothing.", |out| {
+        if out.refuses_unknown_type()
+            && let Some(message) = out.message().as_object_mut()
+        {
+            message.remove("body");
+            message.insert("error".to_owned(), json!({}));
+        }
+    }),
     mutants: &[
         Mutant {
             name: "an empty error",

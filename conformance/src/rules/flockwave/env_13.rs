@@ -2,10 +2,13 @@
 //!
 //! What servers do with other keys that they don't know is seen where someone tries it.
 
-use super::fw::{self, Exchange, Tree};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, Tree, fw,
+};
+
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-13",
         level: Level::Must,
@@ -15,6 +18,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server, and requests that try it",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Messages have a key of their own that starts with $.", |out| {
+        out.message()["$wind"] = json!("fair");
+    }),
     mutants: &[
         Mutant {
             name: "another key that begins so",
@@ -23,7 +30,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         },
         Mutant {
             name: "a request with an unknown key is refused",
-            make: || fw::refused("tcp#9", "FW-ENV-13"),
+            make: || fw::refused("tcp#9", &RULE.rule),
             also: &[],
         },
     ],

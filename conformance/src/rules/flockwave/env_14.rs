@@ -2,8 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Shape};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +14,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("The type of notifications of UAV-INF is a number.", |out| {
+        if let Some(body) = out.notification_of("UAV-INF") {
+            body["type"] = json!(7);
+        }
+    }),
     mutants: &[
         Mutant {
             name: "no type",

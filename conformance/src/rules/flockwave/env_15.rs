@@ -2,8 +2,7 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +14,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Requests of unknown types are answered by a type in small letters.", |out| {
+        if out.refuses_unknown_type() {
+            out.message()["body"] = json!({ "type": "whatever" });
+        }
+    }),
     mutants: &[
         Mutant {
             name: "a type in lower case",

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Role};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, fw,
+    sys_ping_01, sys_ping_02,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +17,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "responses over time",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("CONN-LIST is answered by OBJ-LIST.", |out| {
+        if let Some(body) = out.body_of("CONN-LIST") {
+            body["type"] = json!("OBJ-LIST");
+        }
+    }),
     mutants: &[
         Mutant {
             name: "another type",
@@ -24,7 +32,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "SYS-PING is answered with itself",
             make: || fw::reply("ACK-ACK", |body| body["type"] = "SYS-PING".into()),
-            also: &["FW-SYS-PING-01", "FW-SYS-PING-02"],
+            also: &[&sys_ping_01::RULE.rule, &sys_ping_02::RULE.rule],
         },
         Mutant {
             name: "a setting RTK-SOURCE is answered with itself",

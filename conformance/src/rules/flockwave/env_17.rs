@@ -4,8 +4,9 @@ use serde_json::json;
 
 use uavspec_codegen::schema::json_type::Direction;
 
-use super::fw::{self, Exchange, Role};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -19,6 +20,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("A CONN-LIST that nobody asked for follows each SYS-VER.", |out| {
+        if out.kind() == "SYS-VER" {
+            out.follow(None, json!({ "type": "CONN-LIST", "ids": ["radio-1"] }));
+        }
+    }),
     mutants: &[Mutant {
         name: "an answer without `refs`",
         make: || fw::then(|session| session.tells(json!({ "type": "UAV-LIST", "ids": [] }))),

@@ -4,8 +4,9 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, attributed, fw, inf_01,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -20,6 +21,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "bodies of the server",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("RTK-LIST has a field that its definition doesn't allow.", |out| {
+        if let Some(body) = out.body_of("RTK-LIST") {
+            body["count"] = json!(2);
+        }
+    }),
     mutants: &[
         Mutant {
             name: "a required field is absent",
@@ -74,7 +81,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "a map that is a list",
             make: || fw::reply("EXT-INF", |body| body["error"] = json!([])),
-            also: &["FW-INF-01"],
+            also: &[&inf_01::RULE.rule],
         },
     ],
 };
@@ -82,7 +89,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let Some(deviations) = &exchange.deviations else { return };
     context.covered();
-    for deviation in deviations.iter().filter(|deviation| deviation.told_by.is_none()) {
+    let Some(type_name) = exchange.type_name else { return };
+    for deviation in deviations.iter().filter(|deviation| attributed(type_name, deviation).is_none()) {
         let name = exchange.subject();
         let subject =
             if deviation.field.is_empty() { name } else { format!("{name}.{}", deviation.field).into() };

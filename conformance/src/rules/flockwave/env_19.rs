@@ -5,10 +5,11 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Role};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, fw,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-19",
         level: Level::Must,
@@ -18,6 +19,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "requests over time",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::behaviour("An id that was answered is refused when it comes again."),
     mutants: &[
         Mutant {
             name: "an id is used twice at the same time",
@@ -37,7 +40,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         },
         Mutant {
             name: "an id that was answered is refused",
-            make: || fw::refused("tcp#9", "FW-ENV-19"),
+            make: || fw::refused("tcp#9", &RULE.rule),
             also: &[],
         },
     ],

@@ -4,10 +4,9 @@
 
 use serde_json::json;
 
-use super::fw;
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, Status};
+use super::{Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, fw};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-22",
         level: Level::Info,
@@ -19,19 +18,21 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(|exchange, context| {
         fw::tried(exchange, context);
     }),
+    covers: &[],
+    bug: Bug::behaviour("A request that is malformed ends the connection."),
     mutants: &[
         Mutant {
             name: "no answer to a malformed request",
             make: || {
                 fw::over("tcp#9", |session| {
-                    session.tries_with("FW-ENV-22", "a malformed request", ("body", json!(7)), None);
+                    session.tries_with(&RULE.rule, "a malformed request", ("body", json!(7)), None);
                 })
             },
             also: &[],
         },
         Mutant {
             name: "no answer to the request after it",
-            make: || fw::unanswered("tcp#9", "FW-ENV-22"),
+            make: || fw::unanswered("tcp#9", &RULE.rule),
             also: &[],
         },
     ],

@@ -2,8 +2,9 @@
 
 use std::collections::HashSet;
 
-use super::fw::{self, Exchange, Session, Tree};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Session, Status, Tree, fw,
+};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -16,6 +17,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Notifications have a key twice.", |out| {
+        if out.is_notification() {
+            out.write = |message| {
+                let text = message.to_string();
+                text.replacen('{', "{\"$fw.version\":\"1.0\",", 1)
+            };
+        }
+    }),
     mutants: &[
         Mutant {
             name: "`NaN`",

@@ -10,10 +10,12 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, PerConnection, Role, Tree};
-use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status, env_07};
+use super::{
+    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Role, Rule,
+    RuleContext, Status, Tree, env_07, fw,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-24",
         level: Level::Must,
@@ -23,6 +25,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "requests that try it",
     },
     check: Check::State(|| Box::new(Families::default())),
+    covers: &[],
+    bug: Bug::behaviour("Nothing of the family DEV is handled."),
     mutants: &[
         Mutant {
             name: "DEV is refused as what there isn't",
@@ -30,7 +34,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
                 fw::over("tcp#9", |session| {
                     session.logs_in();
                     for (rule, name) in
-                        [("FW-ENV-24", "DEV-LIST"), ("FW-ENV-07", "UAV-SOAR"), ("FW-ENV-24", "DEV-SUB")]
+                        [(&RULE.rule, "DEV-LIST"), (&env_07::RULE.rule, "UAV-SOAR"), (&RULE.rule, "DEV-SUB")]
                     {
                         let refused = json!({ "type": "ACK-NAK", "reason": format!("{name} isn't known") });
                         session.tries_and_hears(rule, "", json!({ "type": name }), refused);
@@ -44,7 +48,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             make: || {
                 fw::over("tcp#9", |session| {
                     session.logs_in();
-                    for (rule, name) in [("FW-ENV-07", "UAV-SOAR"), ("FW-ENV-24", "CONN-LIST")] {
+                    for (rule, name) in [(&env_07::RULE.rule, "UAV-SOAR"), (&RULE.rule, "CONN-LIST")] {
                         session.tries_and_hears(
                             rule,
                             "",
@@ -60,7 +64,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             name: "no answer to a family",
             make: || {
                 fw::over("tcp#9", |session| {
-                    session.tries("FW-ENV-24", "", json!({ "type": "RTK-LIST" }));
+                    session.tries(&RULE.rule, "", json!({ "type": "RTK-LIST" }));
                 })
             },
             also: &[],

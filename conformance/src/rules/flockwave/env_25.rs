@@ -3,10 +3,12 @@
 //! The specification lets answers come in any order. Most clients never see another than that of their requests, so it is
 //! good to know of a server that doesn't keep to it. That a request isn't answered at all is another rule's matter.
 
-use super::fw::{self, Exchange, PerConnection, Role};
-use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Role, Rule,
+    RuleContext, Status, fw,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-25",
         level: Level::Info,
@@ -16,9 +18,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "requests that try it",
     },
     check: Check::State(|| Box::new(Order::default())),
+    covers: &[],
+    bug: Bug::behaviour("Over TCP, requests that come at once are answered from the last to the first."),
     mutants: &[Mutant {
         name: "the last one is answered first",
-        make: || fw::over("tcp#9", |session| session.pipelines("FW-ENV-25", &[2, 0, 1])),
+        make: || fw::over("tcp#9", |session| session.pipelines(&RULE.rule, &[2, 0, 1])),
         also: &[],
     }],
 };

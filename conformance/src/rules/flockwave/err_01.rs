@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Shape, Tree};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Attribution, Bug, Check, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
+    Tree, fw, ust_errors,
+};
 use crate::flockwave::body_schema::Mismatch;
 use crate::json::pointer;
 
@@ -17,12 +19,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "`errors` of UAV-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[Attribution::new(&["UAV-INF"], "status.*.errors.*", &[Fault::Value])],
+    bug: Bug::message("An error code is negative.", |out| out.set_in_state("errors", json!([-1]))),
     mutants: &[
         Mutant { name: "a negative code", make: || fw::errors(&[-1]), also: &[] },
         Mutant {
             name: "a word",
             make: || fw::state(|kite| kite["errors"] = json!(["windy"])),
-            also: &["FW-UST-ERRORS"],
+            also: &[&ust_errors::RULE.rule],
         },
     ],
 };

@@ -1,7 +1,8 @@
 //! `FW-ERR-02`.
 
-use super::fw::{self, Exchange};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +14,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "`errors` of UAV-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("The absence of errors is listed.", |out| out.set_in_state("errors", json!([0]))),
     mutants: &[
         Mutant { name: "0", make: || fw::errors(&[0]), also: &[] },
         Mutant { name: "0 beside another", make: || fw::errors(&[0, 1]), also: &[] },

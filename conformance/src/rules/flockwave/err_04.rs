@@ -1,9 +1,10 @@
 //! `FW-ERR-04`.
 
+use serde_json::json;
+
 use std::ops::RangeInclusive;
 
-use super::fw::{self, Exchange};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +16,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "`errors` of UAV-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("An error code isn't registered.", |out| out.set_in_state("errors", json!([50]))),
     mutants: &[Mutant { name: "12", make: || fw::errors(&[12]), also: &[] }],
 };
 

@@ -1,7 +1,8 @@
 //! `FW-ERR-07`.
 
-use super::fw::{self, Exchange};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +16,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "`errors` of UAV-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("A battery is low in two ways.", |out| out.set_in_state("errors", json!([66, 134]))),
     mutants: &[
         Mutant { name: "both on the battery", make: || fw::errors(&[66, 134]), also: &[] },
         Mutant { name: "both on the fence", make: || fw::errors(&[71, 201]), also: &[] },

@@ -1,7 +1,8 @@
 //! `FW-ERR-08`.
 
-use super::fw::{self, Exchange};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +14,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "`errors` of UAV-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("On the ground a UAV has left the fence in the air.", |out| {
+        out.set_in_state("errors", json!([1, 201]));
+    }),
     mutants: &[Mutant {
         name: "outside the fence, on the ground",
         make: || fw::errors(&[1, 201]),

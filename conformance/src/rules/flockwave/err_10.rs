@@ -1,7 +1,8 @@
 //! `FW-ERR-10`.
 
-use super::fw::{self, Exchange};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +14,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "`errors` of UAV-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("An error is simulated.", |out| out.set_in_state("errors", json!([188]))),
     mutants: &[
         Mutant { name: "188", make: || fw::errors(&[188]), also: &[] },
         Mutant { name: "253", make: || fw::errors(&[253]), also: &[] },

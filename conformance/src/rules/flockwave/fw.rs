@@ -14,14 +14,14 @@ use serde_json::{Value, json};
 
 pub(super) use self::lines::{Lines, are_several, is_called};
 pub(super) use self::per_connection::PerConnection;
+pub(super) use crate::flockwave::body_schema::Shape;
 use crate::flockwave::body_schema::{Deviation, Mismatch, integer};
-pub(super) use crate::flockwave::body_schema::{INTEGER, Shape};
-pub(super) use crate::flockwave::session::{Exchange, OPERATIONS, Reference, Role, Stage};
+pub(super) use crate::flockwave::session::{Exchange, OPERATIONS, Reference, Role};
 pub(super) use crate::json::Tree;
 use crate::json::pointer;
 pub(super) use crate::rules::sample::Session;
 
-use super::{Detail, RuleContext};
+use super::{Detail, Rule, RuleContext};
 
 pub(super) const GENERAL: &str = "Flockwave 2.10, general remarks on messages";
 pub(super) const SCHEMA: &str = "Flockwave 2.10, published JSON Schema";
@@ -431,14 +431,14 @@ pub(super) fn then(say: impl FnOnce(&mut Session)) -> Option<Vec<u8>> {
 }
 
 /// The same, with a trial of a rule that gets no answer.
-pub(super) fn unanswered(connection: &'static str, rule: &str) -> Option<Vec<u8>> {
+pub(super) fn unanswered(connection: &'static str, rule: &Rule) -> Option<Vec<u8>> {
     over(connection, |session| {
         session.tries(rule, "without an answer", json!({ "type": "SYS-PING" }));
     })
 }
 
 /// The same, with a trial of a rule that is refused.
-pub(super) fn refused(connection: &'static str, rule: &str) -> Option<Vec<u8>> {
+pub(super) fn refused(connection: &'static str, rule: &Rule) -> Option<Vec<u8>> {
     let no = json!({ "type": "ACK-NAK", "reason": "Too windy" });
     over(connection, |session| session.tries_and_hears(rule, "refused", json!({ "type": "SYS-PING" }), no))
 }

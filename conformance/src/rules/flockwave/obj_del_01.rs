@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Role, Shape};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Attribution, Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Shape,
+    Status, attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +17,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "OBJ-DEL",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["OBJ-DEL"], "ids", attribution::MISSING),
+        Attribution::new(&["OBJ-DEL"], "ids.*", attribution::MISSING),
+    ],
+    bug: Bug::message("OBJ-DEL has its ids as a text.", |out| {
+        if let Some(body) = out.body_of("OBJ-DEL") {
+            body["ids"] = body["ids"][0].take();
+        }
+    }),
     mutants: &[
         Mutant {
             name: "no ids",

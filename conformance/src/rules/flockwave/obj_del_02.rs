@@ -2,11 +2,13 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Tree};
-use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status,
+    Tree, fw,
+};
 use crate::flockwave::session::ids::Ids;
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-OBJ-DEL-02",
         level: Level::Info,
@@ -16,6 +18,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "OBJ-DEL, OBJ-LIST and UAV-LIST over time",
     },
     check: Check::State(|| Box::new(Gone::default())),
+    covers: &[],
+    bug: Bug::behaviour("Objects that are gone stay in the lists."),
     mutants: &[Mutant {
         name: "one is listed again",
         make: || {

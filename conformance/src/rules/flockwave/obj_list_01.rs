@@ -1,7 +1,9 @@
 //! `FW-OBJ-LIST-01`.
 
-use super::fw::{self, Exchange, Shape};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +15,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "OBJ-LIST",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["OBJ-LIST"], "ids", attribution::MISSING),
+        Attribution::new(&["OBJ-LIST"], "ids.*", attribution::MISSING),
+    ],
+    bug: Bug::message("The last id in OBJ-LIST is a number.", |out| out.make_last_id_a_number("OBJ-LIST")),
     mutants: &[
         Mutant { name: "no ids", make: || fw::reply("OBJ-LIST", |body| fw::remove(body, "ids")), also: &[] },
         Mutant {

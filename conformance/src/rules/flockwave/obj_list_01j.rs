@@ -1,7 +1,9 @@
 //! `FW-OBJ-LIST-01J`.
 
-use super::fw::{self, Exchange, Shape, Tree};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Attribution, Bug, Check, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
+    Tree, fw,
+};
 use crate::flockwave::body_schema::Mismatch;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -14,6 +16,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "OBJ-LIST",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["OBJ-LIST"], "ids", &[Fault::Value]),
+        Attribution::new(&["OBJ-LIST"], "ids.*", &[Fault::Value]),
+    ],
+    bug: Bug::message("OBJ-LIST has its first id twice.", |out| out.repeat_first_id("OBJ-LIST")),
     mutants: &[
         Mutant {
             name: "an id twice",

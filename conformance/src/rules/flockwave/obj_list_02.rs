@@ -4,12 +4,12 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, PerConnection};
 use super::{
-    Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status, obj_list_03,
+    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule,
+    RuleContext, Status, fw, obj_list_03, uav_list_02,
 };
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-OBJ-LIST-02",
         level: Level::Must,
@@ -19,6 +19,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "OBJ-LIST over time",
     },
     check: Check::State(|| Box::new(Listed::default())),
+    covers: &[],
+    bug: Bug::behaviour("OBJ-LIST doesn't heed its filter.")
+        .with(&[&obj_list_03::RULE.rule, &uav_list_02::RULE.rule]),
     mutants: &[Mutant {
         name: "the filter is left out of account",
         make: || {

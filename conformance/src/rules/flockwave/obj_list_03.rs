@@ -2,10 +2,11 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Tree};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, Tree, fw,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-OBJ-LIST-03",
         level: Level::Should,
@@ -15,14 +16,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "OBJ-LIST that tries it",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::behaviour("OBJ-LIST refuses types that the server doesn't know."),
     mutants: &[
-        Mutant { name: "the request is refused", make: || fw::refused("tcp#9", "FW-OBJ-LIST-03"), also: &[] },
+        Mutant { name: "the request is refused", make: || fw::refused("tcp#9", &RULE.rule), also: &[] },
         Mutant {
             name: "all objects are listed",
             make: || {
                 let asked = json!({ "type": "OBJ-LIST", "filter": ["cloud"] });
                 let all = json!({ "type": "OBJ-LIST", "ids": ["kite", "swift"] });
-                fw::over("tcp#9", |session| session.tries_and_hears("FW-OBJ-LIST-03", "", asked, all))
+                fw::over("tcp#9", |session| session.tries_and_hears(&RULE.rule, "", asked, all))
             },
             also: &[],
         },

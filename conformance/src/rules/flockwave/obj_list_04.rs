@@ -7,10 +7,12 @@ use std::collections::BTreeSet;
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, PerConnection};
-use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule,
+    RuleContext, Status, fw,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-OBJ-LIST-04",
         level: Level::Must,
@@ -20,6 +22,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "OBJ-LIST over time",
     },
     check: Check::State(|| Box::new(Objects::default())),
+    covers: &[],
+    bug: Bug::behaviour("OBJ-LIST without a filter has UAVs only."),
     mutants: &[Mutant {
         name: "those of one type are missing",
         make: || {

@@ -2,8 +2,9 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Tree};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, Tree, fw,
+};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -16,6 +17,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "results of PRM-SET-MANY",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("PRM-SET-MANY succeeds, and has failed.", |out| {
+        let Some(body) = out.body_of("PRM-SET-MANY") else { return };
+        for outcome in body["result"].as_object_mut().into_iter().flat_map(|map| map.values_mut()) {
+            *outcome = json!({ "success": true, "failed": ["CRUISE_SPEED"] });
+        }
+    }),
     mutants: &[
         Mutant {
             name: "all is said to be set",

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Role, Shape};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Attribution, Bug, Check, Detail, Exchange, Fault, FlockwaveRule, Level, Mutant, Needs, Role, Rule,
+    RuleContext, Shape, Status, fw, sys_close_02,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +17,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-CLOSE",
     },
     check: Check::Exchange(judge),
+    covers: &[Attribution::new(&["SYS-CLOSE"], "reason", &[Fault::Kind])],
+    bug: Bug::message("The reason of SYS-CLOSE is a number.", |out| {
+        out.set("SYS-CLOSE", "reason", json!(7));
+    })
+    .needs(Needs::Farewell),
     mutants: &[
         Mutant {
             name: "a reason that is a number",
@@ -29,7 +36,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
                     session.answers(&id, json!({ "body": { "type": "SYS-CLOSE" } }));
                 })
             },
-            also: &["FW-SYS-CLOSE-02"],
+            also: &[&sys_close_02::RULE.rule],
         },
     ],
 };

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Session};
-use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Session, Status,
+    fw,
+};
 use crate::flockwave::session::remembered::Remembered;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -16,6 +18,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-CLOSE over time",
     },
     check: Check::State(|| Box::new(Closing::default())),
+    covers: &[],
+    bug: Bug::message("SYS-CLOSE comes after each SYS-VER, and the connection goes on.", |out| {
+        if out.kind() == "SYS-VER" {
+            out.follow(None, json!({ "type": "SYS-CLOSE" }));
+        }
+    }),
     mutants: &[Mutant {
         name: "the server speaks on",
         make: || {

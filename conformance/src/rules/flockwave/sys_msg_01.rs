@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Shape, Tree};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status, Tree,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +17,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-MSG",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["SYS-MSG"], "items", attribution::MISSING),
+        Attribution::new(&["SYS-MSG"], "items.*", attribution::MISSING),
+        Attribution::new(&["SYS-MSG"], "items.*.message", attribution::MISSING),
+    ],
+    bug: Bug::message("Items of SYS-MSG have no message.", |out| {
+        if let Some(item) = out.item() {
+            item.remove("message");
+        }
+    }),
     mutants: &[
         Mutant {
             name: "an item without a message",

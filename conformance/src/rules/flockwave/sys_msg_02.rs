@@ -1,7 +1,11 @@
 //! `FW-SYS-MSG-02`.
 
-use super::fw::{self, Exchange, Shape, Tree};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status, Tree,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +17,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-MSG",
     },
     check: Check::Exchange(judge),
+    covers: &[Attribution::new(&["SYS-MSG"], "items.*.severity", attribution::WRONG)],
+    bug: Bug::message("Items of SYS-MSG are of severity loud.", |out| {
+        if let Some(item) = out.item() {
+            item.insert("severity".to_owned(), json!("loud"));
+        }
+    }),
     mutants: &[Mutant {
         name: "a severity of its own",
         make: || fw::notice("SYS-MSG", |body| body["items"][0]["severity"] = "loud".into()),

@@ -4,10 +4,11 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Role};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, env_16, fw,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SYS-PING-01",
         level: Level::Must,
@@ -17,13 +18,19 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-PING",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("SYS-PING is answered with ACK-NAK.", |out| {
+        if out.asked() == Some("SYS-PING") {
+            out.message()["body"] = json!({ "type": "ACK-NAK" });
+        }
+    }),
     mutants: &[
-        Mutant { name: "it is refused", make: || fw::refused("tcp#9", "FW-SYS-PING-01"), also: &[] },
-        Mutant { name: "it isn't answered", make: || fw::unanswered("tcp#9", "FW-SYS-PING-01"), also: &[] },
+        Mutant { name: "it is refused", make: || fw::refused("tcp#9", &RULE.rule), also: &[] },
+        Mutant { name: "it isn't answered", make: || fw::unanswered("tcp#9", &RULE.rule), also: &[] },
         Mutant {
             name: "it is answered with something else",
             make: || fw::reply("ACK-ACK", |body| *body = json!({ "type": "CONN-LIST", "ids": [] })),
-            also: &["FW-ENV-16"],
+            also: &[&env_16::RULE.rule],
         },
     ],
 };

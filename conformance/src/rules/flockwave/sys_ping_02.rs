@@ -1,7 +1,11 @@
 //! `FW-SYS-PING-02`.
 
-use super::fw::{self, Exchange, Role};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, env_16, fw,
+    sys_ping_01,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,10 +17,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-PING",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("SYS-PING is answered with SYS-PING.", |out| {
+        if out.asked() == Some("SYS-PING") {
+            out.message()["body"] = json!({ "type": "SYS-PING" });
+        }
+    })
+    .with(&[&sys_ping_01::RULE.rule, &env_16::RULE.rule]),
     mutants: &[Mutant {
         name: "it is",
         make: || fw::reply("ACK-ACK", |body| body["type"] = "SYS-PING".into()),
-        also: &["FW-ENV-16", "FW-SYS-PING-01"],
+        also: &[&env_16::RULE.rule, &sys_ping_01::RULE.rule],
     }],
 };
 

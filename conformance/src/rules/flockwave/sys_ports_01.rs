@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Shape};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -17,6 +19,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-PORTS",
     },
     check: Check::Exchange(judge),
+    covers: &[Attribution::new(&["SYS-PORTS"], "ports.**", attribution::UNFIT)],
+    bug: Bug::message("Ports are texts.", |out| {
+        for port in out.ports() {
+            *port = json!(port.to_string());
+        }
+    }),
     mutants: &[
         Mutant {
             name: "port 0",

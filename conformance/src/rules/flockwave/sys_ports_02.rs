@@ -4,8 +4,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, PerConnection, Role, Tree};
-use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Role, Rule,
+    RuleContext, Status, Tree, fw,
+};
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::json::pointer;
 
@@ -19,6 +21,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-PORTS on connections whose URL is known",
     },
     check: Check::State(|| Box::new(Used::default())),
+    covers: &[],
+    bug: Bug::message("All ports are off by one.", |out| {
+        for port in out.ports() {
+            let number = port.as_u64().unwrap_or(1);
+            *port = json!(if number == 1 { 2 } else { number - 1 });
+        }
+    }),
     mutants: &[Mutant {
         name: "another port",
         make: || {

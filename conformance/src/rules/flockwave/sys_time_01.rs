@@ -1,7 +1,11 @@
 //! `FW-SYS-TIME-01`.
 
-use super::fw::{self, Exchange, INTEGER};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, Exchange, FlockwaveRule, INTEGER, Level, Mutant, Rule, RuleContext, Status,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +17,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-TIME",
     },
     check: Check::Exchange(judge),
+    covers: &[Attribution::new(&["SYS-TIME"], "timestamp", attribution::MISSING)],
+    bug: Bug::message("The time of the server is in seconds, with a fraction.", |out| {
+        if let Some(body) = out.body_of("SYS-TIME") {
+            #[expect(clippy::cast_precision_loss, reason = "it is a bug")]
+            let seconds = body["timestamp"].as_u64().unwrap_or_default() as f64 / 1000.0 + 0.000_5;
+            body["timestamp"] = json!(seconds);
+        }
+    }),
     mutants: &[
         Mutant {
             name: "seconds with a fraction",

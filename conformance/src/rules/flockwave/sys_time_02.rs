@@ -5,8 +5,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Session};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, sys_time_03};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Session, Status, fw,
+    sys_time_03, uav_inf_09,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -18,6 +20,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-TIME over time",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("The clock of the server stands still.", |out| {
+        out.set("SYS-TIME", "timestamp", json!(1_700_000_000_000_u64));
+    })
+    .with(&[&uav_inf_09::RULE.rule]),
     mutants: &[
         Mutant {
             name: "the second answer is ahead",

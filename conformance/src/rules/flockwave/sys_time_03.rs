@@ -5,12 +5,12 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange};
-use super::sys_time_02::TOLERANCE;
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw, sys_time_02,
+};
 use crate::flockwave::session::ClockMove;
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SYS-TIME-03",
         level: Level::Must,
@@ -20,6 +20,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-TIME over time",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::behaviour("An adjustment of 0 puts the clock forward by an hour."),
     mutants: &[
         Mutant { name: "the clock is an hour ahead at once", make: || adjusted(1), also: &[] },
         Mutant { name: "the clock is an hour ahead afterwards", make: || adjusted(2), also: &[] },
@@ -41,7 +43,7 @@ fn adjusted(first: usize) -> Option<Vec<u8>> {
 
 /// Whether a clock was adjusted by a request that should have left it as it is.
 pub(super) fn is_adjusted(found: &ClockMove) -> bool {
-    found.is_after_nothing && found.by > TOLERANCE + found.since
+    found.is_after_nothing && found.by > sys_time_02::TOLERANCE + found.since
 }
 
 fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {

@@ -1,7 +1,11 @@
 //! `FW-SYS-VER-01`.
 
-use super::fw::{self, Exchange, Shape};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +17,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-VER",
     },
     check: Check::Exchange(judge),
+    covers: &[Attribution::new(&["SYS-VER"], "software", attribution::MISSING)],
+    bug: Bug::message("The name of the software is a number.", |out| {
+        out.set("SYS-VER", "software", json!(7));
+    }),
     mutants: &[
         Mutant {
             name: "a number",

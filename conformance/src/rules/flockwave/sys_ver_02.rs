@@ -1,7 +1,11 @@
 //! `FW-SYS-VER-02`.
 
-use super::fw::{self, Exchange, Tree};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, Tree,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +17,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-VER",
     },
     check: Check::Exchange(judge),
+    covers: &[Attribution::new(&["SYS-VER"], "version", attribution::UNFIT)],
+    bug: Bug::message("The version of the software is a word.", |out| {
+        out.set("SYS-VER", "version", json!("newest"));
+    }),
     mutants: &[
         Mutant {
             name: "a number",

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Shape};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Attribution, Bug, Check, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
+    fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +17,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-VER",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["SYS-VER"], "name", &[Fault::Kind]),
+        Attribution::new(&["SYS-VER"], "revision", &[Fault::Kind]),
+    ],
+    bug: Bug::message("The name of the server is a list.", |out| {
+        out.set("SYS-VER", "name", json!(["glider"]));
+    }),
     mutants: &[
         Mutant {
             name: "a revision that is a number",

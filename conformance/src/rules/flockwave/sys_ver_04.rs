@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, PerConnection, Tree};
-use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule,
+    RuleContext, Status, Tree, fw,
+};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -16,6 +18,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-VER over time",
     },
     check: Check::State(|| Box::new(Versions::default())),
+    covers: &[],
+    bug: Bug::message("The revision of the software is another each time.", |out| {
+        let revision = format!("revision {}", out.number);
+        out.set("SYS-VER", "revision", json!(revision));
+    }),
     mutants: &[Mutant {
         name: "another revision",
         make: || {

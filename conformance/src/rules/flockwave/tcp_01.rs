@@ -3,10 +3,12 @@
 //! Lines that are no messages, but make up one together, are one that holds line breaks. What they make up no message
 //! with is no JSON at all, of which another rule tells.
 
-use super::fw::{self, Exchange, Lines};
-use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Lines, Mutant, Place, Rule, RuleContext,
+    Status, fw,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-TCP-01",
         level: Level::Must,
@@ -16,6 +18,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server on connections whose name begins with `tcp`",
     },
     check: Check::State(|| Box::new(Broken::default())),
+    covers: &[],
+    bug: Bug::behaviour("Over TCP, notifications are written in several lines."),
     mutants: &[
         Mutant {
             name: "a message in several lines",

@@ -1,7 +1,6 @@
 //! `FW-UAV-INF-01`.
 
-use super::fw::{self, Exchange};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +12,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "UAV-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("The last UAV that was asked for is missing.", |out| {
+        out.lose_last(&["UAV-INF"]);
+    }),
     mutants: &[
         Mutant {
             name: "a glider is missing",

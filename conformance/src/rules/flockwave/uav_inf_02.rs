@@ -1,7 +1,8 @@
 //! `FW-UAV-INF-02`.
 
-use super::fw::{self, Exchange};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +14,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "UAV-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("There is a UAV that nobody asked for.", |out| {
+        if !out.is_notification()
+            && let Some(mut state) = out.state().cloned()
+        {
+            state["id"] = json!("ghost-1");
+            out.message()["body"]["status"]["ghost-1"] = state;
+        }
+    }),
     mutants: &[Mutant {
         name: "one more glider",
         make: || fw::reply("UAV-INF", |body| body["error"]["hawk"] = "Asleep".into()),

@@ -1,7 +1,8 @@
 //! `FW-UAV-INF-03`.
 
-use super::fw::{self, Exchange};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +14,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "UAV-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("A UAV has another id than its key.", |out| {
+        out.set_in_state("id", json!("ghost-1"));
+    }),
     mutants: &[Mutant {
         name: "another id",
         make: || fw::state(|kite| kite["id"] = "hawk".into()),

@@ -1,7 +1,11 @@
 //! `FW-UAV-INF-04`.
 
-use super::fw::{self, Exchange, Shape};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +17,22 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "UAV-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["UAV-INF"], "error", &[Fault::Kind]),
+        Attribution::new(&["UAV-INF"], "error.*", attribution::MISSING),
+    ],
+    bug: Bug::message("Errors are objects.", |out| {
+        let Some(body) = out.body_of("UAV-INF") else { return };
+        for error in body["error"].as_object_mut().into_iter().flat_map(|errors| errors.values_mut()) {
+            *error = json!({ "reason": error.take() });
+        }
+        // Reading a field that isn't there makes it one that is null.
+        if body["error"].is_null()
+            && let Some(body) = body.as_object_mut()
+        {
+            body.remove("error");
+        }
+    }),
     mutants: &[Mutant {
         name: "a number for the reason",
         make: || fw::reply("UAV-INF", |body| body["error"]["owl"] = 7.into()),

@@ -2,8 +2,9 @@
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, Tree};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, Tree, fw,
+};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -16,6 +17,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "UAV-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[],
+    bug: Bug::message("Notifications have errors, too.", |out| {
+        if let Some(body) = out.notification_of("UAV-INF") {
+            body["error"] = json!({ "ghost-1": "there is no such UAV" });
+        }
+    }),
     mutants: &[Mutant {
         name: "errors in a notification",
         make: || fw::notice("UAV-INF", |body| body["error"] = json!({ "owl": "Lost" })),

@@ -1,7 +1,8 @@
 //! `FW-UAV-INF-08`.
 
-use super::fw::{self, Exchange, Tree};
-use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, Tree, fw,
+};
 use crate::flockwave::session::ids::Ids;
 use crate::json::pointer;
 
@@ -15,6 +16,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "UAV-INF over time",
     },
     check: Check::State(|| Box::new(Latest::default())),
+    covers: &[],
+    bug: Bug::message("Every other time stamp lies ten seconds back.", |out| {
+        let is_odd = out.number % 2 == 1;
+        out.shift_timestamps(|time| if is_odd { time - 10_000 } else { time });
+    }),
     mutants: &[Mutant {
         name: "it goes back",
         make: || fw::state(|kite| kite["timestamp"] = 1_789_000_000_000_u64.into()),

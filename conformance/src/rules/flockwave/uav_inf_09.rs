@@ -2,8 +2,7 @@
 //!
 //! The time of the server is known from SYS-TIME, as far as it can be: up to the time that its answer took.
 
-use super::fw::{self, Exchange};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
 use crate::flockwave::session::seconds;
 use crate::json::pointer;
 
@@ -17,6 +16,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "UAV-INF over time",
     },
     check: Check::Context(judge),
+    covers: &[],
+    bug: Bug::message("Time stamps lie an hour ahead.", |out| {
+        out.shift_timestamps(|time| time + 3_600_000);
+    }),
     mutants: &[Mutant {
         name: "a state of tomorrow",
         make: || fw::state(|kite| kite["timestamp"] = 1_790_086_400_000_u64.into()),

@@ -1,7 +1,9 @@
 //! `FW-UAV-LIST-01`.
 
-use super::fw::{self, Exchange, Shape};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,6 +15,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "UAV-LIST",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["UAV-LIST"], "ids", attribution::MISSING),
+        Attribution::new(&["UAV-LIST"], "ids.*", attribution::MISSING),
+    ],
+    bug: Bug::message("The last id in UAV-LIST is a number.", |out| out.make_last_id_a_number("UAV-LIST")),
     mutants: &[
         Mutant { name: "no ids", make: || fw::reply("UAV-LIST", |body| fw::remove(body, "ids")), also: &[] },
         Mutant {

@@ -6,8 +6,10 @@ use std::collections::BTreeSet;
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, PerConnection};
-use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule,
+    RuleContext, Status, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -19,6 +21,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "UAV-LIST and OBJ-LIST over time",
     },
     check: Check::State(|| Box::new(Uavs::default())),
+    covers: &[],
+    bug: Bug::message("UAV-LIST lacks its last UAV.", |out| {
+        if let Some(ids) = out.ids_of("UAV-LIST") {
+            ids.pop();
+        }
+    }),
     mutants: &[
         Mutant { name: "UAV-LIST lacks one", make: || listed(&["kite"], &["kite", "swift"]), also: &[] },
         Mutant { name: "UAV-LIST has one more", make: || listed(&["kite", "owl"], &["kite"]), also: &[] },

@@ -1,4 +1,4 @@
-//! `FW-UDP-02` and `FW-UDP-03`: requests over UDP that have to be served.
+//! The check of requests over UDP that have to be served.
 //!
 //! Datagrams get lost. So a trial has failed where none of its requests got an answer until the connection ended. Who
 //! tries them asks more than once.
@@ -9,54 +9,27 @@ use std::collections::BTreeMap;
 
 use serde_json::json;
 
-use super::fw::{self, Exchange, PerConnection, Role};
-use super::{Check, Checker, Detail, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status};
+use super::{Checker, Detail, Exchange, PerConnection, Place, Role, Rule, RuleContext, fw};
 
-/// The rule of an id.
-macro_rules! rule {
-    ($rule:ident, $id:literal, $is_silence_told:literal, $statement:literal) => {
-        #[doc = concat!("`", $id, "`.")]
-        pub(super) static $rule: FlockwaveRule = FlockwaveRule {
-            rule: Rule {
-                id: $id,
-                level: Level::Info,
-                status: Status::Advisory,
-                statement: $statement,
-                source: fw::DERIVED,
-                applies_to: "requests that try it, over UDP",
-            },
-            check: Check::State(|| {
-                Box::new(Trials { is_silence_told: $is_silence_told, ..Trials::default() })
-            }),
-            mutants: &[
-                Mutant {
-                    name: "trials without an answer",
-                    make: || {
-                        fw::over("udp#9", |session| {
-                            for _ in 0..3 {
-                        session.tries($id, "without an answer", json!({ "type": "SYS-PING" }));
-                            }
-                        })
-                    },
-                    also: &[],
-                },
-                Mutant { name: "a trial that is refused", make: || fw::refused("udp#9", $id), also: &[] },
-            ],
-        };
-    };
+/// The records that these rules apply to.
+pub(super) const APPLIES_TO: &str = "requests that try it, over UDP";
+
+/// The session with trials of a rule that get no answer.
+pub(super) fn unanswered(rule: &Rule) -> Option<Vec<u8>> {
+    fw::over("udp#9", |session| {
+        for _ in 0..3 {
+            session.tries(rule, "without an answer", json!({ "type": "SYS-PING" }));
+        }
+    })
 }
-
-rule!(UDP_02, "FW-UDP-02", true, "The answer goes to the address and port that the request came from.");
-
-rule!(UDP_03, "FW-UDP-03", false, "A datagram that is no message doesn't end the service.");
 
 /// In how many ways a rule is tried on a connection: more are taken for the same.
 const MAX_WAYS: usize = 64;
 
 /// What came of the trials of a rule, by how it is tried.
 #[derive(Default)]
-struct Trials {
-    /// Whether it is told where nothing was ever heard over UDP.
+pub(super) struct Trials {
+    /// True if a violation is reported although the server never sent anything over UDP.
     is_silence_told: bool,
     /// Whether something was.
     is_heard: bool,
@@ -68,6 +41,18 @@ struct Outcome {
     is_answered: bool,
     /// Where its latest request without an answer stands.
     place: Place,
+}
+
+impl Trials {
+    /// Trials that fail whenever none of their requests is answered.
+    pub(super) fn new() -> Self {
+        Self { is_silence_told: true, ..Self::default() }
+    }
+
+    /// Trials that fail only if the server sends something else over UDP.
+    pub(super) fn once_heard() -> Self {
+        Self::default()
+    }
 }
 
 impl Checker for Trials {

@@ -1,9 +1,10 @@
 //! `FW-UDP-01`.
 
-use super::fw::{self, Exchange};
-use super::{Check, Detail, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Needs, Rule, RuleContext, Status, fw,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UDP-01",
         level: Level::Must,
@@ -13,6 +14,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "messages of the server on connections whose name begins with `udp`",
     },
     check: Check::Context(judge),
+    covers: &[],
+    bug: Bug::behaviour("Over UDP, each notification is twice in its datagram.").needs(Needs::Udp),
     mutants: &[Mutant {
         name: "two messages in a datagram",
         make: || {

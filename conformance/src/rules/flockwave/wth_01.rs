@@ -1,7 +1,11 @@
 //! `FW-WTH-01`.
 
-use super::fw::{self, Exchange, INTEGER};
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, Exchange, FlockwaveRule, INTEGER, Level, Mutant, Rule, RuleContext, Status,
+    attribution, fw,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,6 +19,18 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "WTH-AT, WTH-INF",
     },
     check: Check::Exchange(judge),
+    covers: &[
+        Attribution::new(&["WTH-AT"], "weather", attribution::MISSING),
+        Attribution::new(&["WTH-AT"], "weather.timestamp", attribution::MISSING),
+        Attribution::new(&["WTH-INF"], "status.*", attribution::MISSING),
+        Attribution::new(&["WTH-INF"], "status.*.timestamp", attribution::MISSING),
+    ],
+    bug: Bug::message("The time of the weather is a text.", |out| {
+        out.each_status("WTH-INF", |status| status["timestamp"] = json!("noon"));
+        if let Some(body) = out.body_of("WTH-AT") {
+            body["weather"]["timestamp"] = json!("noon");
+        }
+    }),
     mutants: &[
         Mutant {
             name: "seconds with a fraction",

@@ -5,6 +5,8 @@ mod trials;
 
 use serde_json::{Value, json};
 
+use crate::model::Rule;
+
 /// When it begins, in seconds since the epoch.
 const BEGIN: f64 = 1_790_000_000.0;
 
@@ -79,16 +81,16 @@ impl Session {
     }
 
     /// The client asks, to try a rule; the id of its request.
-    pub fn tries(&mut self, rule: &str, how: &str, request: Value) -> String {
+    pub fn tries(&mut self, rule: &Rule, how: &str, request: Value) -> String {
         let id = self.sends(request);
         self.marks_trial(rule, how);
         id
     }
 
     /// What went last over the connection, or happened to it, tries a rule.
-    fn marks_trial(&mut self, rule: &str, how: &str) {
+    fn marks_trial(&mut self, rule: &Rule, how: &str) {
         if let Some(line) = self.lines.last_mut() {
-            line["trial"] = rule.into();
+            line["trial"] = rule.id.into();
             line["how"] = how.into();
         }
     }
@@ -108,7 +110,7 @@ impl Session {
     }
 
     /// A connection that is to try a rule doesn't come about.
-    pub fn refused(&mut self, rule: &str, how: &str, why: &str) {
+    pub fn refused(&mut self, rule: &Rule, how: &str, why: &str) {
         self.noted("refused", "why", why);
         self.marks_trial(rule, how);
     }

@@ -1,0 +1,31 @@
+//! `FW-ENV-21`.
+
+use serde_json::json;
+
+use super::{Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, env_05, env_06, fw, served};
+
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ENV-21",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "A request whose id is unusual but allowed is answered, and the answer has that id: 36 characters, letters that aren't ASCII, spaces.",
+        source: fw::DERIVED,
+        applies_to: served::APPLIES_TO,
+    },
+    check: Check::Exchange(served::check),
+    covers: &[],
+    bug: Bug::message("Responses refer to ids without what isn't an ASCII letter, digit, - or _.", |out| {
+        if let Some(refs) = out.message()["refs"].as_str() {
+            let is_plain = |character: &char| character.is_ascii_alphanumeric() || "-_".contains(*character);
+            let plain: String = refs.chars().filter(is_plain).collect();
+            out.message()["refs"] = json!(plain);
+        }
+    })
+    .with(&[&env_05::RULE.rule, &env_06::RULE.rule]),
+    mutants: &[
+        Mutant { name: served::UNANSWERED, make: || fw::unanswered("tcp#9", &RULE.rule), also: &[] },
+        Mutant { name: served::REFUSED, make: || fw::refused("tcp#9", &RULE.rule), also: &[] },
+        Mutant { name: served::NO_CONNECTION, make: || served::no_connection(&RULE.rule), also: &[] },
+    ],
+};

@@ -1,0 +1,22 @@
+//! `FW-SIO-01`.
+
+use super::{Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Status, fw, served};
+
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-SIO-01",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Over Socket.IO connections are upgraded and opened as its protocol says, and messages travel as events `fw`.",
+        source: fw::TRANSPORT,
+        applies_to: served::APPLIES_TO,
+    },
+    check: Check::Exchange(served::check),
+    covers: &[],
+    bug: Bug::behaviour("Over Socket.IO, messages travel as events flockwave.").needs(Needs::SocketIo),
+    mutants: &[
+        Mutant { name: served::UNANSWERED, make: || fw::unanswered("socketio#9", &RULE.rule), also: &[] },
+        Mutant { name: served::REFUSED, make: || fw::refused("socketio#9", &RULE.rule), also: &[] },
+        Mutant { name: served::NO_CONNECTION, make: || served::no_connection(&RULE.rule), also: &[] },
+    ],
+};

@@ -1,0 +1,21 @@
+//! `FW-UDP-02`.
+
+use super::{Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Status, fw, udp};
+
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-UDP-02",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "The answer goes to the address and port that the request came from.",
+        source: fw::DERIVED,
+        applies_to: udp::APPLIES_TO,
+    },
+    check: Check::State(|| Box::new(udp::Trials::new())),
+    covers: &[],
+    bug: Bug::behaviour("Over UDP, answers go to the port after that of the sender.").needs(Needs::Udp),
+    mutants: &[
+        Mutant { name: "trials without an answer", make: || udp::unanswered(&RULE.rule), also: &[] },
+        Mutant { name: "a trial that is refused", make: || fw::refused("udp#9", &RULE.rule), also: &[] },
+    ],
+};

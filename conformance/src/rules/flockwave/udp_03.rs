@@ -1,0 +1,21 @@
+//! `FW-UDP-03`.
+
+use super::{Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Status, fw, udp};
+
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-UDP-03",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "A datagram that is no message doesn't end the service.",
+        source: fw::DERIVED,
+        applies_to: udp::APPLIES_TO,
+    },
+    check: Check::State(|| Box::new(udp::Trials::once_heard())),
+    covers: &[],
+    bug: Bug::behaviour("Over UDP, a datagram that is no JSON ends the service.").needs(Needs::Udp),
+    mutants: &[
+        Mutant { name: "trials without an answer", make: || udp::unanswered(&RULE.rule), also: &[] },
+        Mutant { name: "a trial that is refused", make: || fw::refused("udp#9", &RULE.rule), also: &[] },
+    ],
+};

@@ -1,0 +1,25 @@
+//! `FW-UST-ID`.
+
+use serde_json::json;
+
+use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, Status, attribution, fw, ust};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-UST-ID",
+        status: Status::Normative,
+        statement: "`id` is a string of 1 to 64 characters without `/`.",
+        ..ust::RULE
+    },
+    check: Check::Exchange(|exchange, context| ust::check(exchange, context, &RULE, "id")),
+    covers: &[
+        Attribution::new(&["UAV-INF"], "status.*.id.**", attribution::ALL),
+        Attribution::new(&["UAV-INF"], "status.*", attribution::MISSING),
+    ],
+    bug: Bug::message("The id of a UAV is a number.", |out| out.set_in_state("id", json!(7))),
+    mutants: &[
+        Mutant { name: "no `id`", make: || fw::state(|kite| fw::remove(kite, "id")), also: &[] },
+        Mutant { name: "a number", make: || ust::with("id", json!(7)), also: &[] },
+        Mutant { name: "null", make: || ust::with("id", json!(null)), also: &[] },
+    ],
+};

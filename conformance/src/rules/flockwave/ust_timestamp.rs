@@ -1,0 +1,28 @@
+//! `FW-UST-TIMESTAMP`.
+
+use serde_json::json;
+
+use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, Status, attribution, fw, ust};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-UST-TIMESTAMP",
+        status: Status::Normative,
+        statement: "`timestamp` is an integer, in milliseconds.",
+        ..ust::RULE
+    },
+    check: Check::Exchange(|exchange, context| ust::check(exchange, context, &RULE, "timestamp")),
+    covers: &[Attribution::new(&["UAV-INF"], "status.*.timestamp.**", attribution::ALL)],
+    bug: Bug::message("A time stamp is a text.", |out| {
+        out.set_in_state("timestamp", json!("noon"));
+    }),
+    mutants: &[
+        Mutant {
+            name: "no `timestamp`",
+            make: || fw::state(|kite| fw::remove(kite, "timestamp")),
+            also: &[],
+        },
+        Mutant { name: "a word", make: || ust::with("timestamp", json!("noon")), also: &[] },
+        Mutant { name: "null", make: || ust::with("timestamp", json!(null)), also: &[] },
+    ],
+};
