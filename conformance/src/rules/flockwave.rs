@@ -13,7 +13,7 @@ mod asy_06;
 mod asy_07;
 mod asy_08;
 mod asy_09;
-mod asy_10;
+pub(crate) mod asy_10;
 mod asy_11;
 mod asy_12;
 mod asy_13;
@@ -70,6 +70,7 @@ mod err_10;
 mod fw;
 mod inf_01;
 mod listed_uavs;
+mod malformed;
 mod obj_del_01;
 pub(crate) mod obj_del_02;
 mod obj_list_01;
@@ -101,6 +102,7 @@ pub(crate) mod tcp_01;
 pub(crate) mod tcp_02;
 pub(crate) mod tcp_03;
 pub(crate) mod tcp_04;
+pub(crate) mod trial;
 mod uav_inf_01;
 mod uav_inf_02;
 mod uav_inf_03;
@@ -142,6 +144,8 @@ use self::bug::Bug;
 pub use self::bug::Needs;
 pub(crate) use self::bug::Outgoing;
 use self::fw::{Lines, PerConnection};
+use self::malformed::Malformed;
+use self::trial::{Attempt, Request, SOON, Sent, Step, Strain, Trial};
 use super::RuleContext;
 use super::sample::Session;
 use crate::flockwave::body_schema::{Fault, INTEGER, Shape};
@@ -297,6 +301,8 @@ pub struct FlockwaveRule {
     pub covers: &'static [Attribution],
     /// The bug of the reference server that violates it.
     pub bug: Bug,
+    /// The requests of a probe that show whether a server keeps it. Rules without a trial show in any session.
+    pub(crate) trial: Option<Trial>,
     /// Captures that violate it.
     pub mutants: &'static [Mutant],
 }

@@ -23,6 +23,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     })
     .with(&[&env_17::RULE.rule]),
+    trial: None,
     mutants: &[Mutant {
         name: "an acknowledgment of nothing",
         make: || fw::then(|session| session.tells(json!({ "type": "ACK-ACK" }))),

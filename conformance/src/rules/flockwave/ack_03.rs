@@ -24,6 +24,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body["reason"] = json!("why not");
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "a reason",
         make: || fw::reply("ACK-ACK", |body| body["reason"] = "Fine".into()),

@@ -27,6 +27,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body["reason"] = json!({ "en": "no" });
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a number for the reason",

@@ -21,6 +21,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     covers: &[],
     bug: Bug::behaviour("Requests are served without the login that they need (with --login).")
         .needs(Needs::Login),
+    trial: None,
     mutants: &[
         Mutant {
             name: "it is served",

@@ -22,6 +22,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body["error"] = json!("the log is late");
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a result beside the receipt",

@@ -18,6 +18,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         out.lose_last(&OPERATIONS);
     })
     .with(&[&asy_09::RULE.rule]),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a glider is missing",

@@ -21,6 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             out.message()["body"]["error"]["ghost-1"] = json!("there is no such object");
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "one more glider",
         make: || fw::reply("UAV-TAKEOFF", |body| body["error"]["hawk"] = "Asleep".into()),

@@ -23,6 +23,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         Attribution::new(&["LOG-DATA"], "receipt", attribution::WRONG),
     ],
     bug: Bug::behaviour("Receipts are 70 characters long.").with(&[&env_18::RULE.rule]),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a number",

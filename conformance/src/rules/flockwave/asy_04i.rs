@@ -20,6 +20,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     covers: &[],
     bug: Bug::behaviour("All operations have the same receipt.")
         .with(&[&asy_10::RULE.rule, &asy_22::RULE.rule]),
+    trial: None,
     mutants: &[Mutant {
         name: "two gliders with the same receipt",
         make: || {

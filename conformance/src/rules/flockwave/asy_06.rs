@@ -24,6 +24,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     })
     .with(&[&asy_09::RULE.rule]),
+    trial: None,
     mutants: &[Mutant {
         name: "the end of an operation before its receipt",
         make: || {

@@ -21,6 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body["error"] = json!("and yet");
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "both",

@@ -27,6 +27,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body.insert("error".to_owned(), json!(7));
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "an id that is a number",

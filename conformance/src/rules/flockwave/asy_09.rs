@@ -23,6 +23,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             out.follow(None, bug::progress(&json!("nobody-has-this")));
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "the end of what never began",
         make: || {

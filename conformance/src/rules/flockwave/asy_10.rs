@@ -12,7 +12,7 @@ use super::{
     RuleContext, Stage, Status, Tree, asy_17, fw,
 };
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-10",
         level: Level::Must,
@@ -29,6 +29,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     })
     .with(&[&asy_17::RULE.rule]),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a result after the timeout",

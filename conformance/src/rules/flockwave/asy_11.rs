@@ -23,6 +23,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             out.follow(None, bug::progress(&receipt));
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "progress after the end",
         make: || {

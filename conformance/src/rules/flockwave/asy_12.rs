@@ -30,6 +30,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body["progress"]["percentage"] = json!(140);
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "110 percent",

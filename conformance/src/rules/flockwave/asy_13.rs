@@ -25,6 +25,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body.remove("suspended");
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "it isn't told",
         make: || {

@@ -18,6 +18,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(judge),
     covers: &[],
     bug: Bug::behaviour("Suspended operations go on by themselves."),
+    trial: None,
     mutants: &[Mutant {
         name: "it ends by itself",
         make: || {

@@ -24,6 +24,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body["error"][receipt] = json!("and yet");
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a receipt in both",

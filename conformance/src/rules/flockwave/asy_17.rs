@@ -25,6 +25,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::State(|| Box::new(Cancelled::default())),
     covers: &[],
     bug: Bug::behaviour("Operations that were cancelled go on."),
+    trial: None,
     mutants: &[
         Mutant {
             name: "nothing is told of its end",

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::{Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, fw};
+use super::{Bug, Check, FlockwaveRule, Level, Mutant, Request, Rule, Status, Trial, fw, trial};
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -18,6 +18,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     covers: &[],
     bug: Bug::behaviour("Operations that nobody knows can be cancelled."),
+    trial: Some(Trial::Requests(|_| requests())),
     mutants: &[
         Mutant {
             name: "it is cancelled",
@@ -31,3 +32,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant { name: "the request is refused", make: || fw::refused("tcp#9", &RULE.rule), also: &[] },
     ],
 };
+
+fn requests() -> Vec<Request> {
+    let cancel = json!({ "type": "ASYNC-CANCEL", "ids": [trial::NOBODY] });
+    let resume = json!({ "type": "ASYNC-RESUME", "ids": [trial::NOBODY], "values": {} });
+    vec![Request::new("cancelled", cancel), Request::new("resumed", resume)]
+}

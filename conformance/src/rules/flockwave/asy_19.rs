@@ -18,6 +18,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(judge),
     covers: &[],
     bug: Bug::behaviour("Operations that aren't suspended can be resumed."),
+    trial: None,
     mutants: &[
         Mutant {
             name: "it is resumed",

@@ -24,6 +24,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body["ids"] = body["ids"][0].take();
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "one id without a list",
         make: || fw::notice("ASYNC-TIMEOUT", |body| body["ids"] = "rcpt-2".into()),

@@ -22,6 +22,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             ids.extend_from_within(..1);
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "an id twice",
         make: || {

@@ -32,6 +32,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             *value = json!("yes");
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "null, in a reply",

@@ -24,6 +24,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     })
     .needs(Needs::Login),
+    trial: None,
     mutants: &[
         Mutant {
             name: "both",

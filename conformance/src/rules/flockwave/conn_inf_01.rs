@@ -18,6 +18,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("The last connection that was asked for is missing.", |out| {
         out.lose_last(&["CONN-INF"]);
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "a connection is missing",
         make: || fw::reply("CONN-INF", |body| body["error"] = json!({})),

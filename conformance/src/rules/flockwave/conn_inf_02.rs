@@ -18,6 +18,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("Connections have other ids than their keys.", |out| {
         out.each_status("CONN-INF", |status| status["id"] = json!("radio-7"));
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "another id",
         make: || fw::notice("CONN-INF", |body| body["status"]["winch"]["id"] = "tow".into()),

@@ -25,6 +25,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("The purpose of connections is a number.", |out| {
         out.each_status("CONN-INF", |status| status["purpose"] = json!(1));
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a purpose of its own",

@@ -21,6 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         out.lose_last(&["DEV-LIST", "DEV-INF"]);
     })
     .with(&[&inf_01::RULE.rule]),
+    trial: None,
     mutants: &[
         Mutant {
             name: "an object without a tree",

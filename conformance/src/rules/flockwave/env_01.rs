@@ -27,6 +27,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             *out.message() = json!([message]);
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "what the server sends is no JSON",

@@ -18,6 +18,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("The version of the protocol is a number.", |out| {
         out.message()["$fw.version"] = json!(1);
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "no version",

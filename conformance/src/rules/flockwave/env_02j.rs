@@ -20,6 +20,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("The version of the protocol is a word.", |out| {
         out.message()["$fw.version"] = json!("newest");
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a word for the version",

@@ -19,6 +19,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         let number = out.number;
         out.message()["id"] = json!(number);
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "an id that is a number",

@@ -19,6 +19,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         let id = format!("{:0>40}", out.number);
         out.message()["id"] = json!(id);
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "an id of 37 characters",

@@ -18,6 +18,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Context(judge),
     covers: &[],
     bug: Bug::message("All messages have the same id.", |out| out.message()["id"] = json!("s1")),
+    trial: None,
     mutants: &[Mutant {
         name: "a response has the id of the one before",
         make: || fw::reply_message("ACK-ACK", |message| message["id"] = "say-1".into()),

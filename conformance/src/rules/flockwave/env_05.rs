@@ -22,6 +22,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             out.message()["refs"] = Value::Null;
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "`refs` of 37 characters",
         make: || {

@@ -24,6 +24,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             out.follow(Some("nobody-sent-this"), json!({ "type": "ACK-ACK" }));
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "a response to what nobody asked",
         make: || {

@@ -27,6 +27,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             out.message = None;
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a request without an answer",

@@ -23,6 +23,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             out.follow(Some(&refs), json!({ "type": "ACK-ACK" }));
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "a second answer",
         make: || {

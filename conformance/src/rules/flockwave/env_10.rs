@@ -20,6 +20,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             out.message()["error"] = json!({ "message": "all is well" });
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "both",
         make: || fw::reply_message("SYS-VER", |message| message["error"] = json!({ "code": 7 })),

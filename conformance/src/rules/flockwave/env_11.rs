@@ -24,6 +24,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             message.remove("body");
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "neither",

@@ -26,6 +26,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             message.insert("error".to_owned(), json!({}));
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "an empty error",

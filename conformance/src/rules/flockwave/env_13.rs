@@ -5,7 +5,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, Tree, fw,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Request, Rule, RuleContext, Status, Tree,
+    Trial, fw,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -22,6 +23,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("Messages have a key of their own that starts with $.", |out| {
         out.message()["$wind"] = json!("fair");
     }),
+    trial: Some(Trial::Requests(|_| requests())),
     mutants: &[
         Mutant {
             name: "another key that begins so",
@@ -44,4 +46,9 @@ fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     if let Some((key, _)) = reserved {
         exchange.breaks(context, || Detail::new(format!("the key {} is reserved", fw::quoted(key))));
     }
+}
+
+fn requests() -> Vec<Request> {
+    let request = Request::new("a key that nobody knows", json!({ "type": "SYS-VER" }));
+    vec![Request { member: Some(("wind", "west".into())), ..request }]
 }

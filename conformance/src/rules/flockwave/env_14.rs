@@ -20,6 +20,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body["type"] = json!(7);
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "no type",

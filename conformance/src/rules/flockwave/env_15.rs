@@ -20,6 +20,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             out.message()["body"] = json!({ "type": "whatever" });
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a type in lower case",

@@ -23,6 +23,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body["type"] = json!("OBJ-LIST");
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "another type",

@@ -26,6 +26,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             out.follow(None, json!({ "type": "CONN-LIST", "ids": ["radio-1"] }));
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "an answer without `refs`",
         make: || fw::then(|session| session.tells(json!({ "type": "UAV-LIST", "ids": [] }))),

@@ -27,6 +27,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body["count"] = json!(2);
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a required field is absent",

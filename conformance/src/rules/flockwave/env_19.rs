@@ -6,7 +6,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, fw,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Request, Role, Rule, RuleContext, Status,
+    Trial, fw,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -21,6 +22,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(judge),
     covers: &[],
     bug: Bug::behaviour("An id that was answered is refused when it comes again."),
+    trial: Some(Trial::Requests(|_| requests())),
     mutants: &[
         Mutant {
             name: "an id is used twice at the same time",
@@ -58,4 +60,9 @@ fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
             Detail::new(format!("another request with the id {id} waits for its answer")).at("/id")
         });
     }
+}
+
+fn requests() -> Vec<Request> {
+    let request = Request::new("an id that is answered", json!({ "type": "SYS-VER" }));
+    vec![Request { is_repeated: true, ..request }]
 }

@@ -2,7 +2,10 @@
 
 use serde_json::json;
 
-use super::{Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, env_05, env_06, fw, served};
+use super::{
+    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, Step, Strain, Trial, env_05, env_06, fw,
+    served,
+};
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -23,9 +26,21 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         }
     })
     .with(&[&env_05::RULE.rule, &env_06::RULE.rule]),
+    trial: Some(Trial::Attempts(Strain::Sound, |_| attempts())),
     mutants: &[
         Mutant { name: served::UNANSWERED, make: || fw::unanswered("tcp#9", &RULE.rule), also: &[] },
         Mutant { name: served::REFUSED, make: || fw::refused("tcp#9", &RULE.rule), also: &[] },
         Mutant { name: served::NO_CONNECTION, make: || served::no_connection(&RULE.rule), also: &[] },
     ],
 };
+
+/// An attempt for each unusual id.
+fn attempts() -> Vec<Attempt> {
+    let ids = [
+        ("an id of 36 characters", "c0ffee00-1234-4abc-9def-0123456789ab"),
+        ("an id with spaces", " two words "),
+        ("an id that isn't ASCII", "Höhe 高度 \u{1fa82}"),
+        ("an id with characters that JSON escapes", "\"\\/\u{7}\t<&>"),
+    ];
+    ids.map(|(how, id)| Attempt::new(how, [Step::request(id)])).into()
+}

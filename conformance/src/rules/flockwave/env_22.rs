@@ -4,7 +4,10 @@
 
 use serde_json::json;
 
-use super::{Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, fw};
+use super::{
+    Attempt, Bug, Check, FlockwaveRule, Level, Malformed, Mutant, Rule, Sent, Status, Step, Strain, Trial,
+    fw, malformed,
+};
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -20,6 +23,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     covers: &[],
     bug: Bug::behaviour("A request that is malformed ends the connection."),
+    trial: Some(Trial::Attempts(Strain::Malformed, |_| attempts())),
     mutants: &[
         Mutant {
             name: "no answer to a malformed request",
@@ -37,3 +41,15 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         },
     ],
 };
+
+/// The id of malformed requests.
+const ID: &str = "malformed";
+
+/// An attempt for each kind of malformed request.
+fn attempts() -> Vec<Attempt> {
+    let attempt = |of: Malformed| {
+        let first = Sent::text(of.text, of.has_id.then_some(ID));
+        Attempt::new(of.how, [Step::Send(first), Step::request("next")])
+    };
+    malformed::all(ID).into_iter().map(attempt).collect()
+}

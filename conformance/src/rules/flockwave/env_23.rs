@@ -26,6 +26,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             };
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "`NaN`",

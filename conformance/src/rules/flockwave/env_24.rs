@@ -27,6 +27,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::State(|| Box::new(Families::default())),
     covers: &[],
     bug: Bug::behaviour("Nothing of the family DEV is handled."),
+    trial: None,
     mutants: &[
         Mutant {
             name: "DEV is refused as what there isn't",

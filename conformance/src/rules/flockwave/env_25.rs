@@ -4,9 +4,10 @@
 //! good to know of a server that doesn't keep to it. That a request isn't answered at all is another rule's matter.
 
 use super::{
-    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Role, Rule,
-    RuleContext, Status, fw,
+    Attempt, Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Role,
+    Rule, RuleContext, Sent, Status, Step, Strain, Trial, fw,
 };
+use crate::flockwave::transport::endpoint::Endpoint;
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -20,6 +21,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::State(|| Box::new(Order::default())),
     covers: &[],
     bug: Bug::behaviour("Over TCP, requests that come at once are answered from the last to the first."),
+    trial: Some(Trial::Attempts(Strain::Sound, attempts)),
     mutants: &[Mutant {
         name: "the last one is answered first",
         make: || fw::over("tcp#9", |session| session.pipelines(&RULE.rule, &[2, 0, 1])),
@@ -63,4 +65,15 @@ impl Checker for Order {
     fn damage(&mut self, _: Place) {
         self.0.clear();
     }
+}
+
+/// Many requests in one pass. Over other transports there is no order.
+fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
+    if !matches!(endpoint, Endpoint::Tcp(_) | Endpoint::SocketIo { .. }) {
+        return Vec::new();
+    }
+    let kinds =
+        ["SYS-VER", "SYS-TIME", "UAV-LIST", "SYS-PORTS", "CONN-LIST", "OBJ-LIST", "SYS-VER", "SYS-TIME"];
+    let requests = kinds.iter().enumerate().map(|(at, kind)| Sent::request(&format!("at-once-{at}"), kind));
+    vec![Attempt::new("", [Step::Together(requests.collect())])]
 }

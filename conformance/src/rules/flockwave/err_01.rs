@@ -21,6 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(judge),
     covers: &[Attribution::new(&["UAV-INF"], "status.*.errors.*", &[Fault::Value])],
     bug: Bug::message("An error code is negative.", |out| out.set_in_state("errors", json!([-1]))),
+    trial: None,
     mutants: &[
         Mutant { name: "a negative code", make: || fw::errors(&[-1]), also: &[] },
         Mutant {

@@ -16,6 +16,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(judge),
     covers: &[],
     bug: Bug::message("The absence of errors is listed.", |out| out.set_in_state("errors", json!([0]))),
+    trial: None,
     mutants: &[
         Mutant { name: "0", make: || fw::errors(&[0]), also: &[] },
         Mutant { name: "0 beside another", make: || fw::errors(&[0, 1]), also: &[] },

@@ -16,6 +16,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(judge),
     covers: &[],
     bug: Bug::message("An error code is reserved.", |out| out.set_in_state("errors", json!([300]))),
+    trial: None,
     mutants: &[Mutant { name: "300", make: || fw::errors(&[300]), also: &[] }],
 };
 

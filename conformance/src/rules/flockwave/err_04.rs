@@ -18,6 +18,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(judge),
     covers: &[],
     bug: Bug::message("An error code isn't registered.", |out| out.set_in_state("errors", json!([50]))),
+    trial: None,
     mutants: &[Mutant { name: "12", make: || fw::errors(&[12]), also: &[] }],
 };
 

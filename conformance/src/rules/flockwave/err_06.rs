@@ -18,6 +18,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(judge),
     covers: &[],
     bug: Bug::message("An error code is listed twice.", |out| out.set_in_state("errors", json!([64, 64]))),
+    trial: None,
     mutants: &[Mutant { name: "a code twice", make: || fw::errors(&[1, 1]), also: &[] }],
 };
 

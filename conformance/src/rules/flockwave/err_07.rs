@@ -18,6 +18,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(judge),
     covers: &[],
     bug: Bug::message("A battery is low in two ways.", |out| out.set_in_state("errors", json!([66, 134]))),
+    trial: None,
     mutants: &[
         Mutant { name: "both on the battery", make: || fw::errors(&[66, 134]), also: &[] },
         Mutant { name: "both on the fence", make: || fw::errors(&[71, 201]), also: &[] },

@@ -18,6 +18,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("On the ground a UAV has left the fence in the air.", |out| {
         out.set_in_state("errors", json!([1, 201]));
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "outside the fence, on the ground",
         make: || fw::errors(&[1, 201]),

@@ -18,6 +18,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("A UAV stands on the ground and takes off.", |out| {
         out.set_in_state("errors", json!([1, 5]));
     }),
+    trial: None,
     mutants: &[Mutant { name: "landing on the ground", make: || fw::errors(&[1, 6]), also: &[] }],
 };
 

@@ -16,6 +16,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(judge),
     covers: &[],
     bug: Bug::message("An error is simulated.", |out| out.set_in_state("errors", json!([188]))),
+    trial: None,
     mutants: &[
         Mutant { name: "188", make: || fw::errors(&[188]), also: &[] },
         Mutant { name: "253", make: || fw::errors(&[253]), also: &[] },

@@ -18,6 +18,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("The last thing that was asked for is missing, in BCN-INF and the like.", |out| {
         out.lose_last(&["BCN-INF", "CLK-INF", "WTH-INF", "RTK-INF", "EXT-INF", "UAV-PREFLT"]);
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "nothing of what was asked for, BCN-INF",

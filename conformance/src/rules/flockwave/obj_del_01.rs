@@ -26,6 +26,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body["ids"] = body["ids"][0].take();
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "no ids",

@@ -20,6 +20,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::State(|| Box::new(Gone::default())),
     covers: &[],
     bug: Bug::behaviour("Objects that are gone stay in the lists."),
+    trial: None,
     mutants: &[Mutant {
         name: "one is listed again",
         make: || {

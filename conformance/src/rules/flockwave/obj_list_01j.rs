@@ -21,6 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Attribution::new(&["OBJ-LIST"], "ids.*", &[Fault::Value]),
     ],
     bug: Bug::message("OBJ-LIST has its first id twice.", |out| out.repeat_first_id("OBJ-LIST")),
+    trial: None,
     mutants: &[
         Mutant {
             name: "an id twice",

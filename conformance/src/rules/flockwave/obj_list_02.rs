@@ -22,6 +22,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     covers: &[],
     bug: Bug::behaviour("OBJ-LIST doesn't heed its filter.")
         .with(&[&obj_list_03::RULE.rule, &uav_list_02::RULE.rule]),
+    trial: None,
     mutants: &[Mutant {
         name: "the filter is left out of account",
         make: || {

@@ -3,7 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, Tree, fw,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Request, Rule, RuleContext, Status, Tree,
+    Trial, fw,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -18,6 +19,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(judge),
     covers: &[],
     bug: Bug::behaviour("OBJ-LIST refuses types that the server doesn't know."),
+    trial: Some(Trial::Requests(|_| {
+        vec![Request::new("", json!({ "type": "OBJ-LIST", "filter": ["kite-of-nobody"] }))]
+    })),
     mutants: &[
         Mutant { name: "the request is refused", make: || fw::refused("tcp#9", &RULE.rule), also: &[] },
         Mutant {

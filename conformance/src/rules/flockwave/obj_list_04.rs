@@ -24,6 +24,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::State(|| Box::new(Objects::default())),
     covers: &[],
     bug: Bug::behaviour("OBJ-LIST without a filter has UAVs only."),
+    trial: None,
     mutants: &[Mutant {
         name: "those of one type are missing",
         make: || {

@@ -24,6 +24,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             *outcome = json!({ "success": true, "failed": ["CRUISE_SPEED"] });
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "all is said to be set",

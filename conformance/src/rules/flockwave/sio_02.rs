@@ -1,6 +1,9 @@
 //! `FW-SIO-02`.
 
-use super::{Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Status, fw, served};
+use super::{
+    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Status, Step, Strain, Trial, fw, served,
+};
+use crate::flockwave::transport::endpoint::{Carrier, Endpoint};
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -14,9 +17,16 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(served::check),
     covers: &[],
     bug: Bug::behaviour("Over Socket.IO, long polling is refused.").needs(Needs::SocketIo),
+    trial: Some(Trial::Attempts(Strain::Sound, attempts)),
     mutants: &[
         Mutant { name: served::UNANSWERED, make: || fw::unanswered("socketio#9", &RULE.rule), also: &[] },
         Mutant { name: served::REFUSED, make: || fw::refused("socketio#9", &RULE.rule), also: &[] },
         Mutant { name: served::NO_CONNECTION, make: || served::no_connection(&RULE.rule), also: &[] },
     ],
 };
+
+fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
+    let Endpoint::SocketIo { carrier, .. } = endpoint else { return Vec::new() };
+    let other = (*carrier == Carrier::WebSocket).then(|| endpoint.by(Carrier::Polling));
+    vec![Attempt { endpoint: other, ..Attempt::new("long polling", [Step::request("one")]) }]
+}

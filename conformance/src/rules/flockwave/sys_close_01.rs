@@ -22,6 +22,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         out.set("SYS-CLOSE", "reason", json!(7));
     })
     .needs(Needs::Farewell),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a reason that is a number",

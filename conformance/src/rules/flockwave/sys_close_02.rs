@@ -24,6 +24,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             out.follow(None, json!({ "type": "SYS-CLOSE" }));
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "the server speaks on",
         make: || {

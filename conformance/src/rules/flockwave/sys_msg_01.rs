@@ -27,6 +27,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             item.remove("message");
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "an item without a message",

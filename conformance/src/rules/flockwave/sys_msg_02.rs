@@ -23,6 +23,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             item.insert("severity".to_owned(), json!("loud"));
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "a severity of its own",
         make: || fw::notice("SYS-MSG", |body| body["items"][0]["severity"] = "loud".into()),

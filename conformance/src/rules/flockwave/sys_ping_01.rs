@@ -5,7 +5,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, env_16, fw,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Request, Role, Rule, RuleContext, Status,
+    Trial, env_16, fw,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -24,6 +25,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             out.message()["body"] = json!({ "type": "ACK-NAK" });
         }
     }),
+    trial: Some(Trial::Requests(|_| vec![Request::new("", json!({ "type": "SYS-PING" }))])),
     mutants: &[
         Mutant { name: "it is refused", make: || fw::refused("tcp#9", &RULE.rule), also: &[] },
         Mutant { name: "it isn't answered", make: || fw::unanswered("tcp#9", &RULE.rule), also: &[] },

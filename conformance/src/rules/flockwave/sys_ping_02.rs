@@ -24,6 +24,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     })
     .with(&[&sys_ping_01::RULE.rule, &env_16::RULE.rule]),
+    trial: None,
     mutants: &[Mutant {
         name: "it is",
         make: || fw::reply("ACK-ACK", |body| body["type"] = "SYS-PING".into()),

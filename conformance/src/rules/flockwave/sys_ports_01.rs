@@ -25,6 +25,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             *port = json!(port.to_string());
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "port 0",

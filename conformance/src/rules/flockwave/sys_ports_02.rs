@@ -28,6 +28,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             *port = json!(if number == 1 { 2 } else { number - 1 });
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "another port",
         make: || {

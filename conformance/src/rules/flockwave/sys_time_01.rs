@@ -25,6 +25,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body["timestamp"] = json!(seconds);
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "seconds with a fraction",

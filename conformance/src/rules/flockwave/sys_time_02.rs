@@ -25,6 +25,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         out.set("SYS-TIME", "timestamp", json!(1_700_000_000_000_u64));
     })
     .with(&[&uav_inf_09::RULE.rule]),
+    trial: None,
     mutants: &[
         Mutant {
             name: "the second answer is ahead",

@@ -22,6 +22,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(judge),
     covers: &[],
     bug: Bug::behaviour("An adjustment of 0 puts the clock forward by an hour."),
+    trial: None,
     mutants: &[
         Mutant { name: "the clock is an hour ahead at once", make: || adjusted(1), also: &[] },
         Mutant { name: "the clock is an hour ahead afterwards", make: || adjusted(2), also: &[] },

@@ -21,6 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("The name of the software is a number.", |out| {
         out.set("SYS-VER", "software", json!(7));
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a number",

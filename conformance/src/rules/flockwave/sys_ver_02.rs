@@ -21,6 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("The version of the software is a word.", |out| {
         out.set("SYS-VER", "version", json!("newest"));
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a number",

@@ -24,6 +24,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("The name of the server is a list.", |out| {
         out.set("SYS-VER", "name", json!(["glider"]));
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a revision that is a number",

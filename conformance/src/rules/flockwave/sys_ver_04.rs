@@ -23,6 +23,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         let revision = format!("revision {}", out.number);
         out.set("SYS-VER", "revision", json!(revision));
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "another revision",
         make: || {

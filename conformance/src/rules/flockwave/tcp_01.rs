@@ -20,6 +20,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::State(|| Box::new(Broken::default())),
     covers: &[],
     bug: Bug::behaviour("Over TCP, notifications are written in several lines."),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a message in several lines",

@@ -1,6 +1,9 @@
 //! `FW-TCP-03`.
 
-use super::{Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, fw, served};
+use super::{
+    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, Strain, Trial, fw, served, trial,
+};
+use crate::flockwave::transport::endpoint::Endpoint;
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -14,9 +17,17 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(served::check),
     covers: &[],
     bug: Bug::behaviour("Over TCP, a line that is no JSON ends the connection."),
+    trial: Some(Trial::Attempts(Strain::Noise, attempts)),
     mutants: &[
         Mutant { name: served::UNANSWERED, make: || fw::unanswered("tcp#9", &RULE.rule), also: &[] },
         Mutant { name: served::REFUSED, make: || fw::refused("tcp#9", &RULE.rule), also: &[] },
         Mutant { name: served::NO_CONNECTION, make: || served::no_connection(&RULE.rule), also: &[] },
     ],
 };
+
+fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
+    match endpoint {
+        Endpoint::Tcp(_) => trial::after_noise("after a line that is no JSON", &["one"]),
+        _ => Vec::new(),
+    }
+}

@@ -16,6 +16,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("The last UAV that was asked for is missing.", |out| {
         out.lose_last(&["UAV-INF"]);
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a glider is missing",

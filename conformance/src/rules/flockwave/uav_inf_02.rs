@@ -23,6 +23,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             out.message()["body"]["status"]["ghost-1"] = state;
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "one more glider",
         make: || fw::reply("UAV-INF", |body| body["error"]["hawk"] = "Asleep".into()),

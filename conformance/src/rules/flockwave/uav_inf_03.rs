@@ -18,6 +18,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("A UAV has another id than its key.", |out| {
         out.set_in_state("id", json!("ghost-1"));
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "another id",
         make: || fw::state(|kite| kite["id"] = "hawk".into()),

@@ -33,6 +33,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body.remove("error");
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "a number for the reason",
         make: || fw::reply("UAV-INF", |body| body["error"]["owl"] = 7.into()),

@@ -23,6 +23,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body["error"] = json!({ "ghost-1": "there is no such UAV" });
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "errors in a notification",
         make: || fw::notice("UAV-INF", |body| body["error"] = json!({ "owl": "Lost" })),

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::{Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, fw};
+use super::{Bug, Check, FlockwaveRule, Level, Mutant, Request, Rule, Status, Trial, fw, trial};
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -16,6 +16,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(|exchange, context| fw::in_error(exchange, context, &["UAV-INF"])),
     covers: &[],
     bug: Bug::behaviour("An unknown UAV makes the whole request fail."),
+    trial: Some(Trial::Requests(|_| {
+        vec![Request::new("", json!({ "type": "UAV-INF", "ids": [trial::NOBODY] }))]
+    })),
     mutants: &[
         Mutant { name: "the request is refused", make: || fw::refused("tcp#9", &RULE.rule), also: &[] },
         Mutant {

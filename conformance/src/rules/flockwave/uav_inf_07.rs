@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::{Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, fw, listed_uavs};
+use super::{Bug, Check, FlockwaveRule, Level, Mutant, Request, Rule, Status, Trial, fw, listed_uavs};
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -16,6 +16,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::State(|| Box::new(listed_uavs::Unknown::to_repeated_ids())),
     covers: &[],
     bug: Bug::behaviour("Requests with no ids, or with an id twice, fail."),
+    trial: Some(Trial::Requests(requests)),
     mutants: &[
         Mutant { name: "the request is refused", make: || fw::refused("tcp#9", &RULE.rule), also: &[] },
         Mutant {
@@ -33,3 +34,11 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         },
     ],
 };
+
+fn requests(uavs: &[String]) -> Vec<Request> {
+    let mut requests = vec![Request::new("no ids", json!({ "type": "UAV-INF", "ids": [] }))];
+    if let Some(first) = uavs.first() {
+        requests.push(Request::new("an id twice", json!({ "type": "UAV-INF", "ids": [first, first] })));
+    }
+    requests
+}

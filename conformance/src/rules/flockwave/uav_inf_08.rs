@@ -21,6 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         let is_odd = out.number % 2 == 1;
         out.shift_timestamps(|time| if is_odd { time - 10_000 } else { time });
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "it goes back",
         make: || fw::state(|kite| kite["timestamp"] = 1_789_000_000_000_u64.into()),

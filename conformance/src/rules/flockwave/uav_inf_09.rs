@@ -20,6 +20,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("Time stamps lie an hour ahead.", |out| {
         out.shift_timestamps(|time| time + 3_600_000);
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "a state of tomorrow",
         make: || fw::state(|kite| kite["timestamp"] = 1_790_086_400_000_u64.into()),

@@ -20,6 +20,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Attribution::new(&["UAV-LIST"], "ids.*", attribution::MISSING),
     ],
     bug: Bug::message("The last id in UAV-LIST is a number.", |out| out.make_last_id_a_number("UAV-LIST")),
+    trial: None,
     mutants: &[
         Mutant { name: "no ids", make: || fw::reply("UAV-LIST", |body| fw::remove(body, "ids")), also: &[] },
         Mutant {

@@ -21,6 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Attribution::new(&["UAV-LIST"], "ids.*", &[Fault::Value]),
     ],
     bug: Bug::message("UAV-LIST has its first id twice.", |out| out.repeat_first_id("UAV-LIST")),
+    trial: None,
     mutants: &[
         Mutant {
             name: "an id twice",

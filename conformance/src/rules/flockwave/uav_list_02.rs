@@ -27,6 +27,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             ids.pop();
         }
     }),
+    trial: None,
     mutants: &[
         Mutant { name: "UAV-LIST lacks one", make: || listed(&["kite"], &["kite", "swift"]), also: &[] },
         Mutant { name: "UAV-LIST has one more", make: || listed(&["kite", "owl"], &["kite"]), also: &[] },

@@ -28,6 +28,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             ids.push(json!("wraith-1"));
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "one that it doesn't know",
         make: || {

@@ -14,6 +14,9 @@ use super::{Checker, Detail, Exchange, PerConnection, Place, Role, Rule, RuleCon
 /// The records that these rules apply to.
 pub(super) const APPLIES_TO: &str = "requests that try it, over UDP";
 
+/// The ids of the requests of a trial. Datagrams get lost: one answer is enough.
+pub(super) const REQUESTS: [&str; 3] = ["one", "two", "three"];
+
 /// The session with trials of a rule that get no answer.
 pub(super) fn unanswered(rule: &Rule) -> Option<Vec<u8>> {
     fw::over("udp#9", |session| {

@@ -16,6 +16,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Context(judge),
     covers: &[],
     bug: Bug::behaviour("Over UDP, each notification is twice in its datagram.").needs(Needs::Udp),
+    trial: None,
     mutants: &[Mutant {
         name: "two messages in a datagram",
         make: || {

@@ -1,6 +1,9 @@
 //! `FW-UDP-02`.
 
-use super::{Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Status, fw, udp};
+use super::{
+    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Status, Step, Strain, Trial, fw, udp,
+};
+use crate::flockwave::transport::endpoint::Endpoint;
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -14,8 +17,16 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::State(|| Box::new(udp::Trials::new())),
     covers: &[],
     bug: Bug::behaviour("Over UDP, answers go to the port after that of the sender.").needs(Needs::Udp),
+    trial: Some(Trial::Attempts(Strain::Sound, attempts)),
     mutants: &[
         Mutant { name: "trials without an answer", make: || udp::unanswered(&RULE.rule), also: &[] },
         Mutant { name: "a trial that is refused", make: || fw::refused("udp#9", &RULE.rule), also: &[] },
     ],
 };
+
+fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
+    match endpoint {
+        Endpoint::Udp(_) => vec![Attempt::new("", udp::REQUESTS.map(Step::request))],
+        _ => Vec::new(),
+    }
+}

@@ -1,6 +1,9 @@
 //! `FW-UDP-03`.
 
-use super::{Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Status, fw, udp};
+use super::{
+    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Status, Strain, Trial, fw, trial, udp,
+};
+use crate::flockwave::transport::endpoint::Endpoint;
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -14,8 +17,16 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::State(|| Box::new(udp::Trials::once_heard())),
     covers: &[],
     bug: Bug::behaviour("Over UDP, a datagram that is no JSON ends the service.").needs(Needs::Udp),
+    trial: Some(Trial::Attempts(Strain::Noise, attempts)),
     mutants: &[
         Mutant { name: "trials without an answer", make: || udp::unanswered(&RULE.rule), also: &[] },
         Mutant { name: "a trial that is refused", make: || fw::refused("udp#9", &RULE.rule), also: &[] },
     ],
 };
+
+fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
+    match endpoint {
+        Endpoint::Udp(_) => trial::after_noise("after a datagram that is no JSON", &udp::REQUESTS),
+        _ => Vec::new(),
+    }
+}

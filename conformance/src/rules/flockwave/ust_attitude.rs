@@ -16,6 +16,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("A roll is half a turn to the right.", |out| {
         out.set_in_state("attitude", json!([1800, 0, 0]));
     }),
+    trial: None,
     mutants: &[
         Mutant { name: "null", make: || ust::with("attitude", json!(null)), also: &[] },
         Mutant { name: "a yaw of 3600", make: || ust::with("attitude", json!([0, 0, 3600])), also: &[] },

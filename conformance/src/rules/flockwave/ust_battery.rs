@@ -23,6 +23,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("A battery is charged to more than all.", |out| {
         out.set_in_state("battery", json!([126, 101]));
     }),
+    trial: None,
     mutants: &[
         Mutant { name: "a fraction of a volt", make: || ust::with("battery", json!([11.8, 84])), also: &[] },
         Mutant { name: "101 percent", make: || ust::with("battery", json!([118, 101])), also: &[] },

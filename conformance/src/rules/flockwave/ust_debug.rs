@@ -11,6 +11,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("What is for debugging isn't in Base64.", |out| {
         out.set_in_state("debug", json!("all is well!"));
     }),
+    trial: None,
     mutants: &[
         Mutant { name: "no Base64", make: || ust::with("debug", json!("glide!")), also: &[] },
         Mutant { name: "a number", make: || ust::with("debug", json!(7)), also: &[] },

@@ -17,6 +17,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Attribution::new(&["UAV-INF"], "status.*.errors.*", attribution::MISSING),
     ],
     bug: Bug::message("Error codes are a text.", |out| out.set_in_state("errors", json!("none"))),
+    trial: None,
     mutants: &[
         Mutant { name: "one code without a list", make: || ust::with("errors", json!(1)), also: &[] },
         Mutant { name: "null", make: || ust::with("errors", json!(null)), also: &[] },

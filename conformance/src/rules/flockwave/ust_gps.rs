@@ -16,6 +16,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("A GPS fix is of a kind that there isn't.", |out| {
         out.set_in_state("gps", json!([8, 12]));
     }),
+    trial: None,
     mutants: &[
         Mutant { name: "a fix of 8", make: || ust::with("gps", json!([8])), also: &[] },
         Mutant { name: "nothing", make: || ust::with("gps", json!([])), also: &[] },

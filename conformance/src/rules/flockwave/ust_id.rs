@@ -17,6 +17,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Attribution::new(&["UAV-INF"], "status.*", attribution::MISSING),
     ],
     bug: Bug::message("The id of a UAV is a number.", |out| out.set_in_state("id", json!(7))),
+    trial: None,
     mutants: &[
         Mutant { name: "no `id`", make: || fw::state(|kite| fw::remove(kite, "id")), also: &[] },
         Mutant { name: "a number", make: || ust::with("id", json!(7)), also: &[] },

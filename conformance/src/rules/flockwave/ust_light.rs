@@ -16,6 +16,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("A light has a colour of 24 bits.", |out| {
         out.set_in_state("light", json!(0x00FF_8800));
     }),
+    trial: None,
     mutants: &[
         Mutant { name: "65536", make: || ust::with("light", json!(65536)), also: &[] },
         Mutant { name: "a name", make: || ust::with("light", json!("green")), also: &[] },

@@ -9,6 +9,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(|exchange, context| ust::check(exchange, context, &RULE, "mode")),
     covers: &[Attribution::new(&["UAV-INF"], "status.*.mode.**", attribution::ALL)],
     bug: Bug::message("A mode is a number.", |out| out.set_in_state("mode", json!(4))),
+    trial: None,
     mutants: &[
         Mutant { name: "a number", make: || ust::with("mode", json!(4)), also: &[] },
         Mutant { name: "null", make: || ust::with("mode", json!(null)), also: &[] },

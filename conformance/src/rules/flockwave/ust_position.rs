@@ -16,6 +16,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("A latitude lies beyond the pole.", |out| {
         out.set_in_state("position", json!([900_000_001, 0]));
     }),
+    trial: None,
     mutants: &[
         Mutant { name: "null", make: || ust::with("position", json!(null)), also: &[] },
         Mutant { name: "degrees", make: || ust::with("position", json!([46.541, 11.552])), also: &[] },

@@ -16,6 +16,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("A position in the flat frame has two coordinates.", |out| {
         out.set_in_state("positionXYZ", json!([1, 2]));
     }),
+    trial: None,
     mutants: &[
         Mutant { name: "null", make: || ust::with("positionXYZ", json!(null)), also: &[] },
         Mutant { name: "two", make: || ust::with("positionXYZ", json!([1, 2])), also: &[] },

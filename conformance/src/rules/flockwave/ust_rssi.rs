@@ -14,6 +14,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     check: Check::Exchange(|exchange, context| ust::check(exchange, context, &RULE, "rssi")),
     covers: &[Attribution::new(&["UAV-INF"], "status.*.rssi.**", attribution::ALL)],
     bug: Bug::message("A signal is weaker than none.", |out| out.set_in_state("rssi", json!([-60]))),
+    trial: None,
     mutants: &[
         Mutant { name: "-80", make: || ust::with("rssi", json!([-80])), also: &[] },
         Mutant { name: "one number without a list", make: || ust::with("rssi", json!(71)), also: &[] },

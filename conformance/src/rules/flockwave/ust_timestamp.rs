@@ -16,6 +16,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("A time stamp is a text.", |out| {
         out.set_in_state("timestamp", json!("noon"));
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "no `timestamp`",

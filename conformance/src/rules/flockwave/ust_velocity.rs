@@ -16,6 +16,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("A velocity has fractions.", |out| {
         out.set_in_state("velocity", json!([0.5, 0.5, 0.5]));
     }),
+    trial: None,
     mutants: &[
         Mutant { name: "null", make: || ust::with("velocity", json!(null)), also: &[] },
         Mutant { name: "two", make: || ust::with("velocity", json!([1, 2])), also: &[] },

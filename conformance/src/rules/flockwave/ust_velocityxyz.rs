@@ -16,6 +16,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("A velocity in the flat frame is null.", |out| {
         out.set_in_state("velocityXYZ", Value::Null);
     }),
+    trial: None,
     mutants: &[
         Mutant { name: "null", make: || ust::with("velocityXYZ", json!(null)), also: &[] },
         Mutant { name: "two", make: || ust::with("velocityXYZ", json!([1, 2])), also: &[] },

@@ -31,6 +31,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body["weather"]["timestamp"] = json!("noon");
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "seconds with a fraction",
