@@ -8,10 +8,12 @@
 //! beginning of a connection `"url"`; and at its end `"why"`, which is `"client"` where that ended it. Other members say
 //! nothing here.
 
+mod listeners;
 mod reports;
 
 use std::collections::{BTreeMap, HashMap};
 
+pub(super) use self::listeners::Listeners;
 use self::reports::{Report, Reports};
 use super::{Course, Judgement, Source};
 use uavspec_codegen::schema::json_type;

@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::{
     Attempt, Bug, Check, FlockwaveRule, Level, Malformed, Mutant, Rule, Sent, Status, Step, Strain, Trial,
-    fw, malformed,
+    malformed, mutant, served, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -15,12 +15,12 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "A malformed request that has an id gets an answer, and the connection goes on.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "requests that try it",
     },
-    check: Check::Exchange(|exchange, context| {
-        fw::tried(exchange, context);
-    }),
+    checks: &[Check::Exchange(|exchange, context| {
+        served::tried(exchange, context);
+    })],
     covers: &[],
     bug: Bug::behaviour("A request that is malformed ends the connection."),
     trial: Some(Trial::Attempts(Strain::Malformed, |_| attempts())),
@@ -28,7 +28,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "no answer to a malformed request",
             make: || {
-                fw::over("tcp#9", |session| {
+                mutant::over("tcp#9", |session| {
                     session.tries_with(&RULE.rule, "a malformed request", ("body", json!(7)), None);
                 })
             },
@@ -36,7 +36,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         },
         Mutant {
             name: "no answer to the request after it",
-            make: || fw::unanswered("tcp#9", &RULE.rule),
+            make: || mutant::unanswered("tcp#9", &RULE.rule),
             also: &[],
         },
     ],

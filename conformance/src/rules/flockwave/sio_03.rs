@@ -1,7 +1,8 @@
 //! `FW-SIO-03`.
 
 use super::{
-    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Status, Step, Strain, Trial, fw, served,
+    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Status, Step, Strain, Trial, mutant,
+    served, source,
 };
 use crate::flockwave::transport::endpoint::Endpoint;
 
@@ -11,10 +12,10 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "An event that isn't `fw`, or whose argument is no message, doesn't end the service.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: served::APPLIES_TO,
     },
-    check: Check::Exchange(served::check),
+    checks: &[Check::Exchange(served::check)],
     covers: &[],
     bug: Bug::behaviour(
         "Over Socket.IO, nothing is answered any more after an event that is none of Flockwave.",
@@ -22,8 +23,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     .needs(Needs::SocketIo),
     trial: Some(Trial::Attempts(Strain::Noise, attempts)),
     mutants: &[
-        Mutant { name: served::UNANSWERED, make: || fw::unanswered("socketio#9", &RULE.rule), also: &[] },
-        Mutant { name: served::REFUSED, make: || fw::refused("socketio#9", &RULE.rule), also: &[] },
+        Mutant { name: served::UNANSWERED, make: || mutant::unanswered("socketio#9", &RULE.rule), also: &[] },
+        Mutant { name: served::REFUSED, make: || mutant::refused("socketio#9", &RULE.rule), also: &[] },
         Mutant { name: served::NO_CONNECTION, make: || served::no_connection(&RULE.rule), also: &[] },
     ],
 };

@@ -1,8 +1,8 @@
 //! `FW-TCP-02`.
 
 use super::{
-    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Rule, SOON, Sent, Status, Step, Strain, Trial, fw,
-    served,
+    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Rule, SOON, Sent, Status, Step, Strain, Trial, mutant,
+    served, source,
 };
 use crate::flockwave::transport::endpoint::Endpoint;
 
@@ -12,16 +12,16 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "Over TCP a message may come in several segments, and several in one.",
-        source: fw::TRANSPORT,
+        source: source::TRANSPORT,
         applies_to: served::APPLIES_TO,
     },
-    check: Check::Exchange(served::check),
+    checks: &[Check::Exchange(served::check)],
     covers: &[],
     bug: Bug::behaviour("Over TCP, only the first of several requests in a segment is taken."),
     trial: Some(Trial::Attempts(Strain::Sound, attempts)),
     mutants: &[
-        Mutant { name: served::UNANSWERED, make: || fw::unanswered("tcp#9", &RULE.rule), also: &[] },
-        Mutant { name: served::REFUSED, make: || fw::refused("tcp#9", &RULE.rule), also: &[] },
+        Mutant { name: served::UNANSWERED, make: || mutant::unanswered("tcp#9", &RULE.rule), also: &[] },
+        Mutant { name: served::REFUSED, make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
         Mutant { name: served::NO_CONNECTION, make: || served::no_connection(&RULE.rule), also: &[] },
     ],
 };

@@ -11,7 +11,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`attitude` is roll and pitch, integers from -1800 to 1799, and yaw, 0 to 3599, in tenths of a degree.",
         ..ust::RULE
     },
-    check: Check::Exchange(|exchange, context| ust::check(exchange, context, &RULE, "attitude")),
+    checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "attitude"))],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.attitude.**", attribution::ALL)],
     bug: Bug::message("A roll is half a turn to the right.", |out| {
         out.set_in_state("attitude", json!([1800, 0, 0]));

@@ -11,7 +11,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`errors` is a list of integers.",
         ..ust::RULE
     },
-    check: Check::Exchange(|exchange, context| ust::check(exchange, context, &RULE, "errors")),
+    checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "errors"))],
     covers: &[
         Attribution::new(&["UAV-INF"], "status.*.errors", attribution::ALL),
         Attribution::new(&["UAV-INF"], "status.*.errors.*", attribution::MISSING),

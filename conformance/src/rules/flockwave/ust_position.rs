@@ -11,7 +11,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`position` is latitude and longitude, integers in units of 1e-7 degrees, and up to three altitudes in mm, integers or null.",
         ..ust::RULE
     },
-    check: Check::Exchange(|exchange, context| ust::check(exchange, context, &RULE, "position")),
+    checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "position"))],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.position.**", attribution::ALL)],
     bug: Bug::message("A latitude lies beyond the pole.", |out| {
         out.set_in_state("position", json!([900_000_001, 0]));
