@@ -8,11 +8,13 @@
 //! beginning of a connection `"url"`; and at its end `"why"`, which is `"client"` where that ended it. Other members say
 //! nothing here.
 
+mod listeners;
 mod reports;
 mod summary;
 
 use std::collections::HashMap;
 
+pub(super) use self::listeners::Listeners;
 use self::reports::{Report, Reports};
 pub use self::summary::{FlockwaveSummary, TypeCount};
 use super::{CaptureResult, Course, Summary};

@@ -17,7 +17,7 @@ mod vocabulary;
 use std::collections::BTreeSet;
 
 pub(crate) use self::exchange::seconds;
-pub use self::exchange::{ClockMove, Exchange, Reference, Role};
+pub use self::exchange::{ClockMove, ConnectionId, Exchange, Reference, Role};
 use self::ids::Ids;
 pub use self::operation::{Named, Operation, Stage};
 use self::remembered::Remembered;

@@ -60,7 +60,16 @@ pub struct ClockMove {
     pub is_after_nothing: bool,
 }
 
-/// An record with what it means in its session.
+/// The id of a connection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ConnectionId {
+    /// Its number in its capture.
+    pub index: usize,
+    /// Tells it from those that had the same name before.
+    pub serial: u64,
+}
+
+/// A record with what it means in its session.
 #[derive(Clone, Debug)]
 pub struct Exchange<'t> {
     /// The record.
@@ -143,6 +152,11 @@ impl<'t> Exchange<'t> {
     /// Whether it is a message of the server, readable or not.
     pub fn is_of_server(&self) -> bool {
         self.record.direction == record::Direction::In && self.role != Role::Unanswered
+    }
+
+    /// The id of its connection.
+    pub fn connection_id(&self) -> ConnectionId {
+        ConnectionId { index: self.record.connection.index, serial: self.serial }
     }
 
     /// The message, where it is one of the server.
