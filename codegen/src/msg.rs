@@ -2,6 +2,14 @@
 //!
 //! Parsing goes line by line and never stops: a line that makes no sense gives a diagnostic and the
 //! next one is read. The tree keeps everything that is written, comments and blank lines included.
+//!
+//! ```
+//! use uavspec_codegen::msg::{Dialect, Kind};
+//!
+//! assert_eq!(Kind::of("srv/Tow.srv"), Some(Kind::Service));
+//! assert_eq!(Kind::Service.part_suffixes(), ["_Request", "_Response"]);
+//! assert_eq!(Dialect::Ros2.name(), "ros2");
+//! ```
 
 pub(crate) mod annotation;
 pub(crate) mod ast;

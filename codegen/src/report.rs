@@ -2,6 +2,19 @@
 //!
 //! Whatever judges, definitions here or outputs of an implementation in the conformance suite, makes a
 //! [`Report`]; the formats know nothing of spans or rules.
+//!
+//! ```
+//! use uavspec_codegen::diagnostic::Level;
+//! use uavspec_codegen::finding::Finding;
+//! use uavspec_codegen::report::{Entry, rule_url};
+//! use uavspec_codegen::{SourceMap, source::Span};
+//!
+//! let mut sources = SourceMap::default();
+//! let id = sources.add("Wind.msg", "float32 speed\n".into()).unwrap();
+//! let finding = Finding::new("unit-missing", Level::Warning, sources.span(id), "`speed` has no unit");
+//! let entry = Entry::of(&finding, &sources);
+//! assert_eq!((entry.place.path.as_str(), entry.url), ("Wind.msg", rule_url("unit-missing")));
+//! ```
 
 mod github;
 mod json;

@@ -12,6 +12,20 @@
 //! `site` knows where everything is described and what refers to it; a page is written from top to
 //! bottom with the vocabulary of `markdown`. All text of definitions goes through `scope`, which makes
 //! links of the names in it, or one of the escapes of `markdown`; both rely on `emit::prose`.
+//!
+//! ```
+//! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//! # let mut sources = SourceMap::default();
+//! # let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n".into()).unwrap();
+//! # let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! # let (schema, diagnostics) = read(&sources, &packages);
+//! use uavspec_codegen::emit::docs;
+//! use uavspec_codegen::translation::Translations;
+//!
+//! let files = docs::emit(&schema, &Translations::default(), &sources, &docs::Options::default());
+//! let page = files.iter().find(|file| file.path == "px4/Wind.md").unwrap();
+//! assert!(page.text.contains("# Wind"));
+//! ```
 
 mod book;
 mod cell;

@@ -1,4 +1,15 @@
 //! The model as JSON: what `inspect` prints.
+//!
+//! ```
+//! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//! # let mut sources = SourceMap::default();
+//! # let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n".into()).unwrap();
+//! # let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! # let (schema, diagnostics) = read(&sources, &packages);
+//! let model = uavspec_codegen::emit::inspect::schema(&schema);
+//! let message = model.pointer("/packages/px4/messages/Wind").unwrap();
+//! assert_eq!(message["fields"][1]["unit"], "m/s");
+//! ```
 
 mod json_type;
 

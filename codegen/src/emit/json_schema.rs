@@ -38,6 +38,18 @@
 //!
 //! A `char[N]` of PX4 holds N bytes of UTF-8. A schema can count only characters, of which N bytes hold
 //! at most N: it refuses nothing that fits, and takes some texts of other alphabets that don't.
+//!
+//! ```
+//! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//! # let mut sources = SourceMap::default();
+//! # let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n".into()).unwrap();
+//! # let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! # let (schema, diagnostics) = read(&sources, &packages);
+//! use uavspec_codegen::emit::json_schema::{Options, emit};
+//!
+//! let files = emit(&schema, &Options { base: "https://example.org".to_owned() });
+//! assert!(files.iter().any(|file| file.text.contains("https://example.org/")));
+//! ```
 
 mod address;
 mod annotation;

@@ -20,6 +20,18 @@
 //!
 //! Where definitions are translated, `labels` gives what they say in a language of the user, and each language is a
 //! module of its own, which is imported when a program asks for it.
+//!
+//! ```
+//! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//! # let mut sources = SourceMap::default();
+//! # let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n".into()).unwrap();
+//! # let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! # let (schema, diagnostics) = read(&sources, &packages);
+//! use uavspec_codegen::{emit::python, translation::Translations};
+//!
+//! let files = python::emit(&schema, &Translations::default());
+//! assert!(files.iter().any(|file| file.path == "px4.py" && file.text.contains("class Wind(")));
+//! ```
 
 mod error_code;
 mod item;

@@ -18,6 +18,18 @@
 //!
 //! Where definitions are translated, `labels` gives what they say in a language of the user, and each language is a
 //! module of its own, `labels/uk`, which a program loads when it asks for it.
+//!
+//! ```
+//! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//! # let mut sources = SourceMap::default();
+//! # let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n".into()).unwrap();
+//! # let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! # let (schema, diagnostics) = read(&sources, &packages);
+//! use uavspec_codegen::{emit::typescript, translation::Translations};
+//!
+//! let files = typescript::emit(&schema, &Translations::default(), &typescript::Options::default());
+//! assert!(files.iter().any(|file| file.path == "px4.ts" && file.text.contains("export interface Wind")));
+//! ```
 
 mod comment;
 mod error_code;

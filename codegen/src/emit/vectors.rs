@@ -33,6 +33,19 @@
 //! those are left out there.
 //!
 //! Messages that no value satisfies, that are longer than 64 KiB or nest more than 32 levels have no cases.
+//!
+//! ```
+//! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//! # let mut sources = SourceMap::default();
+//! # let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n".into()).unwrap();
+//! # let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! # let (schema, diagnostics) = read(&sources, &packages);
+//! use uavspec_codegen::emit::vectors::{Options, emit};
+//!
+//! let files = emit(&schema, &Options::default());
+//! let vectors = files.iter().find(|file| file.path == "px4/Wind.vectors.json").unwrap();
+//! assert!(vectors.text.contains("PX-RANGE-01"));
+//! ```
 
 mod bytes;
 mod case;

@@ -1,4 +1,12 @@
 //! Results of tests as `JUnit` writes them, which GitLab, Jenkins and others show.
+//!
+//! ```
+//! use uavspec_codegen::report::junit::{Case, Suite, write};
+//!
+//! let case = Case::passed("check.PX-RANGE-01", "flight.ulg");
+//! let text = write("uavspec", &[Suite { name: "flight.ulg".to_owned(), cases: vec![case] }]);
+//! assert!(text.contains("check.PX-RANGE-01"));
+//! ```
 
 mod findings;
 
