@@ -58,7 +58,7 @@ pub(super) use self::configuration::Configuration;
 pub use self::options::{Beside, Options};
 use self::rules::Rules;
 use self::site::Site;
-use super::OutputFile;
+use super::file::OutputFile;
 use crate::schema::{Interface, Package, Schema};
 use crate::source::SourceMap;
 use crate::translation::{self, Translations};

@@ -68,7 +68,7 @@ pub(super) use self::json_type::BASE64;
 use self::tree::{Member, Node, member};
 #[cfg(feature = "files")]
 use super::emitter::{Input, Output};
-use super::{GENERATED_BY, OutputFile};
+use super::file::{GENERATED_BY, OutputFile};
 #[cfg(feature = "files")]
 use crate::failure::Failure;
 use crate::schema::json_type::Direction;
@@ -142,11 +142,6 @@ pub(super) fn targets(schema: &Schema, package: &Package, index: usize) -> Vec<T
         message.parts.iter().map(move |part| Target::JsonPart(id, part.direction))
     }));
     targets
-}
-
-/// Any value of a type: the last alternative where more values may come than are known.
-fn any_of_type<'s>(ty: impl Into<Node<'s>>) -> Node<'s> {
-    Node::Object(vec![member("type", ty)])
 }
 
 struct Emitter<'s> {

@@ -38,13 +38,16 @@ mod item;
 mod labels;
 mod text;
 mod types;
+mod uses;
 
 use std::collections::BTreeSet;
 
+use self::text::header;
+use self::uses::Uses;
 use super::binding::{ERROR_CODE, Kind, Module, SEVERITY, labels, modules};
 #[cfg(feature = "files")]
 use super::emitter::{Input, Output};
-use super::{GENERATED_BY, OutputFile};
+use super::file::OutputFile;
 #[cfg(feature = "files")]
 use crate::failure::Failure;
 use crate::schema::Schema;
@@ -52,17 +55,6 @@ use crate::translation::Translations;
 
 /// The module of the class that enums derive from.
 const OPEN_ENUM: &str = "_open_enum";
-
-/// Names that a module takes from elsewhere.
-#[derive(Default)]
-struct Uses {
-    /// From `typing`.
-    typing: BTreeSet<&'static str>,
-    /// From `typing`, of which earlier versions of Python have none.
-    recent: BTreeSet<&'static str>,
-    is_flags_used: bool,
-    is_open_enum_used: bool,
-}
 
 /// Options of the emitter: none.
 #[cfg(feature = "files")]
@@ -98,10 +90,6 @@ pub fn emit(schema: &Schema, translations: &Translations) -> Vec<OutputFile> {
     files.extend(labels(schema, translations).iter().flat_map(labels::files));
     files.sort_by(|left, right| left.path.cmp(&right.path));
     files
-}
-
-fn header(from: &str) -> String {
-    format!("# {GENERATED_BY} from {from}. Do not edit: run `cargo xtask codegen`.\n")
 }
 
 fn init(modules: &[Module]) -> String {

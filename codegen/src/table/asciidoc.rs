@@ -4,8 +4,9 @@ mod inline;
 
 use std::ops::Range;
 
+use super::page::{Cell, Heading, Page, Paragraph, Table, into_rows, lines};
+use super::text::Text;
 use super::text::{TextBuilder, trim};
-use super::{Cell, Heading, Page, Paragraph, Table, Text, into_rows, lines};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::Span;
 

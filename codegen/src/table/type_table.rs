@@ -22,7 +22,8 @@ pub(crate) use self::message::{MessageDefinition, PartDefinition};
 
 use self::columns::{Columns, Header};
 use self::note::read_note;
-use super::{Heading, Page, Row, Table, Text};
+use super::page::{Heading, Page, Row, Table};
+use super::text::Text;
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::msg::annotation::Note;
 use crate::source::Span;

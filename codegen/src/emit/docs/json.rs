@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, HashMap};
 use super::markdown::{Table, code, gist, href, inline, link, number_column, text_column};
 use super::scope::{is_compound, with_links};
 use super::site::{Site, stem};
-use crate::emit::OutputFile;
+use crate::emit::file::OutputFile;
 use crate::schema::json_type::{Definition, Direction, Expression, Member};
 use crate::schema::{JsonMessageId, JsonTypeId, Package};
 

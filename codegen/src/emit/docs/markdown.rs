@@ -15,7 +15,7 @@
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
 
-use crate::emit::{GENERATED_BY, OutputFile};
+use crate::emit::file::{GENERATED_BY, OutputFile};
 use crate::prose;
 pub(super) use crate::prose::gist;
 use crate::prose::percent_encoded;

@@ -8,7 +8,7 @@ mod lint;
 mod reading;
 
 use super::markdown::{Page, Table, code, href, inline, link, with_code};
-use crate::emit::OutputFile;
+use crate::emit::file::OutputFile;
 
 /// The page of all rules.
 pub(super) const OVERVIEW: &str = "rules/README.md";

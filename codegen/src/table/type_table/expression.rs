@@ -12,7 +12,7 @@ use std::vec::IntoIter;
 
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::Span;
-use crate::table::Text;
+use crate::table::text::Text;
 
 /// Deeper expressions are no types that people write.
 const MAX_DEPTH: usize = 16;

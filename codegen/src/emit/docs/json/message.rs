@@ -3,8 +3,8 @@
 use super::super::markdown::{Page, Table, code, inline, text_column, unbroken};
 use super::super::message::package_cell;
 use super::{Json, Owner};
-use crate::emit::OutputFile;
 use crate::emit::docs::words::ENGLISH;
+use crate::emit::file::OutputFile;
 use crate::emit::json_schema::Target;
 use crate::schema::JsonMessageId;
 
