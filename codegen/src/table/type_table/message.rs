@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::columns::{self, Columns, Header};
-use super::{Member, Reader, under};
+use super::reader::{Member, Reader, under};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::Span;
 use crate::table::page::{Heading, Page, Table};
