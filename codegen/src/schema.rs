@@ -3,6 +3,17 @@
 //! Nothing here can fail for a reason that a user could mend, and nothing is looked up by name:
 //! messages refer to each other by [`MessageId`]. Everything is ordered, so what is emitted from a
 //! schema doesn't depend on the order in which files were read.
+//!
+//! ```
+//! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//! # let mut sources = SourceMap::default();
+//! # let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n".into()).unwrap();
+//! # let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! # let (schema, diagnostics) = read(&sources, &packages);
+//! let message = &schema.messages[0];
+//! assert_eq!((message.name.as_str(), message.topics[0].as_str()), ("Wind", "wind"));
+//! assert_eq!(message.uorb.as_ref().map(|layout| layout.size), Some(16));
+//! ```
 
 pub(crate) mod constraint;
 pub(crate) mod documentation;

@@ -4,6 +4,18 @@
 //! Tokens are made with `quote`, parsed once more by `syn`, so that what is written is Rust, and laid
 //! out by `prettyplease`. Nothing of a definition reaches the output but through identifiers made by
 //! `identifier`, literals and documentation.
+//!
+//! ```
+//! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//! # let mut sources = SourceMap::default();
+//! # let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n".into()).unwrap();
+//! # let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! # let (schema, diagnostics) = read(&sources, &packages);
+//! use uavspec_codegen::emit::rust::{Options, emit};
+//!
+//! let files = emit(&schema, &sources, &Options::default());
+//! assert!(files.iter().any(|file| file.path == "px4/wind.rs" && file.text.contains("pub struct Wind")));
+//! ```
 
 mod enumeration;
 mod error_code;

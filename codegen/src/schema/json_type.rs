@@ -1,4 +1,10 @@
 //! Types and messages of specification tables: what JSON they describe.
+//!
+//! ```
+//! use uavspec_codegen::schema::json_type::Direction;
+//!
+//! assert_eq!(Direction::Request.title(), "Request");
+//! ```
 
 use super::{Docs, Range, Schema};
 use crate::source::Span;

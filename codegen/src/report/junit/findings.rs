@@ -8,9 +8,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-use super::{Case, Outcome, Reason, Suite, one_line};
+use super::suite::{Case, Outcome, Reason, Suite, one_line};
 use crate::diagnostic::Level;
-use crate::report::{Entry, Report};
+use crate::report::model::{Entry, Report};
 
 /// Longest message in the name of a case, in characters: names stand in lists.
 const MAX_NAME: usize = 200;
