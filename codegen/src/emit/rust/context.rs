@@ -35,7 +35,7 @@ pub(super) struct Context<'s> {
 
 impl Context<'_> {
     pub(super) fn place(&self, id: MessageId) -> &Place {
-        // Every message that is listed, or referred to by one that is, has been given a place.
+        // Every listed message has a place, and so has every message that it refers to.
         self.places[id.0 as usize].as_ref().unwrap_or(&UNPLACED)
     }
 

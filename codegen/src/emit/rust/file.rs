@@ -77,7 +77,7 @@ impl List {
     }
 }
 
-/// Writes a macro call in braces with each entry on a line of its own: `name! { first; second; … }`.
+/// Writes a macro call in braces with each entry on a separate line: `name! { first; second; … }`.
 fn list_entries(call: &syn::ItemMacro, text: &mut String) {
     let path = &call.mac.path;
     for (index, segment) in path.segments.iter().enumerate() {
@@ -167,8 +167,8 @@ fn space_out(item: &str, text: &mut String) {
     }
 }
 
-/// Stands for a line break in documentation until it is written: one attribute a comment is much
-/// less to parse and to lay out than one a line. No text holds it, since [`prose`] replaces controls.
+/// A line break in documentation until the file is written: one attribute for a whole comment is faster to parse and
+/// to lay out than one for each line. Texts can't contain it, since `prose` replaces control characters.
 const LINE_BREAK: char = '\u{1}';
 
 /// A documentation comment; the text is Markdown.
@@ -177,7 +177,7 @@ pub(super) fn documentation(text: &str) -> TokenStream {
     quote!(#[doc = #text])
 }
 
-/// A documentation comment of the module that it stands in.
+/// A documentation comment of the surrounding module.
 pub(super) fn inner_documentation(text: &str) -> TokenStream {
     let text = comment(text);
     quote!(#![doc = #text])

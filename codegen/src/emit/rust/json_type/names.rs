@@ -16,7 +16,7 @@ pub(in crate::emit::rust) const MODULE: &str = "json";
 /// The module that has the types.
 pub(super) const TYPES: &str = "types";
 
-/// What the types of a package are called, and which hold themselves.
+/// The names of a package's types, and the rings of types that hold themselves.
 pub(super) struct Names {
     /// The id of the first type.
     first: u32,
@@ -48,7 +48,7 @@ impl Names {
         &self.types[(id.0 - self.first) as usize]
     }
 
-    /// Whether a type and one that it holds may hold each other, so that there is no saying how large either is.
+    /// True if a type and a type within it hold each other, so that neither has a size.
     pub(super) fn is_recursive(&self, outer: JsonTypeId, inner: JsonTypeId) -> bool {
         let ring = |id: JsonTypeId| self.rings[(id.0 - self.first) as usize];
         ring(outer) == ring(inner)
@@ -82,7 +82,7 @@ fn held(definition: &Definition) -> BTreeSet<u32> {
     found
 }
 
-/// For each type the number of the ring it stands in: types of the same ring hold each other, directly or not.
+/// The number of each type's ring: types of one ring hold each other, directly or not.
 ///
 /// Types are numbered by when the search leaves them; going back from the last, what reaches a type makes up its ring.
 fn rings(holds: &[BTreeSet<u32>], first: u32) -> Vec<usize> {
@@ -142,7 +142,7 @@ pub(super) fn field_names(members: &[Member]) -> Vec<Ident> {
     members.iter().map(name).collect()
 }
 
-/// The text of a type: what the page says of it, or that it says nothing.
+/// The text of a type: its description, or a sentence that there is none.
 pub(super) fn text(docs: &crate::schema::Docs, what: &str, name: &str) -> String {
     let mut text = if docs.summary.is_empty() {
         format!("The {what} {}, which its page says no more of.", prose::code(name))
@@ -156,7 +156,7 @@ pub(super) fn text(docs: &crate::schema::Docs, what: &str, name: &str) -> String
     text
 }
 
-/// The fields of a body that are fields of its struct: its type is told by where it stands.
+/// True if a field of a body is a field of its struct: the type of a message is not.
 pub(super) fn is_own(member: &Member) -> bool {
     member.name != TYPE_FIELD
 }
