@@ -17,33 +17,36 @@
 //! assert!(files.iter().any(|file| file.path == "px4/wind.rs" && file.text.contains("pub struct Wind")));
 //! ```
 
+mod context;
 mod enumeration;
 mod error_code;
+mod file;
 mod identifier;
 mod imports;
 mod json_type;
 mod message;
+mod text;
 mod types;
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::num::NonZero;
 use std::thread;
 
-use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
+use proc_macro2::TokenStream;
 use quote::quote;
 
+use self::context::{Context, Place};
+use self::file::{documentation, header, header_of, header_of_package, inner_documentation, layout_file};
 use self::identifier::{Scope, ident, module_name};
+use super::OutputFile;
 #[cfg(feature = "files")]
 use super::emitter::{Input, Output};
 use super::origin::Origins;
-use super::{GENERATED_BY, OutputFile};
 #[cfg(feature = "files")]
 use crate::failure::Failure;
 use crate::prose;
 use crate::schema::{Element, MessageId, Package, Schema};
 use crate::source::SourceMap;
-use crate::span::Span;
 
 /// Options of the emitter.
 #[derive(Clone, Debug)]
@@ -82,70 +85,6 @@ struct InterfaceModule {
     index: usize,
     parts: Vec<(MessageId, Place)>,
 }
-
-/// Where the type of a message is: the path from the root of the module tree, and the type's name.
-#[derive(Clone, Debug)]
-struct Place {
-    modules: Vec<String>,
-    type_name: String,
-    /// Of a message of fixed size, the name of the type that looks at its bytes.
-    view_name: String,
-}
-
-impl Place {
-    /// The names of its public types but for enums.
-    fn names(&self) -> impl Iterator<Item = &String> {
-        [&self.type_name, &self.view_name].into_iter().filter(|name| !name.is_empty())
-    }
-}
-
-/// All that the parts of the emitter look up.
-struct Context<'s> {
-    schema: &'s Schema,
-    origins: Origins<'s>,
-    /// By [`MessageId`].
-    places: Vec<Option<Place>>,
-    /// Names of the types of the enums of each message, by [`MessageId`].
-    enum_names: Vec<Vec<String>>,
-}
-
-impl Context<'_> {
-    fn place(&self, id: MessageId) -> &Place {
-        // Every message that is listed, or referred to by one that is, has been given a place.
-        self.places[id.0 as usize].as_ref().unwrap_or(&UNPLACED)
-    }
-
-    /// The path of a message's type as the module of another message writes it.
-    fn path(&self, from: MessageId, to: MessageId) -> TokenStream {
-        let place = self.place(to);
-        // Types are re-exported by the package's module, so the message's own module is left out.
-        let public = &place.modules[..place.modules.len().saturating_sub(1)];
-        self.relative(from, public, &place.type_name)
-    }
-
-    /// The path of an enum's type as the module of another message writes it.
-    fn enum_path(&self, from: MessageId, to: MessageId, type_name: &str) -> TokenStream {
-        if self.place(from).modules == self.place(to).modules {
-            let name = ident(type_name);
-            return quote!(#name);
-        }
-        self.relative(from, &self.place(to).modules, type_name)
-    }
-
-    fn relative(&self, from: MessageId, modules: &[String], type_name: &str) -> TokenStream {
-        let own = &self.place(from).modules;
-        let shared = own.iter().zip(modules).take_while(|(left, right)| left == right).count();
-        let ups = (shared..own.len()).map(|_| quote!(super::));
-        let downs = modules[shared..].iter().map(|module| {
-            let module = ident(module);
-            quote!(#module::)
-        });
-        let name = ident(type_name);
-        quote!(#(#ups)* #(#downs)* #name)
-    }
-}
-
-static UNPLACED: Place = Place { modules: Vec::new(), type_name: String::new(), view_name: String::new() };
 
 /// Emits the whole schema as a tree of modules below `options.root`.
 pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<OutputFile> {
@@ -245,23 +184,6 @@ fn set_place(context: &mut Context<'_>, id: MessageId, place: Place, scope: &mut
         .collect();
     context.enum_names[id.0 as usize] = names;
     context.places[id.0 as usize] = Some(place);
-}
-
-/// The header line of a generated file.
-fn header(from: &str) -> String {
-    // A path with a line break would end the comment.
-    let from = from.replace(['\n', '\r'], " ");
-    format!("// {GENERATED_BY} from {from}. Do not edit.\n\n")
-}
-
-/// The header line of a file that comes from the definition that holds `span`.
-fn header_of(context: &Context<'_>, package: &Package, span: Span) -> String {
-    header(&format!("{} of {}", context.origins.path(span), package.name))
-}
-
-/// The header line of a file that comes from all definitions of a package.
-fn header_of_package(package: &Package) -> String {
-    header(&format!("the definitions of {}", package.name))
 }
 
 fn root(packages: &[(&Package, String, Modules)], options: &Options) -> String {
@@ -436,188 +358,4 @@ fn message_files(context: &Context<'_>) -> Vec<OutputFile> {
             .flat_map(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
             .collect()
     })
-}
-
-/// Tokens as text: laid out, with a blank line between items.
-fn layout_file(tokens: TokenStream) -> String {
-    let file: syn::File = match syn::parse2(imports::shorten(tokens)) {
-        Ok(file) => file,
-        // The tokens come from `quote` and identifiers alone; were they no Rust, the compiler says so.
-        Err(error) => return format!("compile_error!({:?});\n", error.to_string()),
-    };
-    let attributes = file.attrs;
-    let mut text = String::new();
-    let head = syn::File { shebang: None, frontmatter: None, attrs: attributes, items: Vec::new() };
-    for line in prettyplease::unparse(&head).lines() {
-        push_line(line, &mut text);
-    }
-    let mut last_list = List::None;
-    for item in file.items {
-        let list = List::of(&item);
-        if !text.is_empty() && (list == List::None || list != last_list) {
-            text.push('\n');
-        }
-        last_list = list;
-        if let syn::Item::Macro(call) = item {
-            list_entries(&call, &mut text);
-            continue;
-        }
-        let file = syn::File { shebang: None, frontmatter: None, attrs: Vec::new(), items: vec![item] };
-        space_out(&prettyplease::unparse(&file), &mut text);
-    }
-    text
-}
-
-/// A list of items without blank lines in between.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum List {
-    Imports,
-    /// Modules, and what is re-exported from them.
-    Modules,
-    None,
-}
-
-impl List {
-    fn of(item: &syn::Item) -> Self {
-        match item {
-            syn::Item::Use(item) if matches!(item.vis, syn::Visibility::Inherited) => Self::Imports,
-            syn::Item::Mod(_) | syn::Item::Use(_) => Self::Modules,
-            _ => Self::None,
-        }
-    }
-}
-
-/// Writes a macro call in braces with each entry on a line of its own: `name! { first; second; … }`.
-fn list_entries(call: &syn::ItemMacro, text: &mut String) {
-    let path = &call.mac.path;
-    for (index, segment) in path.segments.iter().enumerate() {
-        let separator = if index > 0 || path.leading_colon.is_some() { "::" } else { "" };
-        let _ = write!(text, "{separator}{}", segment.ident);
-    }
-    text.push_str("! {\n");
-    let mut line = String::new();
-    for token in call.mac.tokens.clone() {
-        let is_end = matches!(&token, TokenTree::Punct(punct) if punct.as_char() == ';');
-        write_tokens(token.into(), &mut line);
-        if is_end {
-            push_entry(line.trim_end(), text);
-            line.clear();
-        }
-    }
-    text.push_str("}\n");
-}
-
-/// Writes an entry of a macro call. A long list of names is wrapped.
-fn push_entry(entry: &str, text: &mut String) {
-    let mut width = 0;
-    for word in entry.split_inclusive(' ') {
-        let is_wrapped = !entry.contains('"') && width + word.len() > 100;
-        if width == 0 || is_wrapped {
-            text.truncate(text.trim_end_matches(' ').len());
-            text.push_str(if is_wrapped { "\n    " } else { "    " });
-            width = 0;
-        }
-        text.push_str(word);
-        width += word.len();
-    }
-    text.push('\n');
-}
-
-/// Writes tokens with spaces where people put them, and perhaps one after the last.
-fn write_tokens(tokens: TokenStream, text: &mut String) {
-    for token in tokens {
-        match token {
-            TokenTree::Group(group) => {
-                let (open, close) = match group.delimiter() {
-                    Delimiter::Parenthesis => ("(", ")"),
-                    Delimiter::Bracket => ("[", "]"),
-                    Delimiter::Brace => ("{", "}"),
-                    Delimiter::None => ("", ""),
-                };
-                text.push_str(open);
-                write_tokens(group.stream(), text);
-                text.truncate(text.trim_end().len());
-                text.push_str(close);
-            }
-            TokenTree::Punct(punct) => {
-                let is_path = punct.spacing() == Spacing::Joint || text.ends_with(':');
-                match punct.as_char() {
-                    ':' if is_path => text.push(':'),
-                    '!' => text.push_str(" !"),
-                    '=' if text.ends_with('!') => text.push_str("= "),
-                    '=' => text.push_str(" = "),
-                    separator @ (':' | ',' | ';') => text.extend([separator, ' ']),
-                    operator => text.push(operator),
-                }
-            }
-            TokenTree::Ident(_) | TokenTree::Literal(_) => {
-                if text.ends_with(|last: char| last.is_alphanumeric() || matches!(last, '_' | '"')) {
-                    text.push(' ');
-                }
-                let _ = write!(text, "{token}");
-            }
-        }
-    }
-}
-
-/// Puts a blank line after each function, impl and the like that another item follows.
-fn space_out(item: &str, text: &mut String) {
-    let mut closed_at = None;
-    for line in item.lines() {
-        let code = line.trim_start();
-        let depth = line.len() - code.len();
-        let starts_item = ["fn ", "pub ", "impl ", "impl<", "const ", "///", "#[", "::"]
-            .iter()
-            .any(|start| code.starts_with(start));
-        if closed_at == Some(depth) && depth > 0 && starts_item {
-            text.push('\n');
-        }
-        closed_at = (code == "}").then_some(depth);
-        push_line(line, text);
-    }
-}
-
-/// Stands for a line break in documentation until it is written: one attribute a comment is much
-/// less to parse and to lay out than one a line. No text holds it, since [`prose`] replaces controls.
-const LINE_BREAK: char = '\u{1}';
-
-/// A documentation comment; the text is Markdown.
-fn documentation(text: &str) -> TokenStream {
-    let text = comment(text);
-    quote!(#[doc = #text])
-}
-
-/// A documentation comment of the module that it stands in.
-fn inner_documentation(text: &str) -> TokenStream {
-    let text = comment(text);
-    quote!(#![doc = #text])
-}
-
-fn comment(text: &str) -> String {
-    let mut comment = String::with_capacity(text.len() + 1);
-    for (index, line) in text.lines().enumerate() {
-        if index > 0 {
-            comment.push(LINE_BREAK);
-        }
-        if !line.is_empty() {
-            comment.push(' ');
-            comment.push_str(line);
-        }
-    }
-    comment
-}
-
-/// Writes a line that may be a whole documentation comment.
-fn push_line(line: &str, text: &mut String) {
-    let mut lines = line.split(LINE_BREAK);
-    let first = lines.next().unwrap_or_default();
-    text.push_str(first);
-    text.push('\n');
-    // What the first line starts with: white space and `///` or `//!`.
-    let start = &first[..first.find("//").map_or(0, |at| at + 3).min(first.len())];
-    for line in lines {
-        text.push_str(start);
-        text.push_str(line);
-        text.push('\n');
-    }
 }

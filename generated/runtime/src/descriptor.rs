@@ -161,9 +161,8 @@ impl FieldDescriptor {
 pub mod field {
     use super::{Element, FieldDescriptor, Shape};
     use crate::record::Record;
-    use crate::{Number, Open, Scalar};
-
-    pub use crate::Constraint;
+    // Not public: generated code imports all of this module next to its types.
+    use crate::{Constraint, Number, Open, Scalar};
 
     const fn new(name: &'static str, element: Element, offset: usize) -> FieldDescriptor {
         FieldDescriptor { name, element, shape: Shape::Single, offset, constraint: None }

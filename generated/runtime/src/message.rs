@@ -87,7 +87,7 @@ pub trait Message: Record + Clone + Default + PartialEq {
     const HASH: u32 = Self::DEFINITION.hash;
     /// ROS type hash: `RIHS01_` and 64 hexadecimal digits.
     const TYPE_HASH: &'static str = Self::DEFINITION.type_hash;
-    /// Size in CDR with the encapsulation header, in bytes, if it is the same for all values.
+    /// Size in CDR with the encapsulation header, in bytes, if all values have one size.
     const CDR_SIZE: Option<usize> = Self::DEFINITION.cdr_size;
 
     /// Reads a CDR payload in either byte order. A `bool` is true unless its byte is 0.

@@ -303,6 +303,7 @@ macro_rules! record {
         }
 
         #[doc = concat!("A view of a payload that holds a [`", stringify!($type), "`]: a method reads the field of its name.")]
+        #[derive(Clone, Copy)]
         pub struct $view<'b>($crate::uorb::Fields<'b, $type, $no_padding>);
 
         impl<'b> $view<'b> {
@@ -313,15 +314,6 @@ macro_rules! record {
                     self.0.get::<$field_type>($index)
                 }
             )*
-        }
-
-        impl ::core::marker::Copy for $view<'_> {}
-
-        impl ::core::clone::Clone for $view<'_> {
-            #[inline]
-            fn clone(&self) -> Self {
-                *self
-            }
         }
 
         impl ::core::fmt::Debug for $view<'_> {

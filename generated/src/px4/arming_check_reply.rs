@@ -137,11 +137,11 @@ record! {
 }
 
 format_record! {
-    ArmingCheckReply "ArmingCheckReply {{ timestamp: {=u64}, request_id: {=u8}, registration_id: {=u8}, \
-        health_component_index: {=?}, health_component_is_present: {=bool}, \
-        health_component_warning: {=bool}, health_component_error: {=bool}, \
-        can_arm_and_run: {=bool}, num_events: {=u8}, events: {=[?; 5]}, \
-        mode_req_angular_velocity: {=bool}, mode_req_attitude: {=bool}, \
+    ArmingCheckReply "ArmingCheckReply {{ timestamp: {=u64}, request_id: {=u8}, \
+        registration_id: {=u8}, health_component_index: {=?}, \
+        health_component_is_present: {=bool}, health_component_warning: {=bool}, \
+        health_component_error: {=bool}, can_arm_and_run: {=bool}, num_events: {=u8}, \
+        events: {=[?; 5]}, mode_req_angular_velocity: {=bool}, mode_req_attitude: {=bool}, \
         mode_req_local_alt: {=bool}, mode_req_local_position: {=bool}, \
         mode_req_local_position_relaxed: {=bool}, mode_req_global_position: {=bool}, \
         mode_req_global_position_relaxed: {=bool}, mode_req_mission: {=bool}, \

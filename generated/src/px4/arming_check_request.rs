@@ -53,6 +53,7 @@ record! {
 }
 
 format_record! {
-    ArmingCheckRequest "ArmingCheckRequest {{ timestamp: {=u64}, request_id: {=u8}, valid_registrations_mask: {=u32} }}";
+    ArmingCheckRequest "ArmingCheckRequest {{ timestamp: {=u64}, request_id: {=u8}, \
+        valid_registrations_mask: {=u32} }}";
     timestamp request_id valid_registrations_mask;
 }

@@ -245,17 +245,18 @@ record! {
 }
 
 format_record! {
-    BatteryStatus "BatteryStatus {{ timestamp: {=u64}, connected: {=bool}, voltage_v: {=f32}, voltage_filtered_v: {=f32}, \
-        current_a: {=f32}, current_filtered_a: {=f32}, current_average_a: {=f32}, \
-        discharged_mah: {=f32}, remaining: {=f32}, scale: {=f32}, time_remaining_s: {=f32}, \
-        temperature: {=f32}, cell_count: {=u8}, source: {=?}, priority: {=u8}, capacity: {=u16}, \
-        cycle_count: {=u16}, average_time_to_empty: {=u16}, serial_number: {=u16}, \
-        manufacture_date: {=u16}, state_of_health: {=u16}, max_error: {=u16}, id: {=u8}, \
-        interface_error: {=u16}, voltage_cell_v: {=[?; 14]}, max_cell_voltage_delta: {=f32}, \
-        is_powering_off: {=bool}, is_required: {=bool}, faults: {=?}, custom_faults: {=u32}, \
-        warning: {=?}, mode: {=?}, average_power: {=f32}, available_energy: {=f32}, \
-        full_charge_capacity_wh: {=f32}, remaining_capacity_wh: {=f32}, design_capacity: {=f32}, \
-        average_time_to_full: {=u16}, over_discharge_count: {=u16}, nominal_voltage: {=f32} }}";
+    BatteryStatus "BatteryStatus {{ timestamp: {=u64}, connected: {=bool}, voltage_v: {=f32}, \
+        voltage_filtered_v: {=f32}, current_a: {=f32}, current_filtered_a: {=f32}, \
+        current_average_a: {=f32}, discharged_mah: {=f32}, remaining: {=f32}, scale: {=f32}, \
+        time_remaining_s: {=f32}, temperature: {=f32}, cell_count: {=u8}, source: {=?}, \
+        priority: {=u8}, capacity: {=u16}, cycle_count: {=u16}, average_time_to_empty: {=u16}, \
+        serial_number: {=u16}, manufacture_date: {=u16}, state_of_health: {=u16}, \
+        max_error: {=u16}, id: {=u8}, interface_error: {=u16}, voltage_cell_v: {=[?; 14]}, \
+        max_cell_voltage_delta: {=f32}, is_powering_off: {=bool}, is_required: {=bool}, \
+        faults: {=?}, custom_faults: {=u32}, warning: {=?}, mode: {=?}, average_power: {=f32}, \
+        available_energy: {=f32}, full_charge_capacity_wh: {=f32}, remaining_capacity_wh: {=f32}, \
+        design_capacity: {=f32}, average_time_to_full: {=u16}, over_discharge_count: {=u16}, \
+        nominal_voltage: {=f32} }}";
     timestamp connected voltage_v voltage_filtered_v current_a current_filtered_a current_average_a
     discharged_mah remaining scale time_remaining_s temperature cell_count source priority capacity
     cycle_count average_time_to_empty serial_number manufacture_date state_of_health max_error id

@@ -62,7 +62,7 @@ record! {
 }
 
 format_record! {
-    Event "Event {{ timestamp: {=u64}, id: {=u32}, event_sequence: {=u16}, arguments: {=[u8; 25]}, \
-        log_levels: {=u8} }}";
+    Event "Event {{ timestamp: {=u64}, id: {=u32}, event_sequence: {=u16}, \
+        arguments: {=[u8; 25]}, log_levels: {=u8} }}";
     timestamp id event_sequence arguments log_levels;
 }

@@ -236,8 +236,8 @@ record! {
 }
 
 format_record! {
-    FailsafeFlags "FailsafeFlags {{ timestamp: {=u64}, mode_req_angular_velocity: {=u32}, mode_req_attitude: {=u32}, \
-        mode_req_local_alt: {=u32}, mode_req_local_position: {=u32}, \
+    FailsafeFlags "FailsafeFlags {{ timestamp: {=u64}, mode_req_angular_velocity: {=u32}, \
+        mode_req_attitude: {=u32}, mode_req_local_alt: {=u32}, mode_req_local_position: {=u32}, \
         mode_req_local_position_relaxed: {=u32}, mode_req_global_position: {=u32}, \
         mode_req_mission: {=u32}, mode_req_offboard_signal: {=u32}, \
         mode_req_home_position: {=u32}, mode_req_wind_and_flight_time_compliance: {=u32}, \

@@ -76,8 +76,9 @@ record! {
 }
 
 format_record! {
-    RegisterExtComponentReply "RegisterExtComponentReply {{ timestamp: {=u64}, request_id: {=u64}, name: {=?}, px4_ros2_api_version: {=u16}, \
-        success: {=bool}, arming_check_id: {=i8}, mode_id: {=i8}, mode_executor_id: {=i8} }}";
+    RegisterExtComponentReply "RegisterExtComponentReply {{ timestamp: {=u64}, \
+        request_id: {=u64}, name: {=?}, px4_ros2_api_version: {=u16}, success: {=bool}, \
+        arming_check_id: {=i8}, mode_id: {=i8}, mode_executor_id: {=i8} }}";
     timestamp request_id name px4_ros2_api_version success arming_check_id mode_id mode_executor_id;
 }
 

@@ -85,7 +85,8 @@ record! {
 }
 
 format_record! {
-    RegisterExtComponentRequest "RegisterExtComponentRequest {{ timestamp: {=u64}, request_id: {=u64}, name: {=?}, px4_ros2_api_version: {=u16}, \
+    RegisterExtComponentRequest "RegisterExtComponentRequest {{ timestamp: {=u64}, \
+        request_id: {=u64}, name: {=?}, px4_ros2_api_version: {=u16}, \
         register_arming_check: {=bool}, register_mode: {=bool}, register_mode_executor: {=bool}, \
         enable_replace_internal_mode: {=bool}, replace_internal_mode: {=u8}, \
         activate_mode_immediately: {=bool} }}";

@@ -65,7 +65,7 @@ record! {
 }
 
 format_record! {
-    UnregisterExtComponent "UnregisterExtComponent {{ timestamp: {=u64}, name: {=?}, arming_check_id: {=i8}, mode_id: {=i8}, \
-        mode_executor_id: {=i8} }}";
+    UnregisterExtComponent "UnregisterExtComponent {{ timestamp: {=u64}, name: {=?}, \
+        arming_check_id: {=i8}, mode_id: {=i8}, mode_executor_id: {=i8} }}";
     timestamp name arming_check_id mode_id mode_executor_id;
 }

@@ -3,8 +3,10 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
+use super::context::Context;
+use super::file::{documentation, header_of, header_of_package, inner_documentation, layout_file};
 use super::identifier::ident;
-use super::{Context, documentation, header_of, header_of_package, inner_documentation, layout_file, types};
+use super::types;
 use crate::emit::identifier::error_code_names;
 use crate::prose;
 use crate::schema::{ErrorCode, Package};

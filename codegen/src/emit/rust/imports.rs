@@ -29,7 +29,7 @@ const PRELUDE: [&str; 9] = [
 /// Keywords that a path can follow. Any other identifier before `::` is a part of the path.
 const BEFORE_PATH: [&str; 8] = ["as", "const", "dyn", "for", "impl", "in", "mut", "return"];
 
-/// Shortens the paths of a file and declares what it uses, after its inner attributes.
+/// Shortens the paths of a file and declares its imports after the inner attributes.
 pub(super) fn shorten(file: TokenStream) -> TokenStream {
     let mut tokens: Vec<TokenTree> = file.into_iter().collect();
     let mut imports = Imports { declared: declared(&tokens), used: BTreeMap::new() };
@@ -37,7 +37,7 @@ pub(super) fn shorten(file: TokenStream) -> TokenStream {
     let is_attribute = |part: &&[TokenTree]| is_punct(part.first(), '#') && is_punct(part.get(1), '!');
     let attributes = tokens.chunks(3).take_while(is_attribute).count() * 3;
     let items = tokens.split_off(attributes.min(tokens.len()));
-    let items = imports.shorten(items);
+    let items = imports.shorten(&items);
     let uses = imports.declarations();
     let attributes: TokenStream = tokens.into_iter().collect();
     quote!(#attributes #uses #items)
@@ -51,11 +51,12 @@ struct Imports {
 }
 
 impl Imports {
-    fn shorten(&mut self, tokens: Vec<TokenTree>) -> TokenStream {
+    /// The tokens with short paths, in all groups.
+    fn shorten(&mut self, tokens: &[TokenTree]) -> TokenStream {
         let mut short = Vec::with_capacity(tokens.len());
         let mut at = 0;
         while let Some(token) = tokens.get(at) {
-            let path = if starts_path(&tokens, at) { segments(&tokens[at..]) } else { Vec::new() };
+            let path = if starts_path(tokens, at) { segments(&tokens[at..]) } else { Vec::new() };
             let is_macro = is_punct(tokens.get(at + 3 * path.len()), '!');
             if let Some(kept) = self.import(&path, is_macro) {
                 // A segment is two colons and a name. The first kept segment goes without its colons.
@@ -66,7 +67,8 @@ impl Imports {
             }
             short.push(match token {
                 TokenTree::Group(group) => {
-                    let content = self.shorten(group.stream().into_iter().collect());
+                    let content: Vec<TokenTree> = group.stream().into_iter().collect();
+                    let content = self.shorten(&content);
                     Group::new(group.delimiter(), content).into()
                 }
                 other => other.clone(),

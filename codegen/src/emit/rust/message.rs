@@ -5,12 +5,15 @@ use std::fmt::Write as _;
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
+use super::context::Context;
+use super::file::documentation;
 use super::identifier::{Scope, ident, snake_case, upper_case};
-use super::{Context, documentation, enumeration, types};
+use super::text::{constant_text, range_text, special_text};
+use super::{enumeration, types};
 use crate::prose;
 use uavspec_runtime::{Number, Scalar};
 
-use crate::schema::{Dialect, Element, Field, Message, MessageId, Restriction, Shape, Special};
+use crate::schema::{Dialect, Element, Field, Message, MessageId, Restriction, Shape};
 use crate::unit;
 use crate::value::Value;
 
@@ -397,58 +400,6 @@ fn placeholder(field: &Field, dialect: Dialect) -> String {
         Shape::Array(length) => format!("{{=[{element}; {length}]}}"),
         Shape::Bounded(_) | Shape::Sequence => format!("{{=[{element}]}}"),
     }
-}
-
-/// The documentation of a constant, with the parameters that a command takes.
-pub(super) fn constant_text(constant: &crate::schema::Constant) -> String {
-    let mut text = match constant.name.as_str() {
-        _ if !constant.description.is_empty() => prose::block(&constant.description),
-        "MESSAGE_VERSION" => "Version of the message, raised when its fields change.".to_owned(),
-        "ORB_QUEUE_LENGTH" => "How many messages a topic holds before the oldest is lost.".to_owned(),
-        name => format!("The constant `{name}`, which its definition says no more of."),
-    };
-    if constant.parameters.iter().any(|parameter| !is_unused(&parameter.description)) {
-        text += "\n\n| parameter | unit | meaning |\n|---|---|---|";
-        for (index, parameter) in constant.parameters.iter().enumerate() {
-            let unit = parameter
-                .unit
-                .as_deref()
-                .filter(|unit| *unit != unit::NONE)
-                .map(prose::inline)
-                .unwrap_or_default();
-            let range = parameter
-                .range
-                .as_ref()
-                .and_then(|range| range_text(range.low.as_ref(), range.high.as_ref()));
-            let range = range.map(|range| format!(" ({range})")).unwrap_or_default();
-            let _ = write!(
-                text,
-                "\n| {} | {unit} | {}{range} |",
-                index + 1,
-                prose::inline(&parameter.description)
-            );
-        }
-    }
-    text
-}
-
-fn is_unused(description: &str) -> bool {
-    matches!(description, "" | "Unused" | "Empty")
-}
-
-pub(super) fn range_text(low: Option<&Value>, high: Option<&Value>) -> Option<String> {
-    match (low, high) {
-        (Some(low), Some(high)) => Some(format!("{low} to {high}")),
-        (Some(low), None) => Some(format!("{low} or more")),
-        (None, Some(high)) => Some(format!("at most {high}")),
-        (None, None) => None,
-    }
-}
-
-fn special_text(special: &Special) -> String {
-    let value =
-        special.value.as_ref().map_or_else(|| "empty".to_owned(), |value| prose::code(&value.to_string()));
-    if special.text.is_empty() { value } else { format!("{value} ({})", prose::inline(&special.text)) }
 }
 
 /// A number of a constraint.

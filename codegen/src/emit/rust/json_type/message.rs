@@ -3,10 +3,11 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
+use super::super::context::Context;
+use super::super::file::{documentation, header_of, inner_documentation, layout_file};
 use super::super::identifier::{Scope, ident, module_name, pascal_case};
-use super::super::{Context, documentation, header_of, inner_documentation, layout_file};
+use super::names::{MODULE, Names, TYPES, is_own, text};
 use super::types::Definitions;
-use super::{MODULE, Names, TYPES, is_own, text};
 use crate::emit::OutputFile;
 use crate::prose;
 use crate::schema::json_type::{Direction, JsonMessage, JsonPart, Member, Object};
