@@ -266,7 +266,7 @@ impl<'d> Course<'d> {
 
     /// Something goes over a connection, or happens to it.
     fn exchanged(&mut self, record: &SessionRecord<'_>) {
-        let exchange = self.sessions.follow(record, self.definitions);
+        let exchange = self.sessions.follow(record, self.definitions.body_schemas());
         self.tell(&exchange);
     }
 

@@ -22,8 +22,10 @@ use self::ids::Ids;
 pub use self::operation::{Named, Operation, Stage};
 use self::remembered::Remembered;
 pub(crate) use self::vocabulary::OPERATIONS;
+#[cfg(test)]
+pub(crate) use self::vocabulary::{OPERATION, PARTS};
 pub use self::vocabulary::{Parts, parts};
-use crate::definitions::Definitions;
+use crate::flockwave::body_schema::BodySchemas;
 use crate::flockwave::record::{Direction, SessionRecord};
 use crate::json::Tree;
 use crate::model::{Place, Rule};
@@ -138,10 +140,10 @@ impl Default for Sessions {
 
 impl Sessions {
     /// What an record means after all that went before it, where bodies have the shapes of these definitions.
-    pub fn follow<'t>(&mut self, record: &'t SessionRecord<'t>, definitions: &Definitions) -> Exchange<'t> {
+    pub fn follow<'t>(&mut self, record: &'t SessionRecord<'t>, schemas: BodySchemas<'_>) -> Exchange<'t> {
         let time = self.at(record);
         let exchange = Exchange::new(record, time);
-        let deviations = exchange.deviations_from(definitions);
+        let deviations = exchange.deviations_from(schemas);
         self.placed(Exchange { deviations, ..exchange })
     }
 
