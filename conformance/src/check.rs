@@ -272,7 +272,7 @@ impl<'d> Course<'d> {
 
     /// The same, of a report on UAVs that rules have judged already which go by what it says alone.
     fn reported(&mut self, record: &SessionRecord<'_>) {
-        let exchange = self.sessions.follow_told(record);
+        let exchange = self.sessions.follow_checked(record);
         self.listeners.checked_report(&exchange, &mut self.findings);
     }
 

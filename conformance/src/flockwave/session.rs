@@ -139,7 +139,7 @@ impl Default for Sessions {
 }
 
 impl Sessions {
-    /// What an record means after all that went before it, where bodies have the shapes of these definitions.
+    /// A record with what it means after all that precedes it, and with the violations of its body schema.
     pub fn follow<'t>(&mut self, record: &'t SessionRecord<'t>, schemas: BodySchemas<'_>) -> Exchange<'t> {
         let time = self.at(record);
         let exchange = Exchange::new(record, time);
@@ -147,13 +147,13 @@ impl Sessions {
         self.placed(Exchange { deviations, ..exchange })
     }
 
-    /// The same, where what deviates from the shape of the body was told already.
-    pub(crate) fn follow_told<'t>(&mut self, record: &'t SessionRecord<'t>) -> Exchange<'t> {
+    /// Like [`follow`](Self::follow), for a record whose message was checked already.
+    pub(crate) fn follow_checked<'t>(&mut self, record: &'t SessionRecord<'t>) -> Exchange<'t> {
         let time = self.at(record);
         self.placed(Exchange { deviations: Some(Vec::new()), ..Exchange::new(record, time) })
     }
 
-    /// A exchange with its place in the session.
+    /// An exchange with its place in the session.
     fn placed<'t>(&mut self, mut exchange: Exchange<'t>) -> Exchange<'t> {
         let record = exchange.record;
         let state = &self.states[record.connection.index];
@@ -244,7 +244,7 @@ impl Sessions {
         }
     }
 
-    /// The time of an record, where it can be trusted.
+    /// The time of a record, where it can be trusted.
     fn at(&mut self, record: &SessionRecord<'_>) -> Option<f64> {
         self.grow(record.connection.index);
         let state = &mut self.states[record.connection.index];
