@@ -54,6 +54,7 @@ mod validate;
 mod view;
 mod walk;
 
+pub use self::bytes::sequence;
 pub use self::error::{Defect, Error, Reason};
 pub use self::message::DynamicMessage;
 pub use self::types::{MessageType, Placed, PlacedElement, Types};

@@ -21,6 +21,7 @@ mod file;
 mod identifier;
 pub mod inspect;
 pub mod json_schema;
+mod origin;
 pub mod python;
 #[cfg(feature = "rust")]
 pub mod rust;

@@ -137,7 +137,7 @@ fn a_file_of_100_000_lines_is_read() {
     assert!(bad.len() < 2_000, "what is no definition is not read to its end");
 }
 
-/// As many of `text` as make a megabyte, or an eighth of it in a quick run.
+/// Copies of `text` that make up a megabyte, or an eighth of it in a quick run.
 fn megabyte(text: &str) -> String {
     text.repeat(support::extent(1_000_000, 125_000) / text.len())
 }

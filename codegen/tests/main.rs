@@ -1,4 +1,4 @@
-//! The tests of the generator, in one program: each file is a module.
+//! The tests of the generator, in one program; each file is a module.
 
 mod attributes;
 mod bindings;
@@ -15,6 +15,7 @@ mod json_schema;
 mod json_types;
 mod lint;
 mod oracle;
+mod origin;
 mod properties;
 mod support;
 mod type_pages;

@@ -19,6 +19,7 @@ use uavspec_codegen::schema::{MessageId, Shape};
 use uavspec_codegen::source::Span;
 use uavspec_runtime::Scalar;
 
+use self::flockwave::Listeners;
 pub use self::flockwave::{FlockwaveJudge, FlockwaveSummary, TypeCount};
 pub use self::json::{JsonSummary, check_json};
 pub use self::log::{LogSummary, check_ulog};
@@ -29,9 +30,8 @@ use crate::definitions::Definitions;
 use crate::flockwave::record::{Connection, Direction, SessionRecord};
 use crate::flockwave::session::{Exchange, Sessions};
 use crate::model::{Channel, Extent, Findings, Message, Place, Rule};
-use crate::rules::flockwave::EachExchange;
 use crate::rules::px4::Interest;
-use crate::rules::{RuleContext, flockwave as session_rules, px4};
+use crate::rules::{RuleContext, px4};
 use crate::text::Grouped;
 
 /// The number of first bytes by which the kind of a capture is detected.
@@ -143,10 +143,8 @@ struct Course<'d> {
     findings: Findings,
     /// The rules on messages.
     followers: Vec<Follower<dyn px4::Checker>>,
-    /// The rules on sessions.
-    listeners: Vec<Follower<dyn session_rules::Checker>>,
-    /// Indices of the listeners that don't judge reports on UAVs by what these say alone.
-    around: Vec<usize>,
+    /// The checks of the rules on sessions.
+    listeners: Listeners<'d>,
     /// By the index of a channel.
     channels: Vec<Followed>,
     sessions: Sessions,
@@ -201,25 +199,11 @@ impl<'d> Course<'d> {
             px4::Check::State(start) => Some(Follower { rule: &rule.rule, checker: start(), coverage: 0 }),
             px4::Check::Value | px4::Check::Source => None,
         });
-        let listeners = session_rules::RULES.iter().map(|rule| {
-            let checker: Box<dyn session_rules::Checker> = match rule.check {
-                session_rules::Check::State(start) => start(),
-                session_rules::Check::Exchange(judge) | session_rules::Check::Context(judge) => {
-                    Box::new(EachExchange(judge))
-                }
-            };
-            Follower { rule: &rule.rule, checker, coverage: 0 }
-        });
-        let looks_around =
-            |rule: &session_rules::FlockwaveRule| !matches!(rule.check, session_rules::Check::Exchange(_));
-        let around =
-            (0..session_rules::RULES.len()).filter(|at| looks_around(session_rules::RULES[*at])).collect();
         Self {
             definitions,
             findings: Findings::default(),
             followers: followers.collect(),
-            listeners: listeners.collect(),
-            around,
+            listeners: Listeners::new(definitions),
             channels: Vec::new(),
             sessions: Sessions::default(),
             records: 0,
@@ -295,18 +279,14 @@ impl<'d> Course<'d> {
 
     /// Something goes over a connection, or happens to it.
     fn exchanged(&mut self, record: &SessionRecord<'_>) {
-        let exchange = self.sessions.follow(record, self.definitions);
+        let exchange = self.sessions.follow(record, self.definitions.body_schemas());
         self.tell(&exchange);
     }
 
     /// The same, of a report on UAVs that rules have judged already which go by what it says alone.
     fn reported(&mut self, record: &SessionRecord<'_>) {
-        let exchange = self.sessions.follow_told(record);
-        for at in &self.around {
-            self.listeners[*at].judge(self.definitions, &mut self.findings, |checker, context| {
-                checker.exchanged(&exchange, context);
-            });
-        }
+        let exchange = self.sessions.follow_checked(record);
+        self.listeners.checked_report(&exchange, &mut self.findings);
     }
 
     /// A connection, or all that is known of it, comes to its end, and perhaps it is known why.
@@ -328,11 +308,7 @@ impl<'d> Course<'d> {
     }
 
     fn tell(&mut self, exchange: &Exchange<'_>) {
-        for follower in &mut self.listeners {
-            follower.judge(self.definitions, &mut self.findings, |checker, context| {
-                checker.exchanged(exchange, context);
-            });
-        }
+        self.listeners.record(exchange, &mut self.findings);
     }
 
     fn dropout(&mut self, milliseconds: u16, place: Place) {
@@ -349,7 +325,7 @@ impl<'d> Course<'d> {
     /// The same, where nobody knows of which channel it is.
     fn lost_any(&mut self, place: Place) {
         self.followers.iter_mut().for_each(|follower| follower.checker.damage(place));
-        self.listeners.iter_mut().for_each(|listener| listener.checker.damage(place));
+        self.listeners.damage(place);
     }
 
     /// Where the definition of a topic is, if it has one.
@@ -389,10 +365,7 @@ impl<'d> Course<'d> {
             follower.judge(self.definitions, &mut self.findings, |checker, context| checker.end(context));
             self.findings.exercise(follower.rule, follower.coverage);
         }
-        for listener in &mut self.listeners {
-            listener.judge(self.definitions, &mut self.findings, |checker, context| checker.end(context));
-            self.findings.exercise(listener.rule, listener.coverage);
-        }
+        self.listeners.end(&mut self.findings);
         let mut damage: Vec<(String, Told)> = self.damage.into_iter().collect();
         damage.sort_by_key(|(_, told)| told.number);
         let told = |(text, told): (String, Told)| match told.times {

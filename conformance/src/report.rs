@@ -180,8 +180,9 @@ pub enum About {
 /// A codec or validator under test, and its answers.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(tag = "kind", rename = "testee")]
 pub struct Testee {
+    /// The kind of the subject.
+    pub kind: TesteeKind,
     /// What it calls its version; empty where it says none.
     pub version: String,
     /// How many cases came to what.
@@ -199,6 +200,16 @@ pub struct Testee {
     pub restarts: u32,
     /// Why the run ended early.
     pub gave_up: Option<String>,
+}
+
+/// The kind of a subject that is a testee.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum TesteeKind {
+    /// A codec or validator under test.
+    #[default]
+    Testee,
 }
 
 /// How many cases came to what.

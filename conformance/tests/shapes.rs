@@ -50,7 +50,7 @@ fn vectors() -> Vec<Vector> {
 fn deviations(type_name: &str, direction: Direction, body: &Value) -> Vec<Deviation> {
     let text = body.to_string();
     let tree = Tree::read(&text).expect("JSON");
-    DEFINITIONS.deviations(type_name, direction, &tree).expect("a shape")
+    DEFINITIONS.body_schemas().deviations(type_name, direction, &tree).expect("a shape")
 }
 
 /// The emitter of JSON Schemas and vectors and the check of bodies go their own ways from the same definitions.
@@ -166,8 +166,8 @@ fn directions_are_told_apart() {
     assert_eq!(response[0].mismatch.path, "/body/ids");
     assert_eq!(deviations("UAV-INF", Direction::Notification, &states), []);
     let tree = Tree::read("{}").expect("JSON");
-    assert_eq!(DEFINITIONS.deviations("SYS-CLOSE", Direction::Response, &tree), None);
-    assert_eq!(DEFINITIONS.deviations("SOAR-INF", Direction::Response, &tree), None);
+    assert_eq!(DEFINITIONS.body_schemas().deviations("SYS-CLOSE", Direction::Response, &tree), None);
+    assert_eq!(DEFINITIONS.body_schemas().deviations("SOAR-INF", Direction::Response, &tree), None);
 }
 
 #[test]
@@ -282,10 +282,11 @@ fn alternatives_within_alternatives_come_to_an_end() {
     }
     let text = json!({ "type": "GLIDER-INF", "in": side }).to_string();
     let tree = Tree::read(&text).expect("JSON");
-    assert!(definitions.deviations("GLIDER-INF", Direction::Notification, &tree).is_some());
+    assert!(definitions.body_schemas().deviations("GLIDER-INF", Direction::Notification, &tree).is_some());
     let text = json!({ "type": "GLIDER-INF", "in": { "in": { "Right": 7 }, "Left": "low" } }).to_string();
     let tree = Tree::read(&text).expect("JSON");
-    let found = definitions.deviations("GLIDER-INF", Direction::Notification, &tree).expect("a shape");
+    let found =
+        definitions.body_schemas().deviations("GLIDER-INF", Direction::Notification, &tree).expect("a shape");
     assert_eq!(found.len(), 1);
     assert_eq!(found[0].mismatch.expected, "an object of the type Left, or an object of the type Right");
 }

@@ -127,9 +127,34 @@ fn fighting_names(name: &str) -> Crate {
         "uint8 mode # [@enum MODE]\nuint8 MODE_A = 0\nuint8 NAME = 1\nuint8 VERSION = 2\nuint8 SIZE = 3\n",
     );
     package.write("a/Option.msg", "Some some\nString string\nVec[2] vec\nDefault[40] default\n");
-    for name in ["Some", "None", "String", "Vec", "Default", "Self", "Srv", "Box", "Result", "Message"] {
+    for name in [
+        "Some",
+        "None",
+        "String",
+        "Vec",
+        "Default",
+        "Self",
+        "Srv",
+        "Box",
+        "Result",
+        "Message",
+        "Definition",
+        "Text",
+        "Core",
+        "UavspecRuntime",
+    ] {
         package.write(&format!("a/{name}.msg"), "uint64 timestamp\n");
     }
+    // Enums with the names of imports and of types that the macros of the runtime use.
+    package.write(
+        "a/Enums.msg",
+        "uint8 a # [@enum OPTION]\nuint8 OPTION_A = 0\nuint8 b # [@enum SOME]\nuint8 SOME_A = 0\n\
+         uint8 c # [@enum DEFINITION]\nuint8 DEFINITION_A = 0\nuint8 d # [@enum CONSTRAINT]\nuint8 CONSTRAINT_A = 0\n\
+         Definition definition\nText text\nUavspecRuntime runtime\nbool yes\n",
+    );
+    package.write("b/msg/String.msg", "string text\n");
+    package.write("b/msg/Vec.msg", "string[] texts [\"x\"]\n");
+    package.write("b/msg/Strings.msg", "string text\nstring[] texts [\"x\"]\nString string\nVec[] vec\n");
     package.write("a/lower_case.msg", "Option option\nchar[7] text\nchar letter\nchar[300] long\n");
     package.write("a/Empty.msg", "");
     package.write(
@@ -152,7 +177,8 @@ fn fighting_names(name: &str) -> Crate {
     );
     package.generate(&format!(
         "{PX4}include = [\"a/*\"]\n\n[[package]]\nname = \"b_msgs\"\ndialect = \"ros2\"\ninclude = [\"b/**/*\"]\n\n\
-         [[package]]\nname = \"type\"\ndialect = \"px4\"\ninclude = [\"a/Empty.msg\"]\n"
+         [[package]]\nname = \"type\"\ndialect = \"px4\"\ninclude = [\"a/Empty.msg\"]\n\n[[package]]\nname = \"core\"\ndialect = \"px4\"\ninclude = [\"a/Some.msg\"]\n\n\
+         [[package]]\nname = \"uavspec_runtime\"\ndialect = \"px4\"\ninclude = [\"a/Empty.msg\"]\n"
     ));
     package
 }

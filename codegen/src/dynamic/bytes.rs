@@ -50,6 +50,12 @@ fn swap<const N: usize>(from: &[u8], to: &mut [u8]) {
     }
 }
 
+/// The elements of a sequence in the memory of a message: the offset of the first, and their number. `at` is the offset
+/// of the sequence.
+pub fn sequence(memory: &[u8], at: usize) -> (usize, usize) {
+    slot(memory, at)
+}
+
 /// Where the bytes or elements start that a slot stands for, and how many there are.
 #[inline]
 pub(super) fn slot(bytes: &[u8], at: usize) -> (usize, usize) {

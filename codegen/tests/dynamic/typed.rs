@@ -12,7 +12,7 @@ use uavspec_codegen::dynamic::{DynamicView, MessageType, Types};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::Form;
 use uavspec_runtime::cdr::ByteOrder;
-use uavspec_runtime::{Message, UorbMessage, record};
+use uavspec_runtime::{Definition, Message, UorbMessage, record};
 
 use super::values::Draw;
 use crate::support;
@@ -76,10 +76,7 @@ record! {
 macro_rules! message {
     ($($type:ident)*) => {$(
         impl Message for $type {
-            const PACKAGE: &'static str = "demo";
-            const NAME: &'static str = stringify!($type);
-            const HASH: u32 = 0;
-            const TYPE_HASH: &'static str = "";
+            const DEFINITION: Definition = Definition::new("demo", stringify!($type));
         }
     )*};
 }

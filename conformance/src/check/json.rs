@@ -342,7 +342,7 @@ impl<'d> JsonJudge<'d> {
         for open in self.channels.open {
             match open.defined {
                 Some((id, _)) => {
-                    self.plans.exercise(id, open.messages, &mut self.course.findings);
+                    self.plans.count(id, open.messages, &mut self.course.findings);
                     if open.messages > 0 {
                         types.insert(id);
                     }

@@ -13,7 +13,7 @@ mod asy_06;
 mod asy_07;
 mod asy_08;
 mod asy_09;
-mod asy_10;
+pub(crate) mod asy_10;
 mod asy_11;
 mod asy_12;
 mod asy_13;
@@ -27,6 +27,7 @@ mod asy_20j;
 mod asy_22;
 mod attribution;
 mod auth_01;
+mod body;
 mod bug;
 mod conn_inf_01;
 mod conn_inf_02;
@@ -67,9 +68,11 @@ mod err_07;
 mod err_08;
 mod err_09;
 mod err_10;
-mod fw;
 mod inf_01;
+mod lines;
 mod listed_uavs;
+mod malformed;
+mod mutant;
 mod obj_del_01;
 pub(crate) mod obj_del_02;
 mod obj_list_01;
@@ -77,11 +80,14 @@ mod obj_list_01j;
 pub(crate) mod obj_list_02;
 pub(crate) mod obj_list_03;
 pub(crate) mod obj_list_04;
+mod per_connection;
 mod prm_01;
+mod reply;
 mod served;
 pub(crate) mod sio_01;
 pub(crate) mod sio_02;
 pub(crate) mod sio_03;
+mod source;
 mod sys_close_01;
 mod sys_close_02;
 mod sys_msg_01;
@@ -101,6 +107,7 @@ pub(crate) mod tcp_01;
 pub(crate) mod tcp_02;
 pub(crate) mod tcp_03;
 pub(crate) mod tcp_04;
+pub(crate) mod trial;
 mod uav_inf_01;
 mod uav_inf_02;
 mod uav_inf_03;
@@ -134,6 +141,7 @@ mod ust_rssi;
 mod ust_timestamp;
 mod ust_velocity;
 mod ust_velocityxyz;
+mod view;
 mod wth_01;
 
 use self::attribution::Attribution;
@@ -141,7 +149,11 @@ pub use self::attribution::attributed;
 use self::bug::Bug;
 pub use self::bug::Needs;
 pub(crate) use self::bug::Outgoing;
-use self::fw::{Lines, PerConnection};
+use self::lines::Lines;
+use self::malformed::Malformed;
+use self::per_connection::PerConnection;
+use self::trial::{Attempt, Request, SOON, Sent, Step, Strain, Trial};
+pub use self::view::{Message, StatusReport};
 use super::RuleContext;
 use super::sample::Session;
 use crate::flockwave::body_schema::{Fault, INTEGER, Shape};
@@ -291,49 +303,45 @@ pub fn rule(id: &str) -> Option<&'static FlockwaveRule> {
 pub struct FlockwaveRule {
     /// What it says.
     pub rule: Rule,
-    /// Finds violations.
-    pub check: Check,
+    /// The code that finds violations.
+    pub checks: &'static [Check],
     /// The violations of body schemas that it reports in place of `FW-ENV-18`.
     pub covers: &'static [Attribution],
     /// The bug of the reference server that violates it.
     pub bug: Bug,
+    /// The requests of a probe that show whether a server keeps it. Without a trial it shows in any session, or the
+    /// survey of the probe tries it on its way.
+    pub(crate) trial: Option<Trial>,
     /// Captures that violate it.
     pub mutants: &'static [Mutant],
 }
 
-/// The code of a rule.
+/// A check of a rule. Its kind says what it sees.
 #[derive(Clone, Copy, Debug)]
 pub enum Check {
-    /// A state that follows the records of a session. Of the states in reports on UAVs it is but the ids and timestamps that
-    /// it looks at.
-    State(fn() -> Box<dyn Checker>),
-    /// What a session knows of each record. A report on UAVs, which is about no other message, is judged by what it
-    /// says alone.
+    /// Sees a message of the server alone.
+    Message(fn(&Message<'_>, &mut RuleContext<'_>)),
+    /// Sees any record that is no status report, with the request and the operations that it belongs to.
     Exchange(fn(&Exchange<'_>, &mut RuleContext<'_>)),
-    /// The same; and of reports on UAVs it counts when they come, over which connection, and after what. Of the states in
-    /// them it is but the ids and timestamps that count.
-    Context(fn(&Exchange<'_>, &mut RuleContext<'_>)),
+    /// Sees a status report in its session.
+    StatusReport(fn(&StatusReport<'_>, &mut RuleContext<'_>)),
+    /// Keeps a state over the session.
+    Session(fn() -> Box<dyn SessionCheck>),
 }
 
-/// Follows the records of one session.
-pub trait Checker {
-    /// Something goes over a connection, or happens to it.
-    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>);
+/// A check that keeps a state over a session.
+pub trait SessionCheck {
+    /// Sees a record that is no status report.
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>);
 
-    /// Something can't be read, and records may be lost with it.
+    /// Sees a status report.
+    fn status_report(&mut self, _report: &StatusReport<'_>, _context: &mut RuleContext<'_>) {}
+
+    /// Records may be missing here, since something is unreadable.
     fn damage(&mut self, _place: Place) {}
 
     /// The session ends.
     fn end(&mut self, _context: &mut RuleContext<'_>) {}
-}
-
-/// Looks at each record alone.
-pub(crate) struct EachExchange(pub(crate) fn(&Exchange<'_>, &mut RuleContext<'_>));
-
-impl Checker for EachExchange {
-    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        (self.0)(exchange, context);
-    }
 }
 
 /// A capture that violates a rule: a small change of one that conforms.

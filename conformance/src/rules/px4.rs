@@ -37,9 +37,8 @@ use crate::px4::ValueRules;
 
 /// The rules that sources of messages report violations of while they read them.
 pub(crate) use self::{
-    bool_01::RULE as BOOL_01, cdr_01::RULE as CDR_01, cdr_02::RULE as CDR_02, data_01::RULE as DATA_01,
-    data_02::RULE as DATA_02, fmt_01::RULE as FMT_01, fmt_02::RULE as FMT_02, fmt_03::RULE as FMT_03,
-    hash_01::RULE as HASH_01,
+    cdr_01::RULE as CDR_01, cdr_02::RULE as CDR_02, data_01::RULE as DATA_01, data_02::RULE as DATA_02,
+    fmt_01::RULE as FMT_01, fmt_02::RULE as FMT_02, fmt_03::RULE as FMT_03, hash_01::RULE as HASH_01,
 };
 
 /// The rules on messages of PX4, by id.
@@ -79,7 +78,6 @@ pub(crate) static VALUES: ValueRules = ValueRules {
     bool: &bool_01::RULE.rule,
     text: &str_01::RULE.rule,
     count: &len_01::RULE.rule,
-    bound: &cdr_02::RULE.rule,
     range: &range_01::RULE.rule,
     documented: &enum_01::RULE.rule,
     nan: &nan_01::RULE.rule,

@@ -7,6 +7,7 @@ use super::markdown::{code, href, link};
 use super::options::Beside;
 use super::words::{self, ENGLISH, Words};
 use crate::emit::json_schema::{self, Target};
+use crate::emit::origin::Origins;
 use crate::schema::{
     Dialect, Element, Enum, EnumRef, Form, Interface, Kind, Message, MessageId, Package, Schema, UorbLayout,
 };
@@ -46,6 +47,7 @@ struct Place {
 pub(super) struct Site<'s> {
     pub(super) schema: &'s Schema,
     pub(super) sources: &'s SourceMap,
+    origins: Origins<'s>,
     beside: &'s Beside,
     /// By message; none for those that aren't listed.
     places: Vec<Option<Place>>,
@@ -102,6 +104,7 @@ impl<'s> Site<'s> {
         let mut site = Self {
             schema,
             sources,
+            origins: Origins::new(schema, sources),
             beside,
             places: (0..count).map(|_| None).collect(),
             holders: vec![Vec::new(); count],
@@ -287,9 +290,9 @@ impl<'s> Site<'s> {
         files.collect::<Vec<_>>().join(" · ")
     }
 
-    /// The path of the source that holds `span`.
+    /// The path of the definition that holds `span`, from the folder of its package.
     pub(super) fn source(&self, span: Span) -> &'s str {
-        self.sources.path(self.sources.source_of(span))
+        self.origins.path(span)
     }
 }
 

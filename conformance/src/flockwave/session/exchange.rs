@@ -5,8 +5,7 @@ use std::borrow::Cow;
 use uavspec_codegen::schema::json_type::Direction;
 
 use super::{Asked, Named};
-use crate::definitions::Definitions;
-use crate::flockwave::body_schema::Deviation;
+use crate::flockwave::body_schema::{BodySchemas, Deviation};
 use crate::flockwave::record::{self, SessionRecord};
 use crate::json::Tree;
 use crate::model::Rule;
@@ -60,7 +59,16 @@ pub struct ClockMove {
     pub is_after_nothing: bool,
 }
 
-/// An record with what it means in its session.
+/// The id of a connection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ConnectionId {
+    /// Its number in its capture.
+    pub index: usize,
+    /// Tells it from those that had the same name before.
+    pub serial: u64,
+}
+
+/// A record with what it means in its session.
 #[derive(Clone, Debug)]
 pub struct Exchange<'t> {
     /// The record.
@@ -145,6 +153,11 @@ impl<'t> Exchange<'t> {
         self.record.direction == record::Direction::In && self.role != Role::Unanswered
     }
 
+    /// The id of its connection.
+    pub fn connection_id(&self) -> ConnectionId {
+        ConnectionId { index: self.record.connection.index, serial: self.serial }
+    }
+
     /// The message, where it is one of the server.
     pub fn message(&self) -> Option<&'t Tree<'t>> {
         let is_object = |value: &&Tree<'_>| matches!(value, Tree::Object(_));
@@ -193,9 +206,9 @@ impl<'t> Exchange<'t> {
     }
 
     /// What of a body that the server sends has another shape than its type has for its direction.
-    pub(super) fn deviations_from(&self, definitions: &Definitions) -> Option<Vec<Deviation>> {
+    pub(super) fn deviations_from(&self, schemas: BodySchemas<'_>) -> Option<Vec<Deviation>> {
         let body = self.body.filter(|_| self.is_of_server())?;
-        definitions.deviations(self.type_name?, self.direction()?, body)
+        schemas.deviations(self.type_name?, self.direction()?, body)
     }
 
     /// A field of the body.

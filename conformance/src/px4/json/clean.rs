@@ -7,9 +7,9 @@ use uavspec_codegen::schema::{MessageId, Shape};
 use uavspec_runtime::Scalar;
 
 use super::dialect::{Dialect, Dialects};
-use super::plan::{Element, FieldPlan, MessagePlan, Plans};
 use super::value::Leaf;
 use crate::json::{Token, Tokens, Unclear, base64};
+use crate::px4::values::{Element, FieldPlan, MessagePlan, Plans};
 
 /// What a clean message says of itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

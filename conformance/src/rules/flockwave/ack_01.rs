@@ -3,7 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, env_17, fw,
+    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Role, Rule, RuleContext, Status, env_17,
+    mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -12,10 +13,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "Acknowledgments come only as responses.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "ACK-ACK, ACK-NAK",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
     covers: &[],
     bug: Bug::message("An acknowledgment that answers nothing follows each SYS-VER.", |out| {
         if out.kind() == "SYS-VER" {
@@ -23,19 +24,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     })
     .with(&[&env_17::RULE.rule]),
+    trial: None,
     mutants: &[Mutant {
         name: "an acknowledgment of nothing",
-        make: || fw::then(|session| session.tells(json!({ "type": "ACK-ACK" }))),
+        make: || mutant::then(|session| session.tells(json!({ "type": "ACK-ACK" }))),
         also: &[&env_17::RULE.rule],
     }],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    if !exchange.is_of_server() || !matches!(exchange.type_name, Some("ACK-ACK" | "ACK-NAK")) {
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if !matches!(message.type_name, Some("ACK-ACK" | "ACK-NAK")) {
         return;
     }
     context.covered();
-    if exchange.role != Role::Response {
-        exchange.breaks(context, || Detail::new("an acknowledgment without `refs`"));
+    if message.role != Role::Response {
+        message.violates(context, || Detail::new("an acknowledgment without `refs`"));
     }
 }

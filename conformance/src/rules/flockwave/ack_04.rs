@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, Detail, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape,
-    Status, Tree, fw,
+    Attribution, Bug, Check, Detail, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape,
+    Status, Tree, body, mutant, source,
 };
 use crate::json::pointer;
 
@@ -14,10 +14,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "ACK-NAK has nothing beside `type` but a string `reason`.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "ACK-NAK",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
     covers: &[
         Attribution::new(&["ACK-NAK"], "*", &[Fault::Further]),
         Attribution::new(&["ACK-NAK"], "reason", &[Fault::Kind]),
@@ -27,27 +27,28 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body["reason"] = json!({ "en": "no" });
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a number for the reason",
-            make: || fw::reply("ACK-NAK", |body| body["reason"] = 7.into()),
+            make: || mutant::reply("ACK-NAK", |body| body["reason"] = 7.into()),
             also: &[],
         },
         Mutant {
             name: "another field",
-            make: || fw::reply("ACK-NAK", |body| body["code"] = 7.into()),
+            make: || mutant::reply("ACK-NAK", |body| body["code"] = 7.into()),
             also: &[],
         },
     ],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    let Some(Tree::Object(members)) = exchange.body_of("ACK-NAK") else { return };
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    let Some(Tree::Object(members)) = message.body_of("ACK-NAK") else { return };
     context.covered();
     if let Some((key, _)) = members.iter().find(|(key, _)| key != "type" && key != "reason") {
-        exchange.breaks(context, || {
-            Detail::new(format!("it has {}, too", fw::quoted(key))).at(pointer(&["body", key]))
+        message.violates(context, || {
+            Detail::new(format!("it has {}, too", body::quoted(key))).at(pointer(&["body", key]))
         });
     }
-    fw::field(exchange, context, "reason", false, &Shape::Nullable(&Shape::Text));
+    body::field(message, context, "reason", false, &Shape::Nullable(&Shape::Text));
 }

@@ -4,7 +4,7 @@ use serde_json::json;
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, asy_09,
-    bug, fw,
+    body, bug, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -13,10 +13,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "The reply with a receipt comes before what names it.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "ASYNC-* over time",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::message("Progress comes before the response with the receipt.", |out| {
         if let Some(receipt) = out.receipt() {
@@ -24,10 +24,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     })
     .with(&[&asy_09::RULE.rule]),
+    trial: None,
     mutants: &[Mutant {
         name: "the end of an operation before its receipt",
         make: || {
-            fw::then(|session| {
+            mutant::then(|session| {
                 let id = session.sends(json!({ "type": "UAV-RTH", "ids": ["kite"] }));
                 session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
                 session
@@ -38,12 +39,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     for named in exchange.opened.iter().filter(|named| named.is_known) {
         context.covered();
         if named.stage() == Some(Stage::Early) {
-            exchange.breaks(context, || {
-                Detail::new(format!("a notification has named {} already", fw::quoted(&named.receipt)))
+            exchange.violates(context, || {
+                Detail::new(format!("a notification has named {} already", body::quoted(&named.receipt)))
                     .at("/body/receipt")
             });
         }

@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 
 use super::{
-    Attribution, Bug, Check, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
-    attribution, fw,
+    Attribution, Bug, Check, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, body, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -13,10 +13,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "`id` of ASYNC-RESP is a string, and so is `error`.",
-        source: fw::ASYNC,
+        source: source::ASYNC,
         applies_to: "ASYNC-RESP",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
     covers: &[
         Attribution::new(&["ASYNC-RESP"], "id", attribution::MISSING),
         Attribution::new(&["ASYNC-RESP"], "error", &[Fault::Kind]),
@@ -27,16 +27,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body.insert("error".to_owned(), json!(7));
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "an id that is a number",
-            make: || fw::notice("ASYNC-RESP", |body| body["id"] = 7.into()),
+            make: || mutant::notice("ASYNC-RESP", |body| body["id"] = 7.into()),
             also: &[],
         },
         Mutant {
             name: "an error that is a number",
             make: || {
-                fw::notice("ASYNC-RESP", |body| {
+                mutant::notice("ASYNC-RESP", |body| {
                     *body = json!({ "type": "ASYNC-RESP", "id": "rcpt-1", "error": 7 });
                 })
             },
@@ -45,9 +46,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    if exchange.body_of("ASYNC-RESP").is_some() {
-        fw::field(exchange, context, "id", true, &Shape::Text);
-        fw::field(exchange, context, "error", false, &Shape::Nullable(&Shape::Text));
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body_of("ASYNC-RESP").is_some() {
+        body::field(message, context, "id", true, &Shape::Text);
+        body::field(message, context, "error", false, &Shape::Nullable(&Shape::Text));
     }
 }

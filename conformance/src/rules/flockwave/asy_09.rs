@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Stage, Status, bug,
-    fw,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Stage, Status, body,
+    bug, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -13,26 +13,29 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "ASYNC-RESP, ASYNC-ST and ASYNC-TIMEOUT name receipts that were given on the same connection.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "ASYNC-* over time",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::message("Progress of an operation comes that nobody knows.", |out| {
         if out.receipt().is_some() {
             out.follow(None, bug::progress(&json!("nobody-has-this")));
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "the end of what never began",
         make: || {
-            fw::then(|session| session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true })))
+            mutant::then(|session| {
+                session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }))
+            })
         },
         also: &[],
     }],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     if exchange.role != Role::Notification {
         return;
     }
@@ -41,10 +44,10 @@ fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     {
         context.covered();
         if matches!(named.stage(), None | Some(Stage::Early)) {
-            exchange.breaks(context, || {
+            exchange.violates(context, || {
                 Detail::new(format!(
                     "no reply on this connection has had the receipt {}",
-                    fw::quoted(&named.receipt)
+                    body::quoted(&named.receipt)
                 ))
                 .at("/body")
             });

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Session, Stage, Status,
-    asy_19, fw,
+    asy_19, body, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -15,16 +15,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "That an operation is suspended is told by ASYNC-ST with `suspended` true.",
-        source: fw::ASYNC,
+        source: source::ASYNC,
         applies_to: "ASYNC-RESUME over time",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::message("Nobody is told that an operation is suspended.", |out| {
         if let Some(body) = out.body_of("ASYNC-ST").and_then(Value::as_object_mut) {
             body.remove("suspended");
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "it isn't told",
         make: || {
@@ -38,7 +39,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     // An operation that isn't suspended, and is to be resumed for a trial, is another rule's matter.
     if exchange.response("ASYNC-RESUME").is_none() || exchange.tried(&asy_19::RULE.rule).is_some() {
         return;
@@ -49,10 +50,10 @@ fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         };
         context.covered();
         if !operation.was_suspended {
-            exchange.breaks(context, || {
+            exchange.violates(context, || {
                 Detail::new(format!(
                     "{} was resumed, and nothing has told that it was suspended",
-                    fw::quoted(&named.receipt)
+                    body::quoted(&named.receipt)
                 ))
                 .at("/body/success")
             });

@@ -3,7 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Stage, Status, fw,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Stage, Status, body,
+    mutant, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -12,16 +13,17 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "A suspended operation doesn't end until the client resumes or cancels it.",
-        source: fw::ASYNC,
+        source: source::ASYNC,
         applies_to: "ASYNC-* over time",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::behaviour("Suspended operations go on by themselves."),
+    trial: None,
     mutants: &[Mutant {
         name: "it ends by itself",
         make: || {
-            fw::then(|session| {
+            mutant::then(|session| {
                 session.asks(
                     json!({ "type": "UAV-RTH", "ids": ["kite"] }),
                     json!({ "receipt": { "kite": "rcpt-8" } }),
@@ -35,7 +37,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     if !matches!(exchange.type_name, Some("ASYNC-RESP" | "ASYNC-TIMEOUT"))
         || exchange.role != Role::Notification
     {
@@ -45,10 +47,10 @@ fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         let Some(operation) = &named.before else { continue };
         context.covered();
         if operation.stage == Stage::Suspended {
-            exchange.breaks(context, || {
+            exchange.violates(context, || {
                 Detail::new(format!(
                     "{} waits for the client, who has neither resumed nor cancelled it",
-                    fw::quoted(&named.receipt)
+                    body::quoted(&named.receipt)
                 ))
                 .at("/body")
             });

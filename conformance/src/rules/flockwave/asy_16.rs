@@ -2,7 +2,9 @@
 
 use serde_json::json;
 
-use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
+use super::{
+    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, mutant, reply, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -10,10 +12,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "Each receipt that was to be cancelled or resumed stands in exactly one of `success` and `error`.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "ASYNC-CANCEL, ASYNC-RESUME",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::message("Receipts that were cancelled or resumed are also errors.", |out| {
         if !["ASYNC-CANCEL", "ASYNC-RESUME"].contains(&out.kind()) {
@@ -24,20 +26,21 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body["error"][receipt] = json!("and yet");
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a receipt in both",
-            make: || fw::reply("ASYNC-RESUME", |body| body["error"]["rcpt-1"] = "Not now".into()),
+            make: || mutant::reply("ASYNC-RESUME", |body| body["error"]["rcpt-1"] = "Not now".into()),
             also: &[],
         },
         Mutant {
             name: "a receipt in none",
-            make: || fw::reply("ASYNC-RESUME", |body| fw::remove(body, "error")),
+            make: || mutant::reply("ASYNC-RESUME", |body| mutant::remove(body, "error")),
             also: &[],
         },
     ],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    fw::partition(exchange, context, &["ASYNC-CANCEL", "ASYNC-RESUME"]);
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    reply::partition(exchange, context, &["ASYNC-CANCEL", "ASYNC-RESUME"]);
 }

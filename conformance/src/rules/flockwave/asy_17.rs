@@ -9,8 +9,8 @@ use std::collections::{BTreeMap, VecDeque};
 use serde_json::json;
 
 use super::{
-    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule,
-    RuleContext, Session, Stage, Status, fw,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule, RuleContext,
+    Session, SessionCheck, Stage, Status, StatusReport, body, mutant, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -19,17 +19,18 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "An operation that a client has cancelled still ends in an ASYNC-RESP, with an error.",
-        source: fw::ASYNC,
+        source: source::ASYNC,
         applies_to: "ASYNC-CANCEL over time",
     },
-    check: Check::State(|| Box::new(Cancelled::default())),
+    checks: &[Check::Session(|| Box::new(Cancelled::default()))],
     covers: &[],
     bug: Bug::behaviour("Operations that were cancelled go on."),
+    trial: None,
     mutants: &[
         Mutant {
             name: "nothing is told of its end",
             make: || {
-                fw::over("tcp#9", |session| {
+                mutant::over("tcp#9", |session| {
                     cancel(session, "rcpt-40");
                     session.wait(2.0 * PATIENCE);
                     session.tells(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
@@ -40,7 +41,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "it has a result",
             make: || {
-                fw::over("tcp#9", |session| {
+                mutant::over("tcp#9", |session| {
                     cancel(session, "rcpt-40");
                     session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-40", "result": "Flaps out" }));
                 })
@@ -50,7 +51,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "it is timed out",
             make: || {
-                fw::over("tcp#9", |session| {
+                mutant::over("tcp#9", |session| {
                     cancel(session, "rcpt-40");
                     session.tells(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-40"] }));
                 })
@@ -85,16 +86,22 @@ struct Waiting {
     times: VecDeque<(f64, String, Place)>,
 }
 
-impl Checker for Cancelled {
-    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+impl SessionCheck for Cancelled {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         if exchange.message().is_none() || !exchange.record.connection.is_told {
             return;
         }
         let waiting = self.0.of(exchange);
         waiting.end(exchange, context);
-        waiting.pass(exchange, context);
+        waiting.pass(exchange.time, context);
         if exchange.response("ASYNC-CANCEL").is_some() {
             waiting.begin(exchange);
+        }
+    }
+
+    fn status_report(&mut self, report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
+        if report.connection().is_told {
+            self.0.at(report.connection_id()).pass(report.time(), context);
         }
     }
 
@@ -126,7 +133,7 @@ impl Waiting {
         }
         let actual = match exchange.type_name {
             Some("ASYNC-TIMEOUT") => Some("ASYNC-TIMEOUT"),
-            Some("ASYNC-RESP") if fw::is_there(exchange.field("error")) => None,
+            Some("ASYNC-RESP") if body::is_there(exchange.field("error")) => None,
             // With neither it isn't known what it wants to say.
             Some("ASYNC-RESP") => exchange.field("result").map(|_| "a result"),
             _ => return,
@@ -137,8 +144,8 @@ impl Waiting {
             }
             context.covered();
             if let Some(actual) = actual {
-                exchange.breaks(context, || {
-                    let receipt = fw::quoted(&named.receipt);
+                exchange.violates(context, || {
+                    let receipt = body::quoted(&named.receipt);
                     Detail::new(format!("{receipt} was cancelled, and ends in {actual}"))
                         .expected("ASYNC-RESP with an error")
                         .actual(actual)
@@ -148,8 +155,8 @@ impl Waiting {
     }
 
     /// Time passes.
-    fn pass(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        let Some(now) = exchange.time else { return };
+    fn pass(&mut self, time: Option<f64>, context: &mut RuleContext<'_>) {
+        let Some(now) = time else { return };
         while self.times.front().is_some_and(|(time, ..)| now - time > PATIENCE) {
             let Some((time, receipt, place)) = self.times.pop_front() else { break };
             // It may have ended since, and another may have its receipt.
@@ -159,7 +166,7 @@ impl Waiting {
             self.receipts.remove(&receipt);
             context.covered();
             context.violation("ASYNC-CANCEL", place, || {
-                let receipt = fw::quoted(&receipt);
+                let receipt = body::quoted(&receipt);
                 let waited = now - time;
                 Detail::new(format!(
                     "{receipt} was cancelled, and for {waited:.0} s nothing was told of its end, though the server spoke"

@@ -1,8 +1,8 @@
 //! `FW-ASY-20`.
 
 use super::{
-    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
-    attribution, fw,
+    Attribution, Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, body, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -11,10 +11,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "ASYNC-TIMEOUT has `ids`, a list of strings.",
-        source: fw::ASYNC,
+        source: source::ASYNC,
         applies_to: "ASYNC-TIMEOUT",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
     covers: &[
         Attribution::new(&["ASYNC-TIMEOUT"], "ids", attribution::MISSING),
         Attribution::new(&["ASYNC-TIMEOUT"], "ids.*", attribution::MISSING),
@@ -24,15 +24,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body["ids"] = body["ids"][0].take();
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "one id without a list",
-        make: || fw::notice("ASYNC-TIMEOUT", |body| body["ids"] = "rcpt-2".into()),
+        make: || mutant::notice("ASYNC-TIMEOUT", |body| body["ids"] = "rcpt-2".into()),
         also: &[],
     }],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    if exchange.body_of("ASYNC-TIMEOUT").is_some() {
-        fw::field(exchange, context, "ids", true, &Shape::List(&Shape::Text));
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body_of("ASYNC-TIMEOUT").is_some() {
+        body::field(message, context, "ids", true, &Shape::List(&Shape::Text));
     }
 }

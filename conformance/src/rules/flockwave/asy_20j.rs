@@ -3,7 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw,
+    Attribution, Bug, Check, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body,
+    mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -12,20 +13,21 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Should,
         status: Status::Advisory,
         statement: "The `ids` of ASYNC-TIMEOUT are unique.",
-        source: fw::SCHEMA,
+        source: source::SCHEMA,
         applies_to: "ASYNC-TIMEOUT",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["ASYNC-TIMEOUT"], "ids", &[Fault::Value])],
     bug: Bug::message("ASYNC-TIMEOUT has its receipt twice.", |out| {
         if let Some(ids) = out.ids_of("ASYNC-TIMEOUT") {
             ids.extend_from_within(..1);
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "an id twice",
         make: || {
-            fw::then(|session| {
+            mutant::then(|session| {
                 session.asks(
                     json!({ "type": "UAV-RTH", "ids": ["kite"] }),
                     json!({ "receipt": { "kite": "rcpt-8" } }),
@@ -37,8 +39,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    if exchange.body_of("ASYNC-TIMEOUT").is_some() {
-        fw::unique(exchange, context, "ids");
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body_of("ASYNC-TIMEOUT").is_some() {
+        body::unique(message, context, "ids");
     }
 }

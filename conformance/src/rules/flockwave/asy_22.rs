@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::{
     Attribution, Bug, Check, Detail, Exchange, Fault, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext,
-    Status, Tree, fw,
+    Status, Tree, body, mutant, source,
 };
 use crate::json::pointer;
 
@@ -16,10 +16,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             "The result of ASYNC-RESP is an object in the text, a number in an example of it, and anything in the schema; here it is what the reply would have had.",
         ),
         statement: "Results have the type that is laid down for the command: true or false for most of UAV-*.",
-        source: fw::SCHEMA,
+        source: source::SCHEMA,
         applies_to: "replies with `result`, ASYNC-RESP",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
     covers: &[Attribution::new(&TYPES, "result.*", &[Fault::Null, Fault::Kind])],
     bug: Bug::message("Results that are booleans are texts.", |out| {
         let is_command = out.kind().starts_with("UAV-") || out.kind() == "ASYNC-RESP";
@@ -32,29 +32,30 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             *value = json!("yes");
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "null, in a reply",
-            make: || fw::reply("UAV-TAKEOFF", |body| body["result"]["swift"] = json!(null)),
+            make: || mutant::reply("UAV-TAKEOFF", |body| body["result"]["swift"] = json!(null)),
             also: &[],
         },
         Mutant {
             name: "a number, later",
-            make: || fw::notice("ASYNC-RESP", |body| body["result"] = 7.into()),
+            make: || mutant::notice("ASYNC-RESP", |body| body["result"] = 7.into()),
             also: &[],
         },
     ],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     if exchange.role == Role::Response && exchange.is_of_server() {
         let Some((name, expected, fits)) = exchange.type_name.and_then(result_of) else { return };
-        let wrong = fw::members(exchange, "result")
+        let wrong = body::members(exchange.body, "result")
             .iter()
             .inspect(|_| context.covered())
             .find(|(_, found)| !fits(found));
         if let Some((key, found)) = wrong {
-            exchange.breaks(context, || {
+            exchange.violates(context, || {
                 Detail::new(format!("the result of {name} is {expected}, found {found}"))
                     .at(pointer(&["body", "result", key]))
                     .expected(expected)
@@ -67,12 +68,12 @@ fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let asked = known.and_then(|operation| operation.type_name.as_deref());
     let Some((name, expected, fits)) = asked.and_then(result_of) else { return };
     // A null beside an error is none.
-    if fw::is_there(exchange.field("error")) {
+    if body::is_there(exchange.field("error")) {
         return;
     }
     context.covered();
     if !fits(found) {
-        exchange.breaks(context, || {
+        exchange.violates(context, || {
             Detail::new(format!("the result of {name} is {expected}, found {found}"))
                 .at("/body/result")
                 .expected(expected)

@@ -6,8 +6,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Lines, Mutant, Place, Rule, RuleContext,
-    Session, Status, fw,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Lines, Mutant, Place, Rule, RuleContext, Session,
+    SessionCheck, Status, StatusReport, lines, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -16,10 +16,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "A message is one JSON object.",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "messages of the server",
     },
-    check: Check::State(|| Box::new(Unreadable::default())),
+    checks: &[Check::Session(|| Box::new(Unreadable::default()))],
     covers: &[],
     bug: Bug::message("Notifications of UAV-INF come in an array.", |out| {
         if out.notification_of("UAV-INF").is_some() {
@@ -27,6 +27,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             *out.message() = json!([message]);
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "what the server sends is no JSON",
@@ -42,7 +43,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "lines that make up no message",
             make: || {
-                fw::over("tcp#9", |session| {
+                mutant::over("tcp#9", |session| {
                     session.says_raw("{");
                     session.says_raw("\"wind\":");
                     session.tells(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
@@ -81,14 +82,20 @@ impl Unreadable {
     }
 }
 
-impl Checker for Unreadable {
-    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+impl SessionCheck for Unreadable {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         if exchange.is_of_server() {
             context.covered();
         }
-        if !fw::are_several(exchange, "tcp") && !fw::are_several(exchange, "udp") {
+        if !lines::are_several(exchange, "tcp") && !lines::are_several(exchange, "udp") {
             self.0.follow(exchange);
         }
+        self.tell(context);
+    }
+
+    fn status_report(&mut self, report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
+        context.covered();
+        self.0.end_of(report.connection().index);
         self.tell(context);
     }
 

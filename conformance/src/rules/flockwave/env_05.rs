@@ -3,7 +3,8 @@
 use serde_json::Value;
 
 use super::{
-    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Session, Shape, Status, fw,
+    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Session, Shape, Status, body,
+    source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -12,16 +13,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Should,
         status: Status::Advisory,
         statement: "`refs` of a message, where it is present, is a string of 1 to 36 characters.",
-        source: fw::SCHEMA,
+        source: source::SCHEMA,
         applies_to: "messages of the server",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
     covers: &[],
     bug: Bug::message("Notifications have refs, which are null.", |out| {
         if out.is_notification() {
             out.message()["refs"] = Value::Null;
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "`refs` of 37 characters",
         make: || {
@@ -34,7 +36,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    let Some(message) = exchange.message() else { return };
-    fw::member(exchange, context, Some(message), &[], ("refs", false), &Shape::Length(1, 36));
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    body::member(message, context, Some(message.value), &[], ("refs", false), &Shape::Length(1, 36));
 }

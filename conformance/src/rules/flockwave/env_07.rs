@@ -8,7 +8,7 @@ use serde_json::json;
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Session, Status,
-    env_25, fw,
+    env_25, mutant, served, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -17,16 +17,17 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "Each request gets a response, whatever its type.",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "requests over time",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::message("Requests of unknown types aren't answered.", |out| {
         if out.refuses_unknown_type() {
             out.message = None;
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a request without an answer",
@@ -36,7 +37,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "a request without an answer after which a probe waits no longer",
             make: || {
-                fw::over("tcp#9", |session| {
+                mutant::over("tcp#9", |session| {
                     session.tries(&RULE.rule, "", json!({ "type": "SYS-VER" }));
                 })
             },
@@ -48,7 +49,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 /// How long a server may take, in seconds: what takes longer is answered with a receipt.
 const PATIENCE: f64 = 30.0;
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let Some(asked) = &exchange.asked else { return };
     // What is no request of Flockwave needn't have an answer.
     if !asked.is_sound || !exchange.record.connection.is_told {
@@ -58,7 +59,7 @@ fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         // What tries another rule is a matter of that one, but for the one on the order of answers, which says nothing of
         // what has none.
         if of.id == RULE.rule.id {
-            fw::tried(exchange, context);
+            served::tried(exchange, context);
         }
         if of.id != env_25::RULE.rule.id {
             return;

@@ -3,7 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Reference, Rule, RuleContext, Status, fw,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Reference, Rule, RuleContext, Status, body,
+    mutant, reply, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -12,10 +13,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "A request gets one response at most.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "responses over time",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::message("SYS-PING is answered twice.", |out| {
         if out.asked() == Some("SYS-PING") {
@@ -23,24 +24,25 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             out.follow(Some(&refs), json!({ "type": "ACK-ACK" }));
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "a second answer",
         make: || {
             let answer = || json!({ "body": { "type": "ACK-ACK" } });
-            fw::then(|session| session.answers("ask-2", answer()))
+            mutant::then(|session| session.answers("ask-2", answer()))
         },
         also: &[],
     }],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    if !fw::refers(exchange) {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if !reply::refers(exchange) {
         return;
     }
     context.covered();
     if exchange.reference == Reference::Answered {
-        exchange.breaks(context, || {
-            let refs = exchange.refs.map(fw::quoted).unwrap_or_default();
+        exchange.violates(context, || {
+            let refs = exchange.refs.map(body::quoted).unwrap_or_default();
             Detail::new(format!("the request {refs} has had its response already")).at("/refs")
         });
     }

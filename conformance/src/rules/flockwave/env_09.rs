@@ -4,7 +4,7 @@ use serde_json::json;
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Reference, Rule, RuleContext, Session,
-    Status, fw,
+    Status, body, reply, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -13,10 +13,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "`refs` never names a notification.",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "responses over time",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::message("An acknowledgment refers to each notification of UAV-INF.", |out| {
         if out.notification_of("UAV-INF").is_some() {
@@ -24,6 +24,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             out.follow(Some(&refs), json!({ "type": "ACK-ACK" }));
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "a response to a notification",
         make: || {
@@ -36,14 +37,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    if !fw::refers(exchange) {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if !reply::refers(exchange) {
         return;
     }
     context.covered();
     if exchange.reference == Reference::Notification {
-        exchange.breaks(context, || {
-            let refs = exchange.refs.map(fw::quoted).unwrap_or_default();
+        exchange.violates(context, || {
+            let refs = exchange.refs.map(body::quoted).unwrap_or_default();
             Detail::new(format!("{refs} is a notification of the server itself")).at("/refs")
         });
     }

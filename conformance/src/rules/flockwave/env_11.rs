@@ -1,7 +1,8 @@
 //! `FW-ENV-11`.
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, Tree, fw,
+    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, Tree, body, mutant,
+    source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -12,10 +13,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             "The text has `body` as an object; the published schema also lets it be null.",
         ),
         statement: "A message has `body`, an object, or `error`.",
-        source: fw::SCHEMA,
+        source: source::SCHEMA,
         applies_to: "messages of the server",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
     covers: &[],
     bug: Bug::message("Notifications of UAV-INF have neither body nor error.", |out| {
         if out.notification_of("UAV-INF").is_some()
@@ -24,27 +25,27 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             message.remove("body");
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "neither",
-            make: || fw::reply_message("ACK-ACK", |message| fw::remove(message, "body")),
+            make: || mutant::reply_message("ACK-ACK", |message| mutant::remove(message, "body")),
             also: &[],
         },
         Mutant {
             name: "a body that is a string",
-            make: || fw::reply_message("ACK-ACK", |message| message["body"] = "fine".into()),
+            make: || mutant::reply_message("ACK-ACK", |message| message["body"] = "fine".into()),
             also: &[],
         },
     ],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    let Some(message) = exchange.message() else { return };
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     context.covered();
-    match message.get("body") {
+    match message.value.get("body") {
         Some(Tree::Object(_)) => {}
-        None | Some(Tree::Null) if fw::is_there(message.get("error")) => {}
-        None => exchange.breaks(context, || Detail::differs("`body` or `error`", "neither")),
-        Some(other) => exchange.breaks(context, || Detail::differs("an object", other).at("/body")),
+        None | Some(Tree::Null) if body::is_there(message.value.get("error")) => {}
+        None => message.violates(context, || Detail::differs("`body` or `error`", "neither")),
+        Some(other) => message.violates(context, || Detail::differs("an object", other).at("/body")),
     }
 }

@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, INTEGER, Level, Mutant, Rule, RuleContext, Shape, Status,
-    Tree, fw,
+    Bug, Check, Detail, FlockwaveRule, INTEGER, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
+    Tree, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -13,10 +13,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "`error` of a message is an object with an integer `code`, a string `message`, or both.",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "messages of the server",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
     covers: &[],
     bug: Bug::message("Requests of unknown types are answered by an error that says nothing.", |out| {
         if out.refuses_unknown_type()
@@ -26,11 +26,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             message.insert("error".to_owned(), json!({}));
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "an empty error",
             make: || {
-                fw::then(|session| {
+                mutant::then(|session| {
                     let id = session.sends(json!({ "type": "LCN-INF" }));
                     session.answers(&id, json!({ "error": {} }));
                 })
@@ -40,7 +41,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "a code that is a string",
             make: || {
-                fw::then(|session| {
+                mutant::then(|session| {
                     let id = session.sends(json!({ "type": "LCN-INF" }));
                     session.answers(&id, json!({ "error": { "code": "three", "message": "No" } }));
                 })
@@ -50,8 +51,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    let Some(error) = exchange.message().and_then(|message| message.get("error")) else { return };
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    let Some(error) = message.value.get("error") else { return };
     if *error == Tree::Null {
         return;
     }
@@ -60,9 +61,9 @@ fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         let value = error.get(name).filter(|value| **value != Tree::Null)?;
         Some(shape.mismatch(value).is_none())
     };
-    let (code, message) = (fits("code", INTEGER), fits("message", Shape::Text));
-    if code == Some(false) || message == Some(false) || (code, message) == (None, None) {
-        exchange.breaks(context, || {
+    let (code, text) = (fits("code", INTEGER), fits("message", Shape::Text));
+    if code == Some(false) || text == Some(false) || (code, text) == (None, None) {
+        message.violates(context, || {
             Detail::differs("an integer `code`, a string `message`, or both", error).at("/error")
         });
     }

@@ -5,7 +5,8 @@ use serde_json::json;
 use uavspec_codegen::schema::json_type::Direction;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, fw,
+    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Role, Rule, RuleContext, Status, mutant,
+    source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -16,31 +17,32 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             "The published schema of notifications lacks UAV-INF, CONN-INF and DEV-INF, which the text allows; CLK-INF and UAV-PREFLT stand as the text has them.",
         ),
         statement: "A message of the server without `refs` is of a type that may be a notification, or a SYS-PING.",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "messages of the server",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
     covers: &[],
     bug: Bug::message("A CONN-LIST that nobody asked for follows each SYS-VER.", |out| {
         if out.kind() == "SYS-VER" {
             out.follow(None, json!({ "type": "CONN-LIST", "ids": ["radio-1"] }));
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "an answer without `refs`",
-        make: || fw::then(|session| session.tells(json!({ "type": "UAV-LIST", "ids": [] }))),
+        make: || mutant::then(|session| session.tells(json!({ "type": "UAV-LIST", "ids": [] }))),
         also: &[],
     }],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     let shapes = context.definitions.shapes();
-    let Some(name) = exchange.type_name.filter(|name| shapes.has(name)) else { return };
-    if exchange.role != Role::Notification {
+    let Some(name) = message.type_name.filter(|name| shapes.has(name)) else { return };
+    if message.role != Role::Notification {
         return;
     }
     context.covered();
     if !shapes.goes(name, Direction::Notification) {
-        exchange.breaks(context, || Detail::new(format!("{name} has no `refs`, and it is no notification")));
+        message.violates(context, || Detail::new(format!("{name} has no `refs`, and it is no notification")));
     }
 }

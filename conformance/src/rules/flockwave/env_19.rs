@@ -6,7 +6,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, fw,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Request, Role, Rule, RuleContext, Status,
+    Trial, body, mutant, served, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -15,17 +16,18 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "A client doesn't use the id of a request again while that is unanswered. Afterwards a server accepts it.",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "requests over time",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::behaviour("An id that was answered is refused when it comes again."),
+    trial: Some(Trial::Requests(|_| requests())),
     mutants: &[
         Mutant {
             name: "an id is used twice at the same time",
             make: || {
-                fw::then(|session| {
+                mutant::then(|session| {
                     let id = session.sends(json!({ "type": "SYS-PING" }));
                     let other = session.sends(json!({ "type": "SYS-PING" }));
                     if let Some(line) = session.lines.last_mut() {
@@ -40,22 +42,27 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         },
         Mutant {
             name: "an id that was answered is refused",
-            make: || fw::refused("tcp#9", &RULE.rule),
+            make: || mutant::refused("tcp#9", &RULE.rule),
             also: &[],
         },
     ],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    fw::served(exchange, context);
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    served::served(exchange, context);
     if exchange.role != Role::Request || exchange.is_of_server() || !exchange.record.connection.is_told {
         return;
     }
     context.covered();
     if exchange.is_id_in_use {
-        exchange.breaks(context, || {
-            let id = exchange.id.map(fw::quoted).unwrap_or_default();
+        exchange.violates(context, || {
+            let id = exchange.id.map(body::quoted).unwrap_or_default();
             Detail::new(format!("another request with the id {id} waits for its answer")).at("/id")
         });
     }
+}
+
+fn requests() -> Vec<Request> {
+    let request = Request::new("an id that is answered", json!({ "type": "SYS-VER" }));
+    vec![Request { is_repeated: true, ..request }]
 }

@@ -2,7 +2,10 @@
 
 use serde_json::json;
 
-use super::{Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, env_05, env_06, fw, served};
+use super::{
+    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, Step, Strain, Trial, env_05, env_06,
+    mutant, served, source,
+};
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -10,10 +13,10 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "A request whose id is unusual but allowed is answered, and the answer has that id: 36 characters, letters that aren't ASCII, spaces.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: served::APPLIES_TO,
     },
-    check: Check::Exchange(served::check),
+    checks: &[Check::Exchange(served::check)],
     covers: &[],
     bug: Bug::message("Responses refer to ids without what isn't an ASCII letter, digit, - or _.", |out| {
         if let Some(refs) = out.message()["refs"].as_str() {
@@ -23,9 +26,21 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         }
     })
     .with(&[&env_05::RULE.rule, &env_06::RULE.rule]),
+    trial: Some(Trial::Attempts(Strain::Sound, |_| attempts())),
     mutants: &[
-        Mutant { name: served::UNANSWERED, make: || fw::unanswered("tcp#9", &RULE.rule), also: &[] },
-        Mutant { name: served::REFUSED, make: || fw::refused("tcp#9", &RULE.rule), also: &[] },
+        Mutant { name: served::UNANSWERED, make: || mutant::unanswered("tcp#9", &RULE.rule), also: &[] },
+        Mutant { name: served::REFUSED, make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
         Mutant { name: served::NO_CONNECTION, make: || served::no_connection(&RULE.rule), also: &[] },
     ],
 };
+
+/// An attempt for each unusual id.
+fn attempts() -> Vec<Attempt> {
+    let ids = [
+        ("an id of 36 characters", "c0ffee00-1234-4abc-9def-0123456789ab"),
+        ("an id with spaces", " two words "),
+        ("an id that isn't ASCII", "Höhe 高度 \u{1fa82}"),
+        ("an id with characters that JSON escapes", "\"\\/\u{7}\t<&>"),
+    ];
+    ids.map(|(how, id)| Attempt::new(how, [Step::request(id)])).into()
+}

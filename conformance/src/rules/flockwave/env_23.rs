@@ -3,7 +3,8 @@
 use std::collections::HashSet;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Session, Status, Tree, fw,
+    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Session, Status, Tree,
+    body, source,
 };
 use crate::json::pointer;
 
@@ -13,10 +14,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "A message is strict JSON: no `NaN` or `Infinity`, and no key twice in an object.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "messages of the server",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
     covers: &[],
     bug: Bug::message("Notifications have a key twice.", |out| {
         if out.is_notification() {
@@ -26,6 +27,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             };
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "`NaN`",
@@ -53,11 +55,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 /// How many keys are few.
 const FEW: usize = 16;
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    let Some(message) = exchange.message() else { return };
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     context.covered();
-    if let Some((path, what)) = loose(message) {
-        exchange.breaks(context, || Detail::new(what).at(path));
+    if let Some((path, what)) = loose(message.value) {
+        message.violates(context, || Detail::new(what).at(path));
     }
 }
 
@@ -79,7 +80,10 @@ fn loose(value: &Tree<'_>) -> Option<(String, String)> {
                     !seen.insert(key.as_ref())
                 };
                 if is_repeated {
-                    return Some((String::new(), format!("the key {} stands there twice", fw::quoted(key))));
+                    return Some((
+                        String::new(),
+                        format!("the key {} stands there twice", body::quoted(key)),
+                    ));
                 }
                 Some(below(key, loose(value)?))
             })

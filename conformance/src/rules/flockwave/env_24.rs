@@ -11,8 +11,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde_json::json;
 
 use super::{
-    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Role, Rule,
-    RuleContext, Status, Tree, env_07, fw,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Role, Rule,
+    RuleContext, SessionCheck, Status, Tree, env_07, mutant, served, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -21,17 +21,18 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "Each mandatory family has a handler: ASYNC, AUTH, CONN, DEV, EXT, OBJ, RTK, SYS and UAV. (Nothing can be asked of ACK.)",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "requests that try it",
     },
-    check: Check::State(|| Box::new(Families::default())),
+    checks: &[Check::Session(|| Box::new(Families::default()))],
     covers: &[],
     bug: Bug::behaviour("Nothing of the family DEV is handled."),
+    trial: None,
     mutants: &[
         Mutant {
             name: "DEV is refused as what there isn't",
             make: || {
-                fw::over("tcp#9", |session| {
+                mutant::over("tcp#9", |session| {
                     session.logs_in();
                     for (rule, name) in
                         [(&RULE.rule, "DEV-LIST"), (&env_07::RULE.rule, "UAV-SOAR"), (&RULE.rule, "DEV-SUB")]
@@ -46,7 +47,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "CONN is refused without a reason, as is what there isn't",
             make: || {
-                fw::over("tcp#9", |session| {
+                mutant::over("tcp#9", |session| {
                     session.logs_in();
                     for (rule, name) in [(&env_07::RULE.rule, "UAV-SOAR"), (&RULE.rule, "CONN-LIST")] {
                         session.tries_and_hears(
@@ -63,7 +64,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "no answer to a family",
             make: || {
-                fw::over("tcp#9", |session| {
+                mutant::over("tcp#9", |session| {
                     session.tries(&RULE.rule, "", json!({ "type": "RTK-LIST" }));
                 })
             },
@@ -105,8 +106,8 @@ struct Family {
     place: Place,
 }
 
-impl Checker for Families {
-    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+impl SessionCheck for Families {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         if let Some(refusals) = self.connections.closed(exchange) {
             return self.judge(refusals, context);
         }
@@ -121,7 +122,7 @@ impl Checker for Families {
         }
         if exchange.role == Role::Response && exchange.tried(&env_07::RULE.rule).is_some() {
             let asked = exchange.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
-            if let Some(name) = asked.filter(|name| !context.definitions.is_message_known(name))
+            if let Some(name) = asked.filter(|name| !context.definitions.body_schemas().has(name))
                 && let Some(reason) = reason(exchange, name)
             {
                 let unknown = &mut self.connections.of(exchange).unknown;
@@ -130,7 +131,7 @@ impl Checker for Families {
                 }
             }
         }
-        if fw::tried(exchange, context) {
+        if served::tried(exchange, context) {
             self.tried(exchange);
         }
     }

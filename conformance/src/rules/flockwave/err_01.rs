@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
-    Tree, fw, ust_errors,
+    Attribution, Bug, Check, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
+    Tree, body, mutant, source, ust_errors,
 };
 use crate::flockwave::body_schema::Mismatch;
 use crate::json::pointer;
@@ -15,17 +15,18 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "Codes are integers, 0 or more.",
-        source: fw::ERRORS,
+        source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.errors.*", &[Fault::Value])],
     bug: Bug::message("An error code is negative.", |out| out.set_in_state("errors", json!([-1]))),
+    trial: None,
     mutants: &[
-        Mutant { name: "a negative code", make: || fw::errors(&[-1]), also: &[] },
+        Mutant { name: "a negative code", make: || mutant::errors(&[-1]), also: &[] },
         Mutant {
             name: "a word",
-            make: || fw::state(|kite| kite["errors"] = json!(["windy"])),
+            make: || mutant::state(|kite| kite["errors"] = json!(["windy"])),
             also: &[&ust_errors::RULE.rule],
         },
     ],
@@ -33,14 +34,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 const CODE: Shape = Shape::Integer(0, i128::MAX);
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    for (uav, state) in fw::states(exchange, "UAV-INF") {
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    for (uav, state) in body::states(message, "UAV-INF") {
         let Some(Tree::List(codes)) = state.get("errors") else { continue };
         context.covered();
         let wrong = codes.iter().enumerate().find_map(|(at, code)| Some((at, CODE.mismatch(code)?)));
         if let Some((at, found)) = wrong {
             let path = pointer(&["body", "status", uav, "errors", &at.to_string()]);
-            fw::mismatched(exchange, context, Mismatch { path, ..found });
+            body::mismatched(message, context, Mismatch { path, ..found });
         }
     }
 }

@@ -4,7 +4,9 @@ use serde_json::json;
 
 use std::collections::HashSet;
 
-use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
+use super::{
+    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -12,17 +14,18 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "No code stands twice in a list.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "`errors` of UAV-INF",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
     covers: &[],
     bug: Bug::message("An error code is listed twice.", |out| out.set_in_state("errors", json!([64, 64]))),
-    mutants: &[Mutant { name: "a code twice", make: || fw::errors(&[1, 1]), also: &[] }],
+    trial: None,
+    mutants: &[Mutant { name: "a code twice", make: || mutant::errors(&[1, 1]), also: &[] }],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    fw::codes(exchange, context, |codes| {
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    body::codes(message, context, |codes| {
         let mut seen = HashSet::new();
         let twice = codes.iter().find(|code| !seen.insert(**code))?;
         Some(format!("{twice} stands there twice"))

@@ -8,7 +8,10 @@ use std::collections::BTreeSet;
 
 use serde_json::{Value, json};
 
-use super::{Checker, Detail, Exchange, PerConnection, Place, RuleContext, Session, fw, uav_inf_07};
+use super::{
+    Detail, Exchange, PerConnection, Place, RuleContext, Session, SessionCheck, body, reply, served,
+    uav_inf_07,
+};
 
 /// Puts records between two lists of the same UAVs.
 pub(super) fn listed_twice(session: &mut Session, say: impl FnOnce(&mut Session)) {
@@ -40,10 +43,10 @@ struct Listed {
     doubted: Vec<(String, Place)>,
 }
 
-impl Checker for Unknown {
-    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+impl SessionCheck for Unknown {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         if self.is_of_repeated {
-            fw::served(exchange, context);
+            served::served(exchange, context);
         }
         if !exchange.is_of_server() || !exchange.record.connection.is_told {
             return;
@@ -51,7 +54,7 @@ impl Checker for Unknown {
         if exchange.response("UAV-INF").is_some() {
             return self.inform(exchange, context);
         }
-        let list = fw::listed(exchange);
+        let list = reply::listed(exchange);
         let listed = self.connections.of(exchange);
         if exchange.notification("OBJ-DEL").is_some() {
             let is_left = |id: &String| list.as_ref().is_some_and(|gone| !gone.contains(id));
@@ -60,7 +63,7 @@ impl Checker for Unknown {
         } else if let (Some(_), Some(list)) = (exchange.response("UAV-LIST"), list) {
             for (id, place) in listed.doubted.drain(..).filter(|(id, _)| list.contains(id)) {
                 context.violation("UAV-INF", place, || {
-                    let id = fw::quoted(&id);
+                    let id = body::quoted(&id);
                     Detail::new(format!("{id} isn't known, and UAV-LIST has it before and after"))
                         .expected("a state")
                         .actual("an error")
@@ -90,7 +93,7 @@ impl Unknown {
         }
         let listed = self.connections.of(exchange);
         let known = asked.objects.iter().flatten().filter(|id| listed.uavs.contains(*id));
-        let unknown = fw::members(exchange, "error");
+        let unknown = body::members(exchange.body, "error");
         for id in known {
             context.covered();
             let is_doubted = unknown.iter().any(|(unknown, _)| unknown == id);

@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Shape,
-    Status, attribution, fw,
+    Attribution, Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Role, Rule, RuleContext, Shape,
+    Status, attribution, body, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -13,10 +13,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "OBJ-DEL is a notification with `ids`, a list of strings.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "OBJ-DEL",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
     covers: &[
         Attribution::new(&["OBJ-DEL"], "ids", attribution::MISSING),
         Attribution::new(&["OBJ-DEL"], "ids.*", attribution::MISSING),
@@ -26,16 +26,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body["ids"] = body["ids"][0].take();
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "no ids",
-            make: || fw::notice("OBJ-DEL", |body| *body = json!({ "type": "OBJ-DEL" })),
+            make: || mutant::notice("OBJ-DEL", |body| *body = json!({ "type": "OBJ-DEL" })),
             also: &[],
         },
         Mutant {
             name: "as an answer",
             make: || {
-                fw::then(|session| {
+                mutant::then(|session| {
                     let id = session.sends(json!({ "type": "UAV-SOAR" }));
                     session.answers(&id, json!({ "body": { "type": "OBJ-DEL", "ids": ["vane"] } }));
                 })
@@ -45,13 +46,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    if exchange.body_of("OBJ-DEL").is_none() {
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body_of("OBJ-DEL").is_none() {
         return;
     }
     context.covered();
-    if exchange.role != Role::Notification {
-        exchange.breaks(context, || Detail::new("it has `refs`, and is a notification"));
+    if message.role != Role::Notification {
+        message.violates(context, || Detail::new("it has `refs`, and is a notification"));
     }
-    fw::field(exchange, context, "ids", true, &Shape::List(&Shape::Text));
+    body::field(message, context, "ids", true, &Shape::List(&Shape::Text));
 }

@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, Status,
-    Tree, fw,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, SessionCheck,
+    Status, StatusReport, Tree, body, mutant, source,
 };
 use crate::flockwave::session::ids::Ids;
 
@@ -14,16 +14,17 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "Objects that OBJ-DEL names aren't in later lists, unless something is told of them again.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "OBJ-DEL, OBJ-LIST and UAV-LIST over time",
     },
-    check: Check::State(|| Box::new(Gone::default())),
+    checks: &[Check::Session(|| Box::new(Gone::default()))],
     covers: &[],
     bug: Bug::behaviour("Objects that are gone stay in the lists."),
+    trial: None,
     mutants: &[Mutant {
         name: "one is listed again",
         make: || {
-            fw::then(|session| {
+            mutant::then(|session| {
                 session.asks(json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite", "swift", "vane"] }));
             })
         },
@@ -46,12 +47,12 @@ impl Default for Gone {
     }
 }
 
-impl Checker for Gone {
-    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+impl SessionCheck for Gone {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         if !exchange.is_of_server() || !exchange.record.connection.is_told {
             return;
         }
-        for (id, _) in fw::members(exchange, "status") {
+        for (id, _) in body::members(exchange.body, "status") {
             self.0.remove(exchange.serial, id);
         }
         let ids = match exchange.field("ids") {
@@ -64,16 +65,24 @@ impl Checker for Gone {
                 context.covered();
                 let mut ids = ids;
                 if let Some(id) = ids.find(|id| self.0.contains(exchange.serial, id)) {
-                    exchange.breaks(context, || {
+                    exchange.violates(context, || {
                         Detail::new(format!(
                             "{} is listed, and OBJ-DEL has said that it is gone",
-                            fw::quoted(id)
+                            body::quoted(id)
                         ))
                         .at("/body/ids")
                     });
                 }
             }
             _ => {}
+        }
+    }
+
+    fn status_report(&mut self, report: &StatusReport<'_>, _: &mut RuleContext<'_>) {
+        if report.connection().is_told {
+            for (id, _) in report.timestamps() {
+                self.0.remove(report.connection_id().serial, id);
+            }
         }
     }
 

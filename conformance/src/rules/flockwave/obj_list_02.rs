@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde_json::json;
 
 use super::{
-    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule,
-    RuleContext, Status, fw, obj_list_03, uav_list_02,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule, RuleContext,
+    SessionCheck, Status, body, mutant, obj_list_03, reply, source, uav_list_02,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -15,17 +15,18 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "A filter leaves the objects of its types alone: no object is listed for two types.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "OBJ-LIST over time",
     },
-    check: Check::State(|| Box::new(Listed::default())),
+    checks: &[Check::Session(|| Box::new(Listed::default()))],
     covers: &[],
     bug: Bug::behaviour("OBJ-LIST doesn't heed its filter.")
         .with(&[&obj_list_03::RULE.rule, &uav_list_02::RULE.rule]),
+    trial: None,
     mutants: &[Mutant {
         name: "the filter is left out of account",
         make: || {
-            fw::over("tcp#9", |session| {
+            mutant::over("tcp#9", |session| {
                 for kind in ["uav", "beacon"] {
                     let all = json!({ "ids": ["kite", "mast", "swift"] });
                     session.asks(json!({ "type": "OBJ-LIST", "filter": [kind] }), all);
@@ -43,14 +44,14 @@ const MAX_KINDS: usize = 8;
 #[derive(Default)]
 struct Listed(PerConnection<BTreeMap<String, BTreeSet<String>>>);
 
-impl Checker for Listed {
-    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+impl SessionCheck for Listed {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         if !exchange.is_of_server() || !exchange.record.connection.is_told {
             return;
         }
         if exchange.notification("OBJ-DEL").is_some() {
             // What comes anew with the id of one that is gone may be of another type.
-            let gone = fw::listed(exchange);
+            let gone = reply::listed(exchange);
             let is_left = |id: &String| gone.as_ref().is_some_and(|gone| !gone.contains(id));
             self.0.of(exchange).values_mut().for_each(|list| list.retain(is_left));
             return;
@@ -62,13 +63,13 @@ impl Checker for Listed {
         else {
             return;
         };
-        let (Some(kind), Some(list)) = (filter.first(), fw::listed(exchange)) else { return };
+        let (Some(kind), Some(list)) = (filter.first(), reply::listed(exchange)) else { return };
         let lists = self.0.of(exchange);
         for (other, known) in lists.iter().filter(|(other, _)| *other != kind) {
             context.covered();
             if let Some(id) = list.intersection(known).next() {
-                exchange.breaks(context, || {
-                    let (id, kind, other) = (fw::quoted(id), fw::quoted(kind), fw::quoted(other));
+                exchange.violates(context, || {
+                    let (id, kind, other) = (body::quoted(id), body::quoted(kind), body::quoted(other));
                     Detail::new(format!("{id} is listed for the type {kind}, and was for {other}"))
                         .at("/body/ids")
                 });

@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 use serde_json::json;
 
 use super::{
-    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule,
-    RuleContext, Status, fw,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule, RuleContext,
+    SessionCheck, Status, body, mutant, reply, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -18,18 +18,19 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "Without a filter OBJ-LIST has all objects.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "OBJ-LIST over time",
     },
-    check: Check::State(|| Box::new(Objects::default())),
+    checks: &[Check::Session(|| Box::new(Objects::default()))],
     covers: &[],
     bug: Bug::behaviour("OBJ-LIST without a filter has UAVs only."),
+    trial: None,
     mutants: &[Mutant {
         name: "those of one type are missing",
         make: || {
             let all = || json!({ "ids": ["kite", "swift"] });
             let masts = json!({ "type": "OBJ-LIST", "filter": ["beacon"] });
-            fw::over("tcp#9", |session| {
+            mutant::over("tcp#9", |session| {
                 session.asks(json!({ "type": "OBJ-LIST" }), all());
                 session.asks(masts, json!({ "ids": ["mast"] }));
                 session.asks(json!({ "type": "OBJ-LIST" }), all());
@@ -55,19 +56,19 @@ struct Listed {
     others: BTreeSet<String>,
 }
 
-impl Checker for Objects {
-    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+impl SessionCheck for Objects {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         if !exchange.is_of_server() || !exchange.record.connection.is_told {
             return;
         }
         let is_end = exchange.notification("OBJ-DEL").or_else(|| exchange.notification("CONN-DEL")).is_some();
         if is_end {
-            let gone = fw::listed(exchange);
+            let gone = reply::listed(exchange);
             let is_left = |id: &String| gone.as_ref().is_some_and(|gone| !gone.contains(id));
             return self.0.of(exchange).others.retain(is_left);
         }
         let asked = exchange.response("OBJ-LIST").and(exchange.asked_same());
-        let (Some(asked), Some(list)) = (asked, fw::listed(exchange)) else { return };
+        let (Some(asked), Some(list)) = (asked, reply::listed(exchange)) else { return };
         let listed = self.0.of(exchange);
         match &asked.filter {
             Some(filter) if filter.is_empty() => {}
@@ -80,8 +81,8 @@ impl Checker for Objects {
                         context.covered();
                     }
                     if let Some(id) = others.difference(&list).next() {
-                        exchange.breaks(context, || {
-                            let id = fw::quoted(id);
+                        exchange.violates(context, || {
+                            let id = body::quoted(id);
                             Detail::new(format!("{id} is missing, which a list with a filter has"))
                                 .at("/body/ids")
                         });

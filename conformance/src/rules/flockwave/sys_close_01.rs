@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, Detail, Exchange, Fault, FlockwaveRule, Level, Mutant, Needs, Role, Rule,
-    RuleContext, Shape, Status, fw, sys_close_02,
+    Attribution, Bug, Check, Detail, Fault, FlockwaveRule, Level, Message, Mutant, Needs, Role, Rule,
+    RuleContext, Shape, Status, body, mutant, source, sys_close_02,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -13,25 +13,26 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "SYS-CLOSE is a notification with an optional string `reason`.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "SYS-CLOSE",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["SYS-CLOSE"], "reason", &[Fault::Kind])],
     bug: Bug::message("The reason of SYS-CLOSE is a number.", |out| {
         out.set("SYS-CLOSE", "reason", json!(7));
     })
     .needs(Needs::Farewell),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a reason that is a number",
-            make: || fw::notice("SYS-CLOSE", |body| body["reason"] = 7.into()),
+            make: || mutant::notice("SYS-CLOSE", |body| body["reason"] = 7.into()),
             also: &[],
         },
         Mutant {
             name: "as an answer",
             make: || {
-                fw::then(|session| {
+                mutant::then(|session| {
                     let id = session.sends(json!({ "type": "UAV-SOAR" }));
                     session.answers(&id, json!({ "body": { "type": "SYS-CLOSE" } }));
                 })
@@ -41,13 +42,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    if exchange.body_of("SYS-CLOSE").is_none() {
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body_of("SYS-CLOSE").is_none() {
         return;
     }
     context.covered();
-    if exchange.role != Role::Notification {
-        exchange.breaks(context, || Detail::new("it has `refs`, and is a notification"));
+    if message.role != Role::Notification {
+        message.violates(context, || Detail::new("it has `refs`, and is a notification"));
     }
-    fw::field(exchange, context, "reason", false, &Shape::Nullable(&Shape::Text));
+    body::field(message, context, "reason", false, &Shape::Nullable(&Shape::Text));
 }

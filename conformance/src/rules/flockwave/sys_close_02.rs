@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Session, Status,
-    fw,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Session, SessionCheck,
+    Status, StatusReport, source,
 };
 use crate::flockwave::session::remembered::Remembered;
 
@@ -14,16 +14,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "After SYS-CLOSE the server closes the connection.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "SYS-CLOSE over time",
     },
-    check: Check::State(|| Box::new(Closing::default())),
+    checks: &[Check::Session(|| Box::new(Closing::default()))],
     covers: &[],
     bug: Bug::message("SYS-CLOSE comes after each SYS-VER, and the connection goes on.", |out| {
         if out.kind() == "SYS-VER" {
             out.follow(None, json!({ "type": "SYS-CLOSE" }));
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "the server speaks on",
         make: || {
@@ -49,17 +50,27 @@ impl Default for Closing {
     }
 }
 
-impl Checker for Closing {
-    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+impl SessionCheck for Closing {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         if !exchange.is_of_server() || !exchange.record.connection.is_told {
             return;
         }
         if self.0.remove(&exchange.serial).is_some() {
-            exchange.breaks(context, || Detail::new("the server speaks on after SYS-CLOSE"));
+            exchange.violates(context, goes_on);
         }
         if exchange.body_of("SYS-CLOSE").is_some() {
             context.covered();
             self.0.insert(exchange.serial, (), 0);
         }
     }
+
+    fn status_report(&mut self, report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
+        if report.connection().is_told && self.0.remove(&report.connection_id().serial).is_some() {
+            report.violates(context, goes_on);
+        }
+    }
+}
+
+fn goes_on() -> Detail {
+    Detail::new("the server speaks on after SYS-CLOSE")
 }

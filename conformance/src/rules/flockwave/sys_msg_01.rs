@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status, Tree,
-    attribution, fw,
+    Attribution, Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status, Tree,
+    attribution, body, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -13,10 +13,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "`items` is a list, and each has a string `message`.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "SYS-MSG",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
     covers: &[
         Attribution::new(&["SYS-MSG"], "items", attribution::MISSING),
         Attribution::new(&["SYS-MSG"], "items.*", attribution::MISSING),
@@ -27,29 +27,30 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             item.remove("message");
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "an item without a message",
-            make: || fw::notice("SYS-MSG", |body| body["items"][0] = json!({ "severity": "info" })),
+            make: || mutant::notice("SYS-MSG", |body| body["items"][0] = json!({ "severity": "info" })),
             also: &[],
         },
         Mutant {
             name: "no list",
-            make: || fw::notice("SYS-MSG", |body| body["items"] = "Thermals".into()),
+            make: || mutant::notice("SYS-MSG", |body| body["items"] = "Thermals".into()),
             also: &[],
         },
     ],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    if exchange.body_of("SYS-MSG").is_none() {
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body_of("SYS-MSG").is_none() {
         return;
     }
-    fw::field(exchange, context, "items", true, &Shape::List(&Shape::Object));
-    if let Some(Tree::List(items)) = exchange.field("items") {
+    body::field(message, context, "items", true, &Shape::List(&Shape::Object));
+    if let Some(Tree::List(items)) = message.field("items") {
         for (at, item) in items.iter().enumerate().filter(|(_, item)| matches!(item, Tree::Object(_))) {
             let keys = ["body", "items", &at.to_string()];
-            fw::member(exchange, context, Some(item), &keys, ("message", true), &Shape::Text);
+            body::member(message, context, Some(item), &keys, ("message", true), &Shape::Text);
         }
     }
 }

@@ -5,7 +5,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, env_16, fw,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, body,
+    env_16, mutant, served, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -14,30 +15,31 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "SYS-PING is answered with ACK-ACK.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "SYS-PING",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::message("SYS-PING is answered with ACK-NAK.", |out| {
         if out.asked() == Some("SYS-PING") {
             out.message()["body"] = json!({ "type": "ACK-NAK" });
         }
     }),
+    trial: None,
     mutants: &[
-        Mutant { name: "it is refused", make: || fw::refused("tcp#9", &RULE.rule), also: &[] },
-        Mutant { name: "it isn't answered", make: || fw::unanswered("tcp#9", &RULE.rule), also: &[] },
+        Mutant { name: "it is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
+        Mutant { name: "it isn't answered", make: || mutant::unanswered("tcp#9", &RULE.rule), also: &[] },
         Mutant {
             name: "it is answered with something else",
-            make: || fw::reply("ACK-ACK", |body| *body = json!({ "type": "CONN-LIST", "ids": [] })),
+            make: || mutant::reply("ACK-ACK", |body| *body = json!({ "type": "CONN-LIST", "ids": [] })),
             also: &[&env_16::RULE.rule],
         },
     ],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let is_trial = exchange.tried(&RULE.rule).is_some();
-    if is_trial && !fw::served(exchange, context) {
+    if is_trial && !served::served(exchange, context) {
         return;
     }
     let asked = exchange.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
@@ -48,6 +50,6 @@ fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         context.covered();
     }
     if let Some(found) = exchange.type_name.filter(|found| !["ACK-ACK", "ACK-NAK"].contains(found)) {
-        exchange.breaks(context, || Detail::differs("ACK-ACK", fw::quoted(found)).at("/body/type"));
+        exchange.violates(context, || Detail::differs("ACK-ACK", body::quoted(found)).at("/body/type"));
     }
 }

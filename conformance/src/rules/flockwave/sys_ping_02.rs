@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, env_16, fw,
-    sys_ping_01,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, env_16,
+    mutant, source, sys_ping_01,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -13,10 +13,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "SYS-PING isn't answered with SYS-PING.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "SYS-PING",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::message("SYS-PING is answered with SYS-PING.", |out| {
         if out.asked() == Some("SYS-PING") {
@@ -24,20 +24,21 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     })
     .with(&[&sys_ping_01::RULE.rule, &env_16::RULE.rule]),
+    trial: None,
     mutants: &[Mutant {
         name: "it is",
-        make: || fw::reply("ACK-ACK", |body| body["type"] = "SYS-PING".into()),
+        make: || mutant::reply("ACK-ACK", |body| body["type"] = "SYS-PING".into()),
         also: &[&env_16::RULE.rule, &sys_ping_01::RULE.rule],
     }],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let asked = exchange.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
     if exchange.role != Role::Response || !exchange.is_of_server() || asked != Some("SYS-PING") {
         return;
     }
     context.covered();
     if exchange.type_name == Some("SYS-PING") {
-        exchange.breaks(context, || Detail::new("a request in the place of an answer").at("/body/type"));
+        exchange.violates(context, || Detail::new("a request in the place of an answer").at("/body/type"));
     }
 }

@@ -5,8 +5,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Role, Rule,
-    RuleContext, Status, Tree, fw,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Role, Rule,
+    RuleContext, SessionCheck, Status, Tree, mutant, source,
 };
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::json::pointer;
@@ -17,10 +17,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "Where SYS-PORTS lists the transport that is in use, it is with the port that is in use.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "SYS-PORTS on connections whose URL is known",
     },
-    check: Check::State(|| Box::new(Used::default())),
+    checks: &[Check::Session(|| Box::new(Used::default()))],
     covers: &[],
     bug: Bug::message("All ports are off by one.", |out| {
         for port in out.ports() {
@@ -28,11 +28,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             *port = json!(if number == 1 { 2 } else { number - 1 });
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "another port",
         make: || {
             let ports = json!({ "ports": { "tcp": 7004, "udp": 7002 } });
-            fw::over("tcp#9", |session| session.asks(json!({ "type": "SYS-PORTS" }), ports))
+            mutant::over("tcp#9", |session| session.asks(json!({ "type": "SYS-PORTS" }), ports))
         },
         also: &[],
     }],
@@ -42,8 +43,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 #[derive(Default)]
 struct Used(PerConnection<Option<(&'static str, u16)>>);
 
-impl Checker for Used {
-    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+impl SessionCheck for Used {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         if exchange.role == Role::Event && exchange.record.text == "connect" {
             *self.0.of(exchange) = exchange.record.note.and_then(in_use);
             return;
@@ -55,8 +56,9 @@ impl Checker for Used {
         };
         context.covered();
         if *listed != i128::from(port) {
-            exchange
-                .breaks(context, || Detail::differs(port, listed).at(pointer(&["body", "ports", transport])));
+            exchange.violates(context, || {
+                Detail::differs(port, listed).at(pointer(&["body", "ports", transport]))
+            });
         }
     }
 

@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, Exchange, FlockwaveRule, INTEGER, Level, Mutant, Rule, RuleContext, Status,
-    attribution, fw,
+    Attribution, Bug, Check, FlockwaveRule, INTEGER, Level, Message, Mutant, Rule, RuleContext, Status,
+    attribution, body, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -13,10 +13,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "`timestamp` is an integer, in milliseconds.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "SYS-TIME",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["SYS-TIME"], "timestamp", attribution::MISSING)],
     bug: Bug::message("The time of the server is in seconds, with a fraction.", |out| {
         if let Some(body) = out.body_of("SYS-TIME") {
@@ -25,22 +25,23 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body["timestamp"] = json!(seconds);
         }
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "seconds with a fraction",
-            make: || fw::reply("SYS-TIME", |body| body["timestamp"] = 1_790_000_000.25.into()),
+            make: || mutant::reply("SYS-TIME", |body| body["timestamp"] = 1_790_000_000.25.into()),
             also: &[],
         },
         Mutant {
             name: "a string",
-            make: || fw::reply("SYS-TIME", |body| body["timestamp"] = "noon".into()),
+            make: || mutant::reply("SYS-TIME", |body| body["timestamp"] = "noon".into()),
             also: &[],
         },
     ],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    if exchange.body_of("SYS-TIME").is_some() {
-        fw::field(exchange, context, "timestamp", true, &INTEGER);
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body_of("SYS-TIME").is_some() {
+        body::field(message, context, "timestamp", true, &INTEGER);
     }
 }

@@ -6,7 +6,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw, sys_time_02,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, mutant, source,
+    sys_time_02,
 };
 use crate::flockwave::session::ClockMove;
 
@@ -16,12 +17,13 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "An `adjustment` of 0 leaves the server's clock as it is.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "SYS-TIME over time",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::behaviour("An adjustment of 0 puts the clock forward by an hour."),
+    trial: None,
     mutants: &[
         Mutant { name: "the clock is an hour ahead at once", make: || adjusted(1), also: &[] },
         Mutant { name: "the clock is an hour ahead afterwards", make: || adjusted(2), also: &[] },
@@ -30,7 +32,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 
 /// The server's clock is an hour ahead from this answer on, of three.
 fn adjusted(first: usize) -> Option<Vec<u8>> {
-    fw::over("tcp#9", |session| {
+    mutant::over("tcp#9", |session| {
         let requests = [json!({}), json!({ "adjustment": 0 }), json!({})];
         for (at, mut request) in requests.into_iter().enumerate() {
             request["type"] = "SYS-TIME".into();
@@ -46,11 +48,11 @@ pub(super) fn is_adjusted(found: &ClockMove) -> bool {
     found.is_after_nothing && found.by > sys_time_02::TOLERANCE + found.since
 }
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let Some(found) = exchange.clock_move.filter(|found| found.is_after_nothing) else { return };
     context.covered();
     if is_adjusted(&found) {
-        exchange.breaks(context, || {
+        exchange.violates(context, || {
             let by = found.by;
             Detail::new(format!(
                 "the server's clock has moved by {by:.1} s, after it was to be adjusted by 0"

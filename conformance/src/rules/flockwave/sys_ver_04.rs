@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule,
-    RuleContext, Status, Tree, fw,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule, RuleContext,
+    SessionCheck, Status, Tree, body, mutant, source,
 };
 use crate::json::pointer;
 
@@ -14,19 +14,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "SYS-VER says the same each time.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "SYS-VER over time",
     },
-    check: Check::State(|| Box::new(Versions::default())),
+    checks: &[Check::Session(|| Box::new(Versions::default()))],
     covers: &[],
     bug: Bug::message("The revision of the software is another each time.", |out| {
         let revision = format!("revision {}", out.number);
         out.set("SYS-VER", "revision", json!(revision));
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "another revision",
         make: || {
-            fw::over("tcp#9", |session| {
+            mutant::over("tcp#9", |session| {
                 for revision in ["b7", "b8"] {
                     let version = json!({ "software": "Windward", "version": "3.1", "revision": revision });
                     session.asks(json!({ "type": "SYS-VER" }), version);
@@ -47,8 +48,8 @@ const MAX_TEXT: usize = 256;
 #[derive(Default)]
 struct Versions(PerConnection<Option<[Option<String>; FIELDS.len()]>>);
 
-impl Checker for Versions {
-    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+impl SessionCheck for Versions {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         let Some(body) = exchange.response("SYS-VER").filter(|_| exchange.record.connection.is_told) else {
             return;
         };
@@ -61,10 +62,11 @@ impl Checker for Versions {
         context.covered();
         let changed = FIELDS.iter().zip(before).zip(now).find(|((_, before), now)| before != now);
         if let Some(((field, before), now)) = changed {
-            let told =
-                |value: Option<String>| value.map_or_else(|| "nothing".to_owned(), |text| fw::quoted(&text));
+            let told = |value: Option<String>| {
+                value.map_or_else(|| "nothing".to_owned(), |text| body::quoted(&text))
+            };
             exchange
-                .breaks(context, || Detail::differs(told(before), told(now)).at(pointer(&["body", field])));
+                .violates(context, || Detail::differs(told(before), told(now)).at(pointer(&["body", field])));
         }
     }
 

@@ -4,8 +4,8 @@
 //! with is no JSON at all, of which another rule tells.
 
 use super::{
-    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Lines, Mutant, Place, Rule, RuleContext,
-    Status, fw,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Lines, Mutant, Place, Rule, RuleContext,
+    SessionCheck, Status, StatusReport, lines, mutant, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -14,17 +14,18 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "Over TCP each message ends with a line break, and holds none.",
-        source: fw::TRANSPORT,
+        source: source::TRANSPORT,
         applies_to: "messages of the server on connections whose name begins with `tcp`",
     },
-    check: Check::State(|| Box::new(Broken::default())),
+    checks: &[Check::Session(|| Box::new(Broken::default()))],
     covers: &[],
     bug: Bug::behaviour("Over TCP, notifications are written in several lines."),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a message in several lines",
             make: || {
-                fw::over("tcp#9", |session| {
+                mutant::over("tcp#9", |session| {
                     for line in [
                         "{",
                         "\"$fw.version\": \"1.0\", \"id\": \"{\\\"\",",
@@ -44,7 +45,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
                 let message = |id: &str| {
                     format!(r#"{{"$fw.version":"1.0","id":"{id}","body":{{"type":"OBJ-DEL","ids":[]}}}}"#)
                 };
-                fw::over("tcp#9", |session| session.says_raw(&["a", "b", "c"].map(message).join(" ")))
+                mutant::over("tcp#9", |session| session.says_raw(&["a", "b", "c"].map(message).join(" ")))
             },
             also: &[],
         },
@@ -55,13 +56,13 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 #[derive(Default)]
 struct Broken(Lines);
 
-impl Checker for Broken {
-    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if exchange.is_of_server() && fw::is_called(exchange, "tcp") {
+impl SessionCheck for Broken {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        if exchange.is_of_server() && lines::is_called(exchange.record.connection, "tcp") {
             context.covered();
         }
-        if fw::are_several(exchange, "tcp") {
-            exchange.breaks(context, || {
+        if lines::are_several(exchange, "tcp") {
+            exchange.violates(context, || {
                 Detail::new("several messages in a line").expected("one").actual("more than one")
             });
         } else {
@@ -76,6 +77,14 @@ impl Checker for Broken {
                     .excerpt(line.excerpt)
             });
         }
+    }
+
+    fn status_report(&mut self, report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
+        if lines::is_called(report.connection(), "tcp") {
+            context.covered();
+        }
+        self.0.end_of(report.connection().index);
+        self.0.other.clear();
     }
 
     fn damage(&mut self, _: Place) {

@@ -2,7 +2,9 @@
 
 use serde_json::json;
 
-use super::{Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, fw};
+use super::{
+    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -10,21 +12,22 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "The key of each state is the `id` in it.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "UAV-INF",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
     covers: &[],
     bug: Bug::message("A UAV has another id than its key.", |out| {
         out.set_in_state("id", json!("ghost-1"));
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "another id",
-        make: || fw::state(|kite| kite["id"] = "hawk".into()),
+        make: || mutant::state(|kite| kite["id"] = "hawk".into()),
         also: &[],
     }],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    fw::keyed(exchange, context, "UAV-INF");
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    body::keyed(message, context, "UAV-INF");
 }

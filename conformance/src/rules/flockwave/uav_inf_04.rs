@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, Exchange, Fault, FlockwaveRule, Level, Mutant, Rule, RuleContext, Shape, Status,
-    attribution, fw,
+    Attribution, Bug, Check, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, body, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -13,10 +13,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Should,
         status: Status::Advisory,
         statement: "`error` maps ids to strings.",
-        source: fw::SCHEMA,
+        source: source::SCHEMA,
         applies_to: "UAV-INF",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
     covers: &[
         Attribution::new(&["UAV-INF"], "error", &[Fault::Kind]),
         Attribution::new(&["UAV-INF"], "error.*", attribution::MISSING),
@@ -33,15 +33,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             body.remove("error");
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "a number for the reason",
-        make: || fw::reply("UAV-INF", |body| body["error"]["owl"] = 7.into()),
+        make: || mutant::reply("UAV-INF", |body| body["error"]["owl"] = 7.into()),
         also: &[],
     }],
 };
 
-fn judge(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    if exchange.body_of("UAV-INF").is_some() {
-        fw::field(exchange, context, "error", false, &Shape::Nullable(&Shape::Map(&Shape::Text)));
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body_of("UAV-INF").is_some() {
+        body::field(message, context, "error", false, &Shape::Nullable(&Shape::Map(&Shape::Text)));
     }
 }

@@ -7,8 +7,8 @@ use std::collections::BTreeSet;
 use serde_json::json;
 
 use super::{
-    Bug, Check, Checker, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule,
-    RuleContext, Status, fw,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule, RuleContext,
+    SessionCheck, Status, body, mutant, reply, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -17,16 +17,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "UAV-LIST has the objects that OBJ-LIST has for the type `uav`.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "UAV-LIST and OBJ-LIST over time",
     },
-    check: Check::State(|| Box::new(Uavs::default())),
+    checks: &[Check::Session(|| Box::new(Uavs::default()))],
     covers: &[],
     bug: Bug::message("UAV-LIST lacks its last UAV.", |out| {
         if let Some(ids) = out.ids_of("UAV-LIST") {
             ids.pop();
         }
     }),
+    trial: None,
     mutants: &[
         Mutant { name: "UAV-LIST lacks one", make: || listed(&["kite"], &["kite", "swift"]), also: &[] },
         Mutant { name: "UAV-LIST has one more", make: || listed(&["kite", "owl"], &["kite"]), also: &[] },
@@ -35,7 +36,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 /// These are listed by UAV-LIST before and after those by OBJ-LIST.
 fn listed(uavs: &[&str], objects: &[&str]) -> Option<Vec<u8>> {
-    fw::over("tcp#9", |session| {
+    mutant::over("tcp#9", |session| {
         session.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
         session.asks(json!({ "type": "OBJ-LIST", "filter": ["uav"] }), json!({ "ids": objects }));
         session.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
@@ -58,15 +59,15 @@ struct Listed {
     objects: Vec<(BTreeSet<String>, Place)>,
 }
 
-impl Checker for Uavs {
-    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+impl SessionCheck for Uavs {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         if !exchange.is_of_server() || !exchange.record.connection.is_told {
             return;
         }
         if exchange.notification("OBJ-DEL").is_some() {
             return *self.0.of(exchange) = Listed::default();
         }
-        let Some(list) = fw::listed(exchange) else { return };
+        let Some(list) = reply::listed(exchange) else { return };
         let listed = self.0.of(exchange);
         if let Some(asked) = exchange.response("OBJ-LIST").and(exchange.asked_same()) {
             let is_of_uavs = |filter: &BTreeSet<String>| filter.len() == 1 && filter.contains("uav");
@@ -95,7 +96,7 @@ fn compare(uavs: &BTreeSet<String>, objects: &BTreeSet<String>, place: Place, co
         context.violation("UAV-LIST", place, || {
             let (has, lacks) =
                 if objects.contains(id) { ("OBJ-LIST", "UAV-LIST") } else { ("UAV-LIST", "OBJ-LIST") };
-            let id = fw::quoted(id);
+            let id = body::quoted(id);
             Detail::new(format!("{has} has {id}, and {lacks} hasn't, before and after"))
         });
     }

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, fw, listed_uavs};
+use super::{Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, listed_uavs, mutant, source};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -10,10 +10,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "UAV-INF knows each UAV that UAV-LIST lists.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "UAV-LIST and UAV-INF over time",
     },
-    check: Check::State(|| Box::new(listed_uavs::Unknown::default())),
+    checks: &[Check::Session(|| Box::new(listed_uavs::Unknown::default()))],
     covers: &[],
     bug: Bug::message("Lists have a UAV that UAV-INF doesn't know.", |out| {
         let has_uavs = match out.kind() {
@@ -28,10 +28,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             ids.push(json!("wraith-1"));
         }
     }),
+    trial: None,
     mutants: &[Mutant {
         name: "one that it doesn't know",
         make: || {
-            fw::over("tcp#9", |session| {
+            mutant::over("tcp#9", |session| {
                 listed_uavs::listed_twice(session, |session| {
                     let error = json!({ "error": { "kite": "No such glider" } });
                     session.asks(json!({ "type": "UAV-INF", "ids": ["kite"] }), error);

@@ -9,14 +9,20 @@ use std::collections::BTreeMap;
 
 use serde_json::json;
 
-use super::{Checker, Detail, Exchange, PerConnection, Place, Role, Rule, RuleContext, fw};
+use super::{
+    Detail, Exchange, PerConnection, Place, Role, Rule, RuleContext, SessionCheck, StatusReport, lines,
+    mutant, served,
+};
 
 /// The records that these rules apply to.
 pub(super) const APPLIES_TO: &str = "requests that try it, over UDP";
 
+/// The ids of the requests of a trial. Datagrams get lost: one answer is enough.
+pub(super) const REQUESTS: [&str; 3] = ["one", "two", "three"];
+
 /// The session with trials of a rule that get no answer.
 pub(super) fn unanswered(rule: &Rule) -> Option<Vec<u8>> {
-    fw::over("udp#9", |session| {
+    mutant::over("udp#9", |session| {
         for _ in 0..3 {
             session.tries(rule, "without an answer", json!({ "type": "SYS-PING" }));
         }
@@ -55,9 +61,9 @@ impl Trials {
     }
 }
 
-impl Checker for Trials {
-    fn exchanged(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        self.is_heard |= exchange.is_of_server() && fw::is_called(exchange, "udp");
+impl SessionCheck for Trials {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        self.is_heard |= exchange.is_of_server() && lines::is_called(exchange.record.connection, "udp");
         if let Some(trials) = self.connections.closed(exchange) {
             for (how, outcome) in trials {
                 context.covered();
@@ -70,7 +76,7 @@ impl Checker for Trials {
             }
             return;
         }
-        fw::served(exchange, context);
+        served::served(exchange, context);
         let is_answered = exchange.role == Role::Response;
         // Of a recording that doesn't show how the connection ended, nobody knows what was to come.
         let is_over = exchange.role == Role::Unanswered && exchange.record.note.is_some();
@@ -81,6 +87,10 @@ impl Checker for Trials {
             let outcome = trials.entry(how.to_owned()).or_insert(Outcome { is_answered, place });
             outcome.is_answered |= is_answered;
         }
+    }
+
+    fn status_report(&mut self, report: &StatusReport<'_>, _: &mut RuleContext<'_>) {
+        self.is_heard |= lines::is_called(report.connection(), "udp");
     }
 
     fn damage(&mut self, _: Place) {

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::{Exchange, FlockwaveRule, Level, Rule, RuleContext, Status, fw};
+use super::{FlockwaveRule, Level, Message, Rule, RuleContext, Status, body, mutant, source};
 
 /// What the specification says of null.
 pub(super) const NULL: Status = Status::Disputed(
@@ -16,24 +16,24 @@ pub(super) const RULE: Rule = Rule {
     level: Level::Must,
     status: Status::Normative,
     statement: "",
-    source: fw::TYPES,
+    source: source::TYPES,
     applies_to: "states of UAV-INF",
 };
 
 /// The session in which a field of a state has another value.
 pub(super) fn with(field: &str, value: Value) -> Option<Vec<u8>> {
-    fw::state(|kite| kite[field] = value)
+    mutant::state(|kite| kite[field] = value)
 }
 
 /// Counts the states that have a field, and reports the violations of its body schema that the rule covers.
-pub(super) fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, of: &FlockwaveRule, field: &str) {
-    for (_, state) in fw::states(exchange, "UAV-INF") {
+pub(super) fn check(message: &Message<'_>, context: &mut RuleContext<'_>, of: &FlockwaveRule, field: &str) {
+    for (_, state) in body::states(message, "UAV-INF") {
         if state.get(field).is_some() {
             context.covered();
         }
     }
-    let Some(type_name) = exchange.type_name else { return };
-    for deviation in exchange.deviations.iter().flatten().filter(|found| of.covers(type_name, found)) {
-        exchange.deviates(context, &exchange.subject(), deviation);
+    let Some(type_name) = message.type_name else { return };
+    for deviation in message.deviations.into_iter().flatten().filter(|found| of.covers(type_name, found)) {
+        message.deviates(context, "", deviation);
     }
 }

@@ -18,11 +18,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`battery` is the voltage, an integer in tenths of a volt from 0 on; the percentage, 100 at most; and whether it is charged.",
         ..ust::RULE
     },
-    check: Check::Exchange(|exchange, context| ust::check(exchange, context, &RULE, "battery")),
+    checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "battery"))],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.battery.**", attribution::ALL)],
     bug: Bug::message("A battery is charged to more than all.", |out| {
         out.set_in_state("battery", json!([126, 101]));
     }),
+    trial: None,
     mutants: &[
         Mutant { name: "a fraction of a volt", make: || ust::with("battery", json!([11.8, 84])), also: &[] },
         Mutant { name: "101 percent", make: || ust::with("battery", json!([118, 101])), also: &[] },

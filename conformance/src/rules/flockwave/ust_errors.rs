@@ -11,12 +11,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`errors` is a list of integers.",
         ..ust::RULE
     },
-    check: Check::Exchange(|exchange, context| ust::check(exchange, context, &RULE, "errors")),
+    checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "errors"))],
     covers: &[
         Attribution::new(&["UAV-INF"], "status.*.errors", attribution::ALL),
         Attribution::new(&["UAV-INF"], "status.*.errors.*", attribution::MISSING),
     ],
     bug: Bug::message("Error codes are a text.", |out| out.set_in_state("errors", json!("none"))),
+    trial: None,
     mutants: &[
         Mutant { name: "one code without a list", make: || ust::with("errors", json!(1)), also: &[] },
         Mutant { name: "null", make: || ust::with("errors", json!(null)), also: &[] },

@@ -11,11 +11,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`position` is latitude and longitude, integers in units of 1e-7 degrees, and up to three altitudes in mm, integers or null.",
         ..ust::RULE
     },
-    check: Check::Exchange(|exchange, context| ust::check(exchange, context, &RULE, "position")),
+    checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "position"))],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.position.**", attribution::ALL)],
     bug: Bug::message("A latitude lies beyond the pole.", |out| {
         out.set_in_state("position", json!([900_000_001, 0]));
     }),
+    trial: None,
     mutants: &[
         Mutant { name: "null", make: || ust::with("position", json!(null)), also: &[] },
         Mutant { name: "degrees", make: || ust::with("position", json!([46.541, 11.552])), also: &[] },

@@ -11,11 +11,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`positionXYZ` is three integers, in mm.",
         ..ust::RULE
     },
-    check: Check::Exchange(|exchange, context| ust::check(exchange, context, &RULE, "positionXYZ")),
+    checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "positionXYZ"))],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.positionXYZ.**", attribution::ALL)],
     bug: Bug::message("A position in the flat frame has two coordinates.", |out| {
         out.set_in_state("positionXYZ", json!([1, 2]));
     }),
+    trial: None,
     mutants: &[
         Mutant { name: "null", make: || ust::with("positionXYZ", json!(null)), also: &[] },
         Mutant { name: "two", make: || ust::with("positionXYZ", json!([1, 2])), also: &[] },

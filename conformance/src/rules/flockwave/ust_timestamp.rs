@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, Status, attribution, fw, ust};
+use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, Status, attribution, mutant, ust};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,15 +11,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`timestamp` is an integer, in milliseconds.",
         ..ust::RULE
     },
-    check: Check::Exchange(|exchange, context| ust::check(exchange, context, &RULE, "timestamp")),
+    checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "timestamp"))],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.timestamp.**", attribution::ALL)],
     bug: Bug::message("A time stamp is a text.", |out| {
         out.set_in_state("timestamp", json!("noon"));
     }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "no `timestamp`",
-            make: || fw::state(|kite| fw::remove(kite, "timestamp")),
+            make: || mutant::state(|kite| mutant::remove(kite, "timestamp")),
             also: &[],
         },
         Mutant { name: "a word", make: || ust::with("timestamp", json!("noon")), also: &[] },

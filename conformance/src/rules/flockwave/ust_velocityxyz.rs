@@ -11,11 +11,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`velocityXYZ` is three integers, in mm/s.",
         ..ust::RULE
     },
-    check: Check::Exchange(|exchange, context| ust::check(exchange, context, &RULE, "velocityXYZ")),
+    checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "velocityXYZ"))],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.velocityXYZ.**", attribution::ALL)],
     bug: Bug::message("A velocity in the flat frame is null.", |out| {
         out.set_in_state("velocityXYZ", Value::Null);
     }),
+    trial: None,
     mutants: &[
         Mutant { name: "null", make: || ust::with("velocityXYZ", json!(null)), also: &[] },
         Mutant { name: "two", make: || ust::with("velocityXYZ", json!([1, 2])), also: &[] },

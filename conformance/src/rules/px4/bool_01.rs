@@ -4,7 +4,7 @@ use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 use uavspec_codegen::dynamic::{Placed, PlacedElement};
 use uavspec_runtime::Scalar;
 
-pub(crate) static RULE: Px4Rule = Px4Rule {
+pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-BOOL-01",
         level: Level::Must,

@@ -8,7 +8,7 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         id: "PX-FMT-01",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "A format that a log brings equals the definition: fields, order, types, lengths of arrays, padding. Logs of other firmware differ without being wrong, so this is shown and context only with `--strict-formats`.",
+        statement: "A format that a log brings equals the definition: fields, order, types, lengths of arrays, padding. Logs of other firmware differ without being wrong, so this is shown and judged only with `--strict-formats`.",
         source: "the definition",
         applies_to: "logs",
     },

@@ -8,7 +8,7 @@ use crate::flockwave::session::Sessions;
 use crate::json::Tree;
 use crate::model::{Findings, Place, Rule};
 use crate::rules::RuleContext;
-use crate::rules::flockwave::{Check, RULES};
+use crate::rules::flockwave::{Check, Message, RULES};
 
 /// How many versions are known, and how many kinds of states: hostile input can have any number.
 const MAX_KNOWN: usize = 256;
@@ -157,15 +157,16 @@ impl<'d> Known<'d> {
             place: Place::Line(1),
         };
         let definitions = self.definitions;
-        let exchange = Sessions::default().follow(&record, definitions);
+        let exchange = Sessions::default().follow(&record, definitions.body_schemas());
         let mut findings = Findings::default();
+        let message = Message::of(&exchange)?;
         let mut all = Vec::new();
-        for of in RULES {
-            let Check::Exchange(judge) = of.check else { continue };
-            let rule = &of.rule;
+        let checks = RULES.iter().flat_map(|of| of.checks.iter().map(|check| (&of.rule, check)));
+        for (rule, check) in checks {
+            let Check::Message(check) = check else { continue };
             let mut exercised = 0;
-            judge(
-                &exchange,
+            check(
+                &message,
                 &mut RuleContext { rule, definitions, findings: &mut findings, coverage: &mut exercised },
             );
             all.push((rule, exercised));

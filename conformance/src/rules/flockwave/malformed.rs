@@ -10,6 +10,7 @@ const LONG: usize = 10_000;
 const DEEP: usize = 5_000;
 
 /// A malformed request.
+#[derive(Debug)]
 pub(super) struct Malformed {
     /// What is wrong with it.
     pub(super) how: &'static str,

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{Exchange, Role};
+use crate::flockwave::session::ConnectionId;
 
 /// Of how many connections something is kept; more at the same time are rare, and of the oldest it is forgotten.
 const MAX_CONNECTIONS: usize = 16;
@@ -10,7 +11,7 @@ const MAX_CONNECTIONS: usize = 16;
 /// A state for each connection. It begins anew with the connection, and where nothing is known any more of what went
 /// over it.
 #[derive(Debug)]
-pub(in crate::rules) struct PerConnection<T>(BTreeMap<usize, (u64, T)>);
+pub(super) struct PerConnection<T>(BTreeMap<usize, (u64, T)>);
 
 impl<T> Default for PerConnection<T> {
     fn default() -> Self {
@@ -20,20 +21,25 @@ impl<T> Default for PerConnection<T> {
 
 impl<T: Default> PerConnection<T> {
     /// The state of the connection over which something goes.
-    pub(in crate::rules) fn of(&mut self, exchange: &Exchange<'_>) -> &mut T {
-        let index = exchange.record.connection.index;
+    pub(super) fn of(&mut self, exchange: &Exchange<'_>) -> &mut T {
+        self.at(exchange.connection_id())
+    }
+
+    /// The state of a connection.
+    pub(super) fn at(&mut self, connection: ConnectionId) -> &mut T {
+        let ConnectionId { index, serial: now } = connection;
         if self.0.len() >= MAX_CONNECTIONS && !self.0.contains_key(&index) {
             self.0.pop_first();
         }
         let (serial, state) = self.0.entry(index).or_default();
-        if *serial != exchange.serial {
-            (*serial, *state) = (exchange.serial, T::default());
+        if *serial != now {
+            (*serial, *state) = (now, T::default());
         }
         state
     }
 
     /// The state of a connection that comes to its end here, and is known to.
-    pub(in crate::rules) fn closed(&mut self, exchange: &Exchange<'_>) -> Option<T> {
+    pub(super) fn closed(&mut self, exchange: &Exchange<'_>) -> Option<T> {
         if exchange.role != Role::Event || exchange.record.text != "closed" {
             return None;
         }
@@ -41,7 +47,7 @@ impl<T: Default> PerConnection<T> {
     }
 
     /// Forgets all.
-    pub(in crate::rules) fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.0.clear();
     }
 }

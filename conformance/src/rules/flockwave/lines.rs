@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{Exchange, Role, Tree};
-use crate::flockwave::record::Direction;
+use crate::flockwave::record::{Connection, Direction};
 use crate::json::Frame;
 use crate::model::Place;
 
@@ -18,25 +18,25 @@ const MAX_CONNECTIONS: usize = 16;
 
 /// A line that is no message.
 #[derive(Debug)]
-pub(in crate::rules) struct Line {
+pub(super) struct Line {
     /// Where it stands.
-    pub(in crate::rules) place: Place,
+    pub(super) place: Place,
     /// What it is instead of an object, where it is JSON.
-    pub(in crate::rules) actual: Option<String>,
+    pub(super) actual: Option<String>,
     /// How it begins.
-    pub(in crate::rules) excerpt: String,
+    pub(super) excerpt: String,
 }
 
 /// Lines of servers that are no messages. Those that make up one together are told from others, which may take until the
 /// next message comes.
 #[derive(Debug, Default)]
-pub(in crate::rules) struct Lines {
+pub(super) struct Lines {
     /// By the index of the connection.
     open: BTreeMap<usize, Open>,
     /// The first lines of what is a message together, and how many lines it has.
-    pub(in crate::rules) whole: Vec<(Line, usize)>,
+    pub(super) whole: Vec<(Line, usize)>,
     /// Lines that aren't part of a message.
-    pub(in crate::rules) other: Vec<Line>,
+    pub(super) other: Vec<Line>,
 }
 
 /// Lines that may be the beginning of a message.
@@ -49,7 +49,7 @@ struct Open {
 
 impl Lines {
     /// Follows what goes over a connection.
-    pub(in crate::rules) fn follow(&mut self, exchange: &Exchange<'_>) {
+    pub(super) fn follow(&mut self, exchange: &Exchange<'_>) {
         let index = exchange.record.connection.index;
         match exchange.role {
             Role::Unanswered => {}
@@ -58,18 +58,19 @@ impl Lines {
             _ if exchange.record.direction == Direction::Out => {}
             // The client didn't wait for the rest.
             Role::Event if exchange.record.note == Some("client") => _ = self.open.remove(&index),
-            _ => self.part(index),
+            _ => self.end_of(index),
         }
     }
 
     /// What may be lost, or is at its end, isn't going to be a message any more.
-    pub(in crate::rules) fn part_all(&mut self) {
+    pub(super) fn part_all(&mut self) {
         while let Some((_, open)) = self.open.pop_first() {
             self.other.extend(open.lines);
         }
     }
 
-    fn part(&mut self, index: usize) {
+    /// Another message goes over the connection: open lines are no message.
+    pub(super) fn end_of(&mut self, index: usize) {
         if let Some(open) = self.open.remove(&index) {
             self.other.extend(open.lines);
         }
@@ -97,14 +98,14 @@ impl Lines {
         open.text.push('\n');
         let depth = open.frame.follow(text);
         if open.text.len() > MAX_TEXT || open.lines.len() > MAX_LINES {
-            return self.part(index);
+            return self.end_of(index);
         }
         if depth > 0 {
             return;
         }
         let is_message = open.lines.len() > 1 && matches!(Tree::read(&open.text), Ok(Tree::Object(_)));
         if !is_message {
-            return self.part(index);
+            return self.end_of(index);
         }
         let open = self.open.remove(&index).unwrap_or_default();
         let count = open.lines.len();
@@ -114,23 +115,23 @@ impl Lines {
 
 /// Whether messages are lines on this connection: those of TCP are called `tcp` or begin so.
 fn is_of_lines(exchange: &Exchange<'_>) -> bool {
-    is_called(exchange, "tcp")
+    is_called(exchange.record.connection, "tcp")
 }
 
 /// Whether the name of the connection begins so.
-pub(in crate::rules) fn is_called(exchange: &Exchange<'_>, start: &str) -> bool {
-    let name = exchange.record.connection.name.get(..start.len());
+pub(super) fn is_called(connection: Connection<'_>, start: &str) -> bool {
+    let name = connection.name.get(..start.len());
     name.is_some_and(|name| name.eq_ignore_ascii_case(start))
 }
 
 /// Whether a server sends several messages in the place of one: in one line, or in one datagram.
-pub(in crate::rules) fn are_several(exchange: &Exchange<'_>, transport: &str) -> bool {
+pub(super) fn are_several(exchange: &Exchange<'_>, transport: &str) -> bool {
     let record = exchange.record;
     if exchange.role != Role::Unreadable || record.direction != Direction::In || record.value.is_some() {
         return false;
     }
     let is_object = |text: &str| matches!(Tree::read(text), Ok(Tree::Object(_)));
-    is_called(exchange, transport)
+    is_called(exchange.record.connection, transport)
         && Tree::read(record.text).err().is_some_and(|error| {
             let (first, rest) = record.text.split_at_checked(error.at).unwrap_or_default();
             // Of more than two, the first is enough to see it.
