@@ -17,8 +17,11 @@ use std::fmt::Write as _;
 use sha2::{Digest as _, Sha256};
 use uavspec_runtime::Scalar;
 
+use super::id::MessageId;
 use super::layout::EMPTY_MEMBER;
-use super::{Element, Interface, Kind, Message, MessageId, Schema, Shape, Type, shape_text};
+use super::model::{Element, Interface, Message, Schema, Type, shape_text};
+use crate::msg::Kind;
+use crate::msg::ast::Shape;
 
 /// Most fields that a message may have with all that it nests: the hash runs over each of them.
 pub const MAX_NESTED_FIELDS: u64 = 1 << 20;
