@@ -3,9 +3,10 @@
 //! Parsing goes line by line and never stops: a line that makes no sense gives a diagnostic and the
 //! next one is read. The tree keeps everything that is written, comments and blank lines included.
 
-pub mod annotation;
-pub mod ast;
-pub mod literal;
+pub(crate) mod annotation;
+pub(crate) mod ast;
+pub mod attribute;
+mod literal;
 mod parser;
 pub(crate) use parser::is_separator;
 

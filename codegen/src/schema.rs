@@ -7,12 +7,12 @@
 pub(crate) mod constraint;
 pub(crate) mod documentation;
 pub(crate) mod enumeration;
-pub mod error_codes;
+pub(crate) mod error_codes;
 pub mod fingerprint;
 pub mod json_type;
-pub mod layout;
-pub(crate) mod pattern;
-pub(crate) mod resolve;
+pub(crate) mod layout;
+
+use std::collections::BTreeMap;
 
 use uavspec_runtime::Scalar;
 
@@ -22,8 +22,8 @@ pub use self::enumeration::{Enum, EnumRef, Member};
 pub use self::error_codes::{ErrorCode, ErrorTable};
 pub use self::json_type::{JsonMessage, JsonMessageId, JsonType, JsonTypeId};
 pub use self::layout::{Slot, UorbLayout};
-pub use self::resolve::{PackageSource, resolve};
 pub use crate::msg::ast::Shape;
+use crate::msg::attribute::{ATTRIBUTES, Attribute};
 pub use crate::msg::{Dialect, Kind};
 use crate::source::Span;
 use crate::value::Value;
@@ -256,8 +256,8 @@ pub struct Field {
     pub invalid: Option<Special>,
     /// The value that says that a set point doesn't apply.
     pub uncontrolled: Option<Special>,
-    /// Its coordinate frame.
-    pub frame: Option<String>,
+    /// The texts of its attributes, by their names.
+    pub attributes: BTreeMap<&'static str, String>,
     /// The prefixes of the constants that it holds, as written.
     pub enum_prefixes: Vec<String>,
     /// The enum that these give.
@@ -269,6 +269,16 @@ pub struct Field {
 }
 
 impl Field {
+    /// The text of an attribute.
+    pub fn attribute(&self, attribute: &Attribute) -> Option<&str> {
+        self.attributes.get(attribute.name).map(String::as_str)
+    }
+
+    /// Its attributes with their texts, in the order of [`ATTRIBUTES`].
+    pub fn attributes(&self) -> impl Iterator<Item = (&'static Attribute, &str)> {
+        ATTRIBUTES.iter().filter_map(|attribute| Some((*attribute, self.attribute(attribute)?)))
+    }
+
     /// Whether PX4 reads it as text: `char[N]`.
     pub fn is_text(&self, dialect: Dialect) -> bool {
         dialect == Dialect::Px4

@@ -4,14 +4,14 @@
 //! header. A table keeps the rows that were written, also those with too few or too many cells.
 
 pub(crate) mod asciidoc;
-pub mod error_code;
+pub(crate) mod error_code;
 mod flattened;
 pub(crate) mod markdown;
 pub(crate) mod pipe;
 mod text;
-pub mod type_table;
+pub(crate) mod type_table;
 
-pub use text::Text;
+pub(crate) use text::Text;
 
 use crate::characters;
 use crate::diagnostic::Diagnostic;

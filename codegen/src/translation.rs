@@ -14,7 +14,7 @@
 //! The crates that read this form report no places, give up previous texts and obsolete entries, and panic on some
 //! inputs; what is needed of it takes a few screens.
 
-pub mod catalogue;
+pub(crate) mod catalogue;
 mod language;
 mod resolve;
 mod text;

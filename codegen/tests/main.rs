@@ -1,13 +1,16 @@
-//! The tests of the generator, in one program: each file is a module.
+//! The tests of the generator, in one program; each file is a module.
 
+mod attributes;
 mod bindings;
 mod breaking;
 mod dynamic;
 mod edge;
+mod emitters;
 mod fixtures;
 mod format;
 mod format_properties;
 mod hostile;
+mod imports;
 mod json_schema;
 mod json_types;
 mod lint;

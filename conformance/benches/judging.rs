@@ -1,6 +1,9 @@
 //! How fast sources are judged with all rules on, beside what others do with the same bytes:
 //! `cargo bench -p uavspec-conformance --bench judging`.
 //!
+//! Words behind `--` select comparisons by their titles, and the number `ROUNDS` in the environment sets how often each
+//! contestant runs.
+//!
 //! All that is compared takes turns, and what is shown is the median of the throughputs and of the ratios, so that
 //! a machine that is busy now and then changes little. Each runs on one core.
 //!
@@ -21,13 +24,13 @@ use std::time::{Duration, Instant};
 
 use serde::de::IgnoredAny;
 use serde_json::{Value, json};
-use uavspec_conformance::check::{judge, parallel};
+use uavspec_conformance::check::{check_capture, parallel};
 use uavspec_conformance::definitions::Definitions;
 
 /// How many lines of JSON there are.
 const LINES: usize = 10_000;
 
-/// How often each is measured.
+/// How often each is measured, by default.
 const ROUNDS: usize = 31;
 
 /// The schema that is published.
@@ -83,7 +86,11 @@ impl<'c> Contestant<'c> {
 
 /// Lets all take turns, and prints the throughput of each beside that of the first.
 fn compare(what: &str, bytes: usize, mut contestants: Vec<Contestant<'_>>) {
-    for round in 0..=ROUNDS {
+    if !is_selected(what) {
+        return;
+    }
+    let rounds = std::env::var("ROUNDS").ok().and_then(|rounds| rounds.parse().ok()).unwrap_or(ROUNDS);
+    for round in 0..=rounds {
         for contestant in &mut contestants {
             let start = Instant::now();
             (contestant.work)();
@@ -105,6 +112,12 @@ fn compare(what: &str, bytes: usize, mut contestants: Vec<Contestant<'_>>) {
         let beside = if place == 0 { String::new() } else { ratio(&ratios) };
         println!("  {:<34} {throughput:>8.0} MB/s   {beside}", contestant.name);
     }
+}
+
+/// True if the command line names no comparison, or a word of this one's title.
+fn is_selected(what: &str) -> bool {
+    let mut words = std::env::args().skip(1).filter(|word| !word.starts_with('-')).peekable();
+    words.peek().is_none() || words.any(|word| what.contains(&word))
 }
 
 /// In MB/s.
@@ -146,7 +159,7 @@ fn json() {
     let schema: Value = serde_json::from_str(SCHEMA).expect("JSON");
     let validator = jsonschema::validator_for(&schema).expect("a schema");
     let uavspec = || {
-        let judgement = judge(text.as_bytes(), of, &definitions).expect("memory");
+        let judgement = check_capture(text.as_bytes(), of, &definitions).expect("memory");
         assert_eq!((judgement.judged, judgement.damage.len()), (LINES as u64, 0));
     };
     let skip = || {
@@ -205,7 +218,7 @@ fn flockwave() {
         let text = reports(each);
         let lines = (STATES / each) as u64;
         let uavspec = || {
-            let judgement = judge(text.as_bytes(), None, &definitions).expect("memory");
+            let judgement = check_capture(text.as_bytes(), None, &definitions).expect("memory");
             let findings = judgement.findings.groups().count();
             assert_eq!((judgement.judged, judgement.damage.len(), findings), (lines, 0, 0));
         };
@@ -232,7 +245,7 @@ fn flockwave() {
 
 fn logs(corpus: &Path) {
     let definitions = Definitions::load(&corpus.join("px4/main")).expect("definitions");
-    let judged = |bytes: &[u8]| judge(bytes, None, &definitions).expect("memory").judged;
+    let judged = |bytes: &[u8]| check_capture(bytes, None, &definitions).expect("memory").judged;
     for name in LOGS {
         let path = corpus.join(format!("ulog/{name}.ulg"));
         let bytes = fs::read(&path).expect("a log");

@@ -5,13 +5,13 @@ use std::fmt;
 use std::path::Path;
 use std::sync::OnceLock;
 
-use uavspec_codegen::cli::{Failure, read_definitions};
 use uavspec_codegen::dynamic::Types;
+use uavspec_codegen::load::read_definitions;
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::json_type::Direction;
 use uavspec_codegen::schema::{Form, MessageId, Schema};
 use uavspec_codegen::source::Span;
-use uavspec_codegen::{PackageInput, SourceMap, read};
+use uavspec_codegen::{Failure, PackageInput, SourceMap, read};
 use uavspec_definitions::{Dir, FLOCKWAVE, PX4};
 
 use crate::flockwave::body_schema::{Deviation, Schemas, Shapes};

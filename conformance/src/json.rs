@@ -1,11 +1,14 @@
-//! JSON as it is written: one tokenizer, and the tree that is made with it.
+//! JSON: one tokenizer, and the tree that is made with it.
 
 pub mod base64;
-mod cursor;
+mod frame;
 mod pointer;
+mod scan;
+mod tokens;
 mod tree;
 
-pub(crate) use self::cursor::{Cursor, Key, Token};
+pub(crate) use self::frame::Frame;
 pub use self::pointer::pointer;
-pub(crate) use self::tree::{CUT_OFF, shortened};
+pub(crate) use self::tokens::{CUT_OFF, Token, Tokens, Unclear};
+pub(crate) use self::tree::shortened;
 pub use self::tree::{SyntaxError, Tree};

@@ -8,7 +8,7 @@ use std::fs;
 
 use serde_json::Value;
 use tempfile::TempDir;
-use uavspec_conformance::check::{Judgement, LogSource, Source, judge_ulog};
+use uavspec_conformance::check::{CaptureResult, LogSummary, Summary, check_ulog};
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::model::{Extent, Verdict};
 use uavspec_conformance::px4::comparison::Comparison;
@@ -121,7 +121,7 @@ fn what_was_lost_with_a_part_of_the_log_breaks_no_rule() {
     let whole = log_with(&Glider::at(60 * PERIOD)).bytes;
     let found = |bytes: &[u8]| {
         let (_folder, definitions) = definitions();
-        let judgement = judge_ulog(bytes, &definitions);
+        let judgement = check_ulog(bytes, &definitions);
         let found: Vec<&str> = broken(&judgement).iter().map(|(rule, _)| *rule).collect();
         assert_ne!(judgement.extent, Extent::Whole);
         (found, judgement.damage.into_iter().map(|(_, text)| text).collect::<Vec<_>>())
@@ -143,20 +143,20 @@ fn what_was_lost_with_a_part_of_the_log_breaks_no_rule() {
     }
 }
 
-fn judge(log: &Writer) -> Judgement {
+fn judge(log: &Writer) -> CaptureResult {
     let (_folder, definitions) = definitions();
-    judge_ulog(&log.bytes[..], &definitions)
+    check_ulog(&log.bytes[..], &definitions)
 }
 
-fn as_log(judgement: &Judgement) -> &LogSource {
-    match &judgement.source {
-        Source::Log(log) => log,
-        Source::Json(_) | Source::Mcap(_) | Source::Flockwave(_) => panic!("a log"),
+fn as_log(judgement: &CaptureResult) -> &LogSummary {
+    match &judgement.summary {
+        Summary::Log(log) => log,
+        Summary::Json(_) | Summary::Mcap(_) | Summary::Flockwave(_) => panic!("a log"),
     }
 }
 
 /// The rules that are broken, each with its subject and what is said of the first breach.
-fn broken(judgement: &Judgement) -> Vec<(&'static str, String)> {
+fn broken(judgement: &CaptureResult) -> Vec<(&'static str, String)> {
     let said = |group: &uavspec_conformance::model::Group| {
         (group.rule.id, format!("{}: {}", group.subject, group.examples[0].1))
     };
@@ -363,7 +363,7 @@ fn topics_without_data_have_a_time_all_the_same() {
 fn a_finding_tells_where_it_is_defined_and_what_was_expected() {
     let (_folder, definitions) = definitions();
     for (id, log, _) in mutants() {
-        let judgement = judge_ulog(&log.bytes[..], &definitions);
+        let judgement = check_ulog(&log.bytes[..], &definitions);
         let group = judgement.findings.of(rule(id).expect("a rule")).next().expect("a finding");
         let line = group.definition.map(|span| definitions.line(span));
         let line = line.map(|line| line.text.split('#').next().unwrap_or_default().trim().to_owned());
@@ -459,7 +459,7 @@ fn real_logs_are_judged_as_they_are_known() {
         let definitions = Definitions::load(&corpus.join(release)).expect("definitions");
         for entry in fs::read_dir(&logs).expect("a folder") {
             let path = entry.expect("an entry").path();
-            let judgement = judge_ulog(fs::File::open(&path).expect("a log"), &definitions);
+            let judgement = check_ulog(fs::File::open(&path).expect("a log"), &definitions);
             assert_eq!(judgement.records, judgement.judged, "{}", path.display());
             for group in judgement.findings.groups() {
                 let is_known = group.rule.id.starts_with("PX-FMT-01")
@@ -489,7 +489,7 @@ fn which_formats_equal_agrees_with_the_reference_tools() {
         for log in ["sample", "sample_log_small", "sample_logging_tagged_and_default_params"] {
             let found = read(&format!("ulog/{log}.json"));
             let file = fs::File::open(logs.join(format!("{log}.ulg"))).expect("a log");
-            for (topic, comparison) in &as_log(&judge_ulog(file, &definitions)).formats {
+            for (topic, comparison) in &as_log(&check_ulog(file, &definitions)).formats {
                 let of = defined.as_object().expect("messages").iter().find(|(_, message)| {
                     message["topics"].as_array().expect("topics").iter().any(|known| known == topic)
                 });

@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 
 use serde_json::{Value, json};
 use tempfile::TempDir;
-use uavspec_conformance::check::{Judgement, judge};
+use uavspec_conformance::check::{CaptureResult, check_capture};
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::model::Verdict;
 use uavspec_conformance::rules::rule;
@@ -104,8 +104,8 @@ impl<'d> Script<'d> {
         told(&log)
     }
 
-    fn judge(&self, bytes: &[u8]) -> Judgement {
-        judge(bytes, None, self.flight.definitions).expect("bytes can be read")
+    fn judge(&self, bytes: &[u8]) -> CaptureResult {
+        check_capture(bytes, None, self.flight.definitions).expect("bytes can be read")
     }
 
     fn exercised(&self, id: &str) -> u64 {
@@ -119,7 +119,7 @@ fn id(number: u64) -> u8 {
 }
 
 /// What is found by these rules: the rule, where, how often, and what is said of the first.
-fn told(judgement: &Judgement) -> Vec<String> {
+fn told(judgement: &CaptureResult) -> Vec<String> {
     let groups = judgement.findings.groups().filter(|group| group.rule.id.starts_with("PX-EXT"));
     groups
         .map(|group| {
@@ -537,7 +537,7 @@ fn an_answer_that_can_not_be_read_is_not_missed() {
     }
 }
 
-fn rules_broken(judgement: &Judgement) -> Vec<&'static str> {
+fn rules_broken(judgement: &CaptureResult) -> Vec<&'static str> {
     judgement.findings.groups().map(|group| group.rule.id).collect()
 }
 

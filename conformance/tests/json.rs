@@ -9,7 +9,7 @@ use std::fs;
 
 use serde_json::{Value, json};
 use tempfile::TempDir;
-use uavspec_conformance::check::{JsonSource, Judgement, Source, judge};
+use uavspec_conformance::check::{CaptureResult, JsonSummary, Summary, check_capture};
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::model::{Place, Verdict};
 use uavspec_conformance::rules::{RULES, rule};
@@ -67,33 +67,33 @@ fn type_name() -> String {
     format!("{}/Glider", definitions.schema.packages[0].name)
 }
 
-fn judge_bytes(bytes: &[u8]) -> Judgement {
+fn judge_bytes(bytes: &[u8]) -> CaptureResult {
     let (_folder, definitions) = definitions();
-    judge(bytes, None, &definitions).expect("bytes can be read")
+    check_capture(bytes, None, &definitions).expect("bytes can be read")
 }
 
-fn judge_bare(text: &str) -> Judgement {
+fn judge_bare(text: &str) -> CaptureResult {
     let (_folder, definitions) = definitions();
     let of = definitions.message_of_topic("glider");
     assert!(of.is_some());
-    judge(text.as_bytes(), of, &definitions).expect("bytes can be read")
+    check_capture(text.as_bytes(), of, &definitions).expect("bytes can be read")
 }
 
-fn source(judgement: &Judgement) -> &JsonSource {
-    match &judgement.source {
-        Source::Json(source) => source,
-        Source::Log(_) | Source::Mcap(_) | Source::Flockwave(_) => panic!("JSON"),
+fn source(judgement: &CaptureResult) -> &JsonSummary {
+    match &judgement.summary {
+        Summary::Json(source) => source,
+        Summary::Log(_) | Summary::Mcap(_) | Summary::Flockwave(_) => panic!("JSON"),
     }
 }
 
-fn broken(judgement: &Judgement) -> Vec<(&'static str, String)> {
+fn broken(judgement: &CaptureResult) -> Vec<(&'static str, String)> {
     let said = |group: &uavspec_conformance::model::Group| {
         (group.rule.id, format!("{}: {}", group.subject, group.examples[0].1))
     };
     judgement.findings.groups().map(said).collect()
 }
 
-fn damage(judgement: &Judgement) -> Vec<String> {
+fn damage(judgement: &CaptureResult) -> Vec<String> {
     judgement.damage.iter().map(|(place, what)| format!("{place}: {what}")).collect()
 }
 

@@ -1,4 +1,4 @@
-//! The tests of `uavspec`, in one program: each file is a module.
+//! The tests of `uavspec`, in one program; each file is a module.
 
 mod browser;
 mod catalogue;

@@ -13,7 +13,7 @@ use std::sync::{Arc, LazyLock};
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use serde_json::{Value, json};
 use uavspec_codegen::schema::fingerprint::ros_name;
-use uavspec_conformance::check::{Basis, Judgement, McapSource, Source, Standing, judge};
+use uavspec_conformance::check::{Basis, CaptureResult, McapSummary, Standing, Summary, check_capture};
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::model::{Group, Verdict};
 use uavspec_conformance::px4::comparison::Comparison;
@@ -158,29 +158,29 @@ fn good() -> Glider {
     Glider::at(60 * PERIOD)
 }
 
-fn judged(bytes: &[u8]) -> Judgement {
-    judge(bytes, None, &DEFINITIONS).expect("bytes can be read")
+fn judged(bytes: &[u8]) -> CaptureResult {
+    check_capture(bytes, None, &DEFINITIONS).expect("bytes can be read")
 }
 
-fn source(judgement: &Judgement) -> &McapSource {
-    match &judgement.source {
-        Source::Mcap(source) => source,
-        Source::Log(_) | Source::Json(_) | Source::Flockwave(_) => panic!("MCAP"),
+fn source(judgement: &CaptureResult) -> &McapSummary {
+    match &judgement.summary {
+        Summary::Mcap(source) => source,
+        Summary::Log(_) | Summary::Json(_) | Summary::Flockwave(_) => panic!("MCAP"),
     }
 }
 
 /// The rules that are broken, each with its subject and what is said of the first breach.
-fn broken(judgement: &Judgement) -> Vec<(&'static str, String)> {
+fn broken(judgement: &CaptureResult) -> Vec<(&'static str, String)> {
     let said = |group: &Group| (group.rule.id, format!("{}: {}", group.subject, group.examples[0].1));
     judgement.findings.groups().map(said).collect()
 }
 
-fn damages(judgement: &Judgement) -> Vec<String> {
+fn damages(judgement: &CaptureResult) -> Vec<String> {
     judgement.damage.iter().map(|(place, what)| format!("{place}: {what}")).collect()
 }
 
 /// Nothing is broken or damaged, and all of sixty messages are judged.
-fn assert_conforms(judgement: &Judgement, what: &dyn std::fmt::Debug) {
+fn assert_conforms(judgement: &CaptureResult, what: &dyn std::fmt::Debug) {
     assert_eq!((broken(judgement), damages(judgement)), (vec![], vec![]), "{what:?}");
     assert_eq!((judgement.records, judgement.judged, judgement.duration), (60, 60, 59 * PERIOD), "{what:?}");
     let channels = &source(judgement).channels;

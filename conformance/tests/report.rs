@@ -10,9 +10,11 @@ use std::sync::OnceLock;
 use html5gum::{Token, Tokenizer};
 use quick_junit::{NonSuccessKind, Report as Junit, TestCase, TestCaseStatus};
 use serde_json::{Value, json};
-use uavspec_conformance::check::judge;
+use uavspec_conformance::check::check_capture;
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::report::{Action, Judged, Kind, Outcome, Report, Settings, Subject, Verdict};
+use uavspec_conformance::report::{
+    Action, CheckedCapture, Kind, Outcome, Report, Settings, Subject, Verdict,
+};
 use uavspec_conformance::rules::RULES;
 
 use support::hostile::{HOSTILE, checked, tested};
@@ -264,9 +266,9 @@ fn sarif_has_rules_with_help_and_places_that_editors_open() {
         };
         results.iter().find(of).map(|result| result["locations"][0]["physicalLocation"]["region"].clone())
     };
-    let of_log = region("PX-BOOL-01", "PX-BOOL-01-0").expect("a result");
+    let of_log = region("PX-BOOL-01", "PX-BOOL-01").expect("a result");
     assert!(of_log["byteOffset"].as_u64() > Some(0), "{of_log}");
-    let of_lines = region("PX-ARR-01", "PX-ARR-01-0").expect("a result");
+    let of_lines = region("PX-ARR-01", "PX-ARR-01").expect("a result");
     assert!(of_lines["startLine"].as_u64() > Some(0), "{of_lines}");
     for result in results {
         let index = usize::try_from(result["ruleIndex"].as_u64().expect("an index")).expect("small");
@@ -290,9 +292,10 @@ fn sarif_has_rules_with_help_and_places_that_editors_open() {
 fn each_kind_tells_where_in_the_record_and_what_stood_there() {
     let definitions = Definitions::built_in();
     let of = |path: &str, bytes: &[u8]| {
-        let judgement = judge(bytes, None, &definitions).expect("bytes can be read");
-        let judged = Judged { path: path.to_owned(), judgement, notes: Vec::new(), elapsed: 0 };
-        let subject = Subject::of_source(judged, &definitions, &Settings::default());
+        let judgement = check_capture(bytes, None, &definitions).expect("bytes can be read");
+        let judged =
+            CheckedCapture { path: path.to_owned(), result: judgement, notes: Vec::new(), elapsed: 0 };
+        let subject = Subject::of_capture(judged, &definitions, &Settings::default());
         Report::new(Action::Check, String::new(), &definitions, vec![subject], Vec::new(), Vec::new())
     };
     let line = json!({"op": "publish", "topic": "/fmu/in/unregister_ext_component", "msg": {"timestamp": 1}});

@@ -9,9 +9,9 @@ use serde_json::{Value, json};
 use uavspec_conformance::check::FlockwaveJudge;
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::rules::mutants;
-use uavspec_conformance::rules::sample::{Conversation, Flight};
+use uavspec_conformance::rules::sample::{Flight, Session};
 
-use support::shared;
+use support::{extent, shared};
 
 /// Those of this program, which many recordings are judged by.
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
@@ -41,10 +41,10 @@ fn compare(recording: &[u8], definitions: &Definitions) -> u64 {
 #[test]
 fn what_breaks_rules_is_found_in_both_ways() {
     let definitions = Definitions::built_in();
-    assert!(compare(&Conversation::new().to_bytes(), &definitions) > 0);
+    assert!(compare(&Session::new().to_bytes(), &definitions) > 0);
     let flight = Flight::new(&definitions);
     for mutant in mutants().filter(|mutant| mutant.rule.is_on_flockwave()) {
-        let bytes = mutant.make(&flight).expect("the definitions have it");
+        let (_, bytes) = mutant.captures(&flight).pop().expect("the definitions have it");
         compare(&bytes, &definitions);
     }
 }
@@ -64,7 +64,7 @@ fn definitions_with_other_states_are_judged_by_those() {
     let folder = tempfile::TempDir::new().expect("a folder");
     std::fs::write(folder.path().join("Glider.msg"), "uint64 timestamp # [us] Time\n").expect("a file");
     let definitions = Definitions::load(folder.path()).expect("definitions");
-    assert!(compare(&Conversation::new().to_bytes(), &definitions) > 0);
+    assert!(compare(&Session::new().to_bytes(), &definitions) > 0);
 }
 
 /// A value that a field of a state may have, or one that it mustn't.
@@ -296,7 +296,7 @@ fn recording(lines: Vec<(Content, Style)>) -> Vec<u8> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(256))]
+    #![proptest_config(ProptestConfig::with_cases(extent(256, 64)))]
 
     #[test]
     fn random_recordings_come_to_the_same(lines in prop::collection::vec((content(), style()), 1..40)) {

@@ -6,10 +6,11 @@ use std::sync::LazyLock;
 use serde_json::{Value, json};
 use uavspec_codegen::emit::vectors;
 use uavspec_codegen::schema::json_type::Direction;
-use uavspec_conformance::check::judge;
+use uavspec_conformance::check::check_capture;
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::flockwave::body_schema::Deviation;
 use uavspec_conformance::json::Tree;
+use uavspec_conformance::rules::flockwave::attributed;
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 
@@ -114,7 +115,7 @@ fn found(direction: Direction, body: &Value) -> BTreeMap<&'static str, BTreeSet<
         message["refs"] = "ask-1".into();
     }
     let line = json!({ "dir": "in", "msg": message }).to_string();
-    let judgement = judge(line.as_bytes(), None, &DEFINITIONS).expect("a line");
+    let judgement = check_capture(line.as_bytes(), None, &DEFINITIONS).expect("a line");
     let mut found: BTreeMap<_, BTreeSet<String>> = BTreeMap::new();
     for group in judgement.findings.groups() {
         let places = group.examples.iter().map(|(_, detail)| detail.path.clone());
@@ -137,11 +138,11 @@ fn each_deviation_is_told_once() {
         for body in changed(&body) {
             let (deviations, found) = (deviations(&type_name, direction, &body), found(direction, &body));
             let told = found.get("FW-ENV-18").cloned().unwrap_or_default();
-            let expected = deviations.iter().filter(|deviation| deviation.told_by.is_none());
+            let expected = deviations.iter().filter(|deviation| attributed(&type_name, deviation).is_none());
             let expected: BTreeSet<String> = expected.map(|one| one.mismatch.path.clone()).collect();
             assert!(told.is_subset(&expected) && told.is_empty() == expected.is_empty(), "{body}: {found:?}");
             for deviation in &deviations {
-                let Some(rule) = deviation.told_by else { continue };
+                let Some(rule) = attributed(&type_name, deviation).map(|rule| rule.id) else { continue };
                 assert!(found.contains_key(rule), "{rule} is to tell {deviation:?} of {body}: {found:?}");
                 own += 1;
             }
@@ -231,7 +232,7 @@ fn findings_lead_to_the_definition() {
         line(json!({ "position": [1, 2], "timestamp": 1, "humidity": -1 })),
     ];
     let groups = |definitions: &Definitions| -> Vec<(String, u64, Option<String>)> {
-        let judgement = judge(lines.join("\n").as_bytes(), None, definitions).expect("lines");
+        let judgement = check_capture(lines.join("\n").as_bytes(), None, definitions).expect("lines");
         let group = |group: &uavspec_conformance::model::Group| {
             let line =
                 group.definition.map(|span| definitions.line(span).text.trim_start_matches("| ").to_owned());

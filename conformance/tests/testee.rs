@@ -18,8 +18,8 @@ use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::testee::case::{Case, Want, cases};
 use uavspec_conformance::testee::outcome::{Outcome, Verdict};
 use uavspec_conformance::testee::protocol::{Format, Op};
-use uavspec_conformance::testee::run::{Options, run};
 use uavspec_conformance::testee::target::Target;
+use uavspec_conformance::testee::{options::Options, run::run};
 use uavspec_runtime::Scalar;
 
 struct Suite {

@@ -14,18 +14,23 @@
 //! links of the names in it, or one of the escapes of `markdown`; both rely on `emit::prose`.
 
 mod book;
+mod cell;
 mod commands;
 mod composer;
+#[cfg(feature = "files")]
+mod configuration;
 mod constants;
 mod enums;
 mod error_codes;
 mod fields;
+mod groups;
 mod index;
 mod interface;
 mod json;
 mod language;
 pub mod markdown;
 mod message;
+mod options;
 mod picture;
 mod rules;
 mod scope;
@@ -34,45 +39,15 @@ mod site;
 mod tests;
 mod words;
 
+#[cfg(feature = "files")]
+pub(super) use self::configuration::Configuration;
+pub use self::options::{Beside, Options};
 use self::rules::Rules;
 use self::site::Site;
-use super::{GENERATED_BY, OutputFile};
+use super::OutputFile;
 use crate::schema::{Interface, Package, Schema};
 use crate::source::SourceMap;
 use crate::translation::{self, Translations};
-
-/// What the definitions don't say.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Options {
-    /// Title of the book and of its first page.
-    pub title: String,
-    /// Whether the rules of uavspec itself are described, too.
-    pub rules: bool,
-    /// What stands at the end of the table of contents: a Markdown list of pages that others write.
-    pub more_contents: String,
-    /// The folders of what is generated beside the documentation, as seen from its own.
-    pub beside: Beside,
-}
-
-/// Folders of other output, with `/` between the parts of their paths; none where there is no such output.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Beside {
-    /// Of the JSON Schemas.
-    pub schemas: Option<String>,
-    /// Of the test vectors.
-    pub vectors: Option<String>,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            title: "Interface definitions".to_owned(),
-            rules: false,
-            more_contents: String::new(),
-            beside: Beside::default(),
-        }
-    }
-}
 
 /// Describes all that `schema` lists, and beside that in each language what it is translated into. The order of the
 /// files is that of the schema.
@@ -123,9 +98,4 @@ fn translated(site: &Site<'_>, package: &Package) -> Vec<OutputFile> {
         files.extend(error_codes::pages(site, package));
     }
     files
-}
-
-/// The line that every file begins with, between the marks of its kind of comment.
-fn notice() -> String {
-    format!("{GENERATED_BY} from definitions. Do not edit: run `cargo xtask codegen`.")
 }

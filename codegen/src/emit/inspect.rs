@@ -4,6 +4,7 @@ mod json_type;
 
 use serde_json::{Map, Value as Json, json};
 
+use crate::msg::attribute::FRAME;
 use crate::schema::{
     Constant, Element, Field, Interface, Message, MessageId, Package, Range, Schema, Special, Type,
 };
@@ -83,19 +84,24 @@ fn message(schema: &Schema, message: &Message) -> Json {
 }
 
 fn field(schema: &Schema, message: &Message, field: &Field) -> Json {
-    json!({
+    let mut model = json!({
         "name": field.name,
         "type": schema.type_text(message, field.ty),
         "default": field.default.as_ref().map(value),
         "unit": field.unit.as_deref().filter(|unit| *unit != unit::NONE),
         "range": field.range.as_ref().map(range),
         "invalid": field.invalid.as_ref().map(special),
-        "frame": field.frame,
-        "enum": (!field.enum_prefixes.is_empty()).then(|| field.enum_prefixes.join(" ")),
-        "count_of": field.counts.map(|array| &message.fields[array].name),
-        "group": field.group.map(|group| &message.groups[group].summary),
-        "description": field.description,
-    })
+    });
+    // Null where there is none; of all others, only those that are there.
+    model["frame"] = json!(field.attribute(&FRAME));
+    for (attribute, text) in field.attributes() {
+        model[attribute.name] = json!(text);
+    }
+    model["enum"] = json!((!field.enum_prefixes.is_empty()).then(|| field.enum_prefixes.join(" ")));
+    model["count_of"] = json!(field.counts.map(|array| &message.fields[array].name));
+    model["group"] = json!(field.group.map(|group| &message.groups[group].summary));
+    model["description"] = json!(field.description);
+    model
 }
 
 fn constant(schema: &Schema, message: &Message, constant: &Constant) -> Json {

@@ -54,7 +54,11 @@ use self::address::Address;
 pub(super) use self::address::Target;
 pub(super) use self::json_type::BASE64;
 use self::tree::{Member, Node, member};
+#[cfg(feature = "files")]
+use super::emitter::{Input, Output};
 use super::{GENERATED_BY, OutputFile};
+#[cfg(feature = "files")]
+use crate::failure::Failure;
 use crate::schema::json_type::Direction;
 use crate::schema::{Element, JsonMessageId, MessageId, Package, Schema};
 
@@ -66,6 +70,7 @@ pub(super) const DRAFT: &str = "https://json-schema.org/draft/2020-12/schema";
 
 /// How schemas are emitted.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "files", derive(serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Options {
     /// The absolute address that every `$id` starts with.
     pub base: String,
@@ -74,6 +79,13 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self { base: DEFAULT_BASE.to_owned() }
+    }
+}
+
+#[cfg(feature = "files")]
+impl Output for Options {
+    fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
+        Ok(emit(input.schema, self))
     }
 }
 

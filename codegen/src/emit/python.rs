@@ -30,7 +30,11 @@ mod types;
 use std::collections::BTreeSet;
 
 use super::binding::{ERROR_CODE, Kind, Module, SEVERITY, labels, modules};
+#[cfg(feature = "files")]
+use super::emitter::{Input, Output};
 use super::{GENERATED_BY, OutputFile};
+#[cfg(feature = "files")]
+use crate::failure::Failure;
 use crate::schema::Schema;
 use crate::translation::Translations;
 
@@ -46,6 +50,19 @@ struct Uses {
     recent: BTreeSet<&'static str>,
     is_flags_used: bool,
     is_open_enum_used: bool,
+}
+
+/// Options of the emitter: none.
+#[cfg(feature = "files")]
+#[derive(Debug, Default, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Options {}
+
+#[cfg(feature = "files")]
+impl Output for Options {
+    fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
+        Ok(emit(input.schema, input.translations))
+    }
 }
 
 /// Emits a module for each package, what they share and, where there are translations, the labels; sorted by path.

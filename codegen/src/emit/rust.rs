@@ -4,6 +4,18 @@
 //! Tokens are made with `quote`, parsed once more by `syn`, so that what is written is Rust, and laid
 //! out by `prettyplease`. Nothing of a definition reaches the output but through identifiers made by
 //! `identifier`, literals and documentation.
+//!
+//! ```
+//! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//! # let mut sources = SourceMap::default();
+//! # let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n".into()).unwrap();
+//! # let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! # let (schema, diagnostics) = read(&sources, &packages);
+//! use uavspec_codegen::emit::rust::{Options, emit};
+//!
+//! let files = emit(&schema, &sources, &Options::default());
+//! assert!(files.iter().any(|file| file.path == "px4/wind.rs" && file.text.contains("pub struct Wind")));
+//! ```
 
 mod context;
 mod enumeration;
@@ -26,18 +38,31 @@ use quote::quote;
 use self::context::{Context, Place};
 use self::file::{documentation, header, header_of, header_of_package, inner_documentation, layout_file};
 use self::identifier::{Scope, ident, module_name};
+#[cfg(feature = "files")]
+use super::emitter::{Input, Output};
+use super::file::OutputFile;
 use super::origin::Origins;
-use super::{OutputFile, prose};
+#[cfg(feature = "files")]
+use crate::failure::Failure;
+use crate::prose;
 use crate::schema::{Element, MessageId, Package, Schema};
 use crate::source::SourceMap;
 
 /// Options of the emitter.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "files", derive(serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Options {
     /// Name of the file at the root of the module tree: `mod.rs`, or `lib.rs` for a whole crate.
     pub root: String,
     /// A Markdown page, relative to that file, that stands in its documentation; code in it is tested.
     pub readme: Option<String>,
+}
+
+#[cfg(feature = "files")]
+impl Output for Options {
+    fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
+        Ok(emit(input.schema, input.sources, self))
+    }
 }
 
 impl Default for Options {

@@ -26,12 +26,17 @@ mod labels;
 mod types;
 
 use super::binding::{Module, labels, modules};
+#[cfg(feature = "files")]
+use super::emitter::{Input, Output};
 use super::{GENERATED_BY, OutputFile};
+#[cfg(feature = "files")]
+use crate::failure::Failure;
 use crate::schema::Schema;
 use crate::translation::Translations;
 
 /// How modules are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "files", derive(serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Form {
     /// As TypeScript, to stand among other source files: `px4.ts`.
     #[default]
@@ -43,9 +48,17 @@ pub enum Form {
 
 /// How TypeScript is emitted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "files", derive(serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Options {
     /// How modules are written.
     pub form: Form,
+}
+
+#[cfg(feature = "files")]
+impl Output for Options {
+    fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
+        Ok(emit(input.schema, input.translations, self))
+    }
 }
 
 /// The language of a file.

@@ -44,14 +44,18 @@ mod message;
 mod number;
 mod part;
 mod print;
+mod sample;
 mod typical;
 
 use self::case::Case;
-use self::part::Parts;
 use self::print::{Head, quote};
+#[cfg(feature = "files")]
+use super::emitter::{Input, Others, Output};
 use super::json_schema::{self, DRAFT, Target};
 use super::{GENERATED_BY, OutputFile};
 use crate::dynamic::Types;
+#[cfg(feature = "files")]
+use crate::failure::Failure;
 use crate::schema::json_type::Direction;
 use crate::schema::{Dialect, Form, JsonMessageId, Kind, Message, MessageId, Package, Schema};
 
@@ -63,14 +67,35 @@ const SUITE: &str = "json-schema-test-suite/tests/draft2020-12";
 
 /// How vectors are emitted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "files", derive(serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Options {
-    /// How the schemas are that they refer to.
-    pub schemas: json_schema::Options,
+    /// The absolute address that every `$id` of the schemas starts with, if it isn't the default.
+    pub base: Option<String>,
+}
+
+impl Options {
+    /// How the schemas are emitted that the vectors refer to.
+    fn schemas(&self) -> json_schema::Options {
+        self.base.clone().map_or_else(json_schema::Options::default, |base| json_schema::Options { base })
+    }
+}
+
+#[cfg(feature = "files")]
+impl Output for Options {
+    /// The vectors refer to the schemas that are emitted beside them.
+    fn complete(&mut self, others: &Others<'_>) {
+        let base = self.base.take();
+        self.base = base.or_else(|| others.text("json_schema", "base").map(str::to_owned));
+    }
+
+    fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
+        Ok(emit(input.schema, self))
+    }
 }
 
 /// Emits all vectors, sorted by path.
 pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
-    let parts = Parts::of(schema);
+    let parts = sample::parts(schema);
     let types = Types::new(schema);
     let emitter = Emitter { schema, options };
     let mut files = vec![form::file(options)];
@@ -95,7 +120,7 @@ pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
 /// A valid message of each type as JSON, by its id: values are typical, and no two fields side by side have the
 /// same. None where no value satisfies the type.
 pub fn typical(schema: &Schema) -> Vec<Option<String>> {
-    let parts = Parts::of(schema);
+    let parts = sample::parts(schema);
     let typical = |message| field::message_typical(schema, message, &parts, &mut typical::Typical::default());
     schema.messages.iter().map(typical).collect()
 }
@@ -129,7 +154,7 @@ impl Emitter<'_> {
         Head {
             facts,
             title: json_schema::name(self.schema, target),
-            schema: json_schema::id(self.schema, target, &self.options.schemas),
+            schema: json_schema::id(self.schema, target, &self.options.schemas()),
         }
     }
 }

@@ -1,7 +1,9 @@
 //! `trailing-white-space`: blanks and tabs before the end of a line.
 
-use super::{Check, Example, Levels, Measured, Rule, Sink, Text};
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::Text;
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::schema::Form;
 
 pub(super) const RULE: Rule = Rule {

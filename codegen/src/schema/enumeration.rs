@@ -59,15 +59,15 @@ pub struct EnumRef {
 }
 
 /// What an enum would have, but for the range of its type.
-pub(super) struct Candidate {
-    pub(super) found: Enum,
+pub(crate) struct Candidate {
+    pub(crate) found: Enum,
     /// Constants that the type can't hold: index and value.
-    pub(super) out_of_range: Vec<(usize, i128)>,
+    pub(crate) out_of_range: Vec<(usize, i128)>,
 }
 
 /// The constants of a message by the prefix that they belong to: the longest of all claimed prefixes
 /// that they start with.
-pub(super) struct ByPrefix {
+pub(crate) struct ByPrefix {
     /// For each claimed prefix its members, in declared order.
     members: BTreeMap<String, Vec<Member>>,
     /// All names, sorted.
@@ -75,7 +75,7 @@ pub(super) struct ByPrefix {
 }
 
 /// Divides the constants of `message` among the `claimed` prefixes, once for all fields.
-pub(super) fn by_prefix(message: &Message, claimed: &BTreeSet<String>) -> ByPrefix {
+pub(crate) fn by_prefix(message: &Message, claimed: &BTreeSet<String>) -> ByPrefix {
     let mut members: BTreeMap<String, Vec<Member>> = BTreeMap::new();
     for (index, constant) in message.constants.iter().enumerate() {
         let (Element::Scalar(_), Some(value)) = (constant.ty, constant.value.as_int()) else { continue };
@@ -90,18 +90,18 @@ pub(super) fn by_prefix(message: &Message, claimed: &BTreeSet<String>) -> ByPref
 
 impl ByPrefix {
     /// Whether any constant starts with `prefix` and `_`.
-    pub(super) fn is_used(&self, prefix: &str) -> bool {
+    pub(crate) fn is_used(&self, prefix: &str) -> bool {
         let start = format!("{prefix}_");
         self.names.range(start.clone()..).next().is_some_and(|name| name.starts_with(&start))
     }
 
     /// How many constants belong to `prefix`.
-    pub(super) fn count(&self, prefix: &str) -> usize {
+    pub(crate) fn count(&self, prefix: &str) -> usize {
         self.members.get(prefix).map_or(0, Vec::len)
     }
 
     /// Gathers the enum of `prefixes`.
-    pub(super) fn gather(
+    pub(crate) fn gather(
         &self,
         message: &Message,
         prefixes: &[String],

@@ -27,7 +27,7 @@ impl Fnv1a {
 }
 
 /// PX4's hash of the fields of a message, nested ones inlined after the field that holds them.
-pub(super) fn message_hash(schema: &Schema, message: &Message) -> u32 {
+pub(crate) fn message_hash(schema: &Schema, message: &Message) -> u32 {
     let mut hash = Fnv1a(Fnv1a::OFFSET_BASIS);
     // An explicit stack: how deep messages nest is up to the input.
     let mut open = vec![message.fields.iter()];
@@ -234,7 +234,7 @@ fn describe_all(
 }
 
 /// The ROS type hash of a message.
-pub(super) fn type_hash(schema: &Schema, id: MessageId) -> String {
+pub(crate) fn type_hash(schema: &Schema, id: MessageId) -> String {
     let message = schema.message(id);
     Description {
         type_name: ros_name(schema, message),
@@ -246,7 +246,7 @@ pub(super) fn type_hash(schema: &Schema, id: MessageId) -> String {
 
 /// The ROS type hash of a service, whose description has three members: the request, the response,
 /// and an event that wraps both for introspection. None for actions.
-pub(super) fn service_hash(schema: &Schema, interface: &Interface, package: usize) -> Option<String> {
+pub(crate) fn service_hash(schema: &Schema, interface: &Interface, package: usize) -> Option<String> {
     let (Kind::Service, [request, response]) = (interface.kind, interface.parts.as_slice()) else {
         return None;
     };

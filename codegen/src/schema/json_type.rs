@@ -1,15 +1,15 @@
 //! Types and messages of specification tables: what JSON they describe.
 
-mod endless;
-mod kind;
-mod resolve;
-
-pub use self::resolve::{Resolved, resolve};
-
 use super::{Docs, Range, Schema};
 use crate::source::Span;
 pub use crate::table::type_table::Direction;
 use crate::table::type_table::is_number;
+
+/// The name that stands for an error code of the package, where it has error codes.
+pub(crate) const ERROR_CODE: &str = "ErrorCode";
+
+/// The name that stands for a list of such codes.
+pub(crate) const ERROR_LIST: &str = "ErrorList";
 
 /// Names a type of a [`Schema`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -288,8 +288,8 @@ impl Schema {
             Expression::Integer => "integer".to_owned(),
             Expression::Number => "number".to_owned(),
             Expression::String => "string".to_owned(),
-            Expression::ErrorCode => name(resolve::ERROR_CODE),
-            Expression::ErrorList => name(resolve::ERROR_LIST),
+            Expression::ErrorCode => name(ERROR_CODE),
+            Expression::ErrorList => name(ERROR_LIST),
             Expression::Named(id) => name(&self.json_type(*id).name),
             Expression::List(element) => format!("list of {}", inner(element)),
             Expression::Map(value) => format!("map of {}", inner(value)),

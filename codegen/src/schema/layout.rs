@@ -5,13 +5,13 @@ use uavspec_runtime::layout::{self, Member};
 use super::{CdrSize, Element, Message, MessageId, Schema, Shape, shape_text};
 
 /// Longest message that is taken: no transport of either world carries more.
-pub const MAX_MESSAGE_SIZE: u64 = 16 << 20;
+pub(crate) const MAX_MESSAGE_SIZE: u64 = 16 << 20;
 
 /// Bytes before the first member of a CDR payload.
 const CDR_HEADER: u64 = 4;
 
 /// Name of the member that ROS gives to an empty structure.
-pub const EMPTY_MEMBER: &str = "structure_needs_at_least_one_member";
+pub(crate) const EMPTY_MEMBER: &str = "structure_needs_at_least_one_member";
 
 /// Where each member of a message lies in memory.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -40,7 +40,7 @@ pub struct Slot {
 }
 
 /// The layout of a message whose nested messages are laid out already; none where its size varies.
-pub(super) fn uorb(schema: &Schema, message: &Message) -> Option<UorbLayout> {
+pub(crate) fn uorb(schema: &Schema, message: &Message) -> Option<UorbLayout> {
     let members: Option<Vec<Member>> = message
         .fields
         .iter()
@@ -135,7 +135,7 @@ impl CdrLength {
 }
 
 /// Lengths and sizes in CDR of all messages, in the order that `order` gives: nested ones first.
-pub(super) fn cdr(schema: &Schema, order: &[MessageId]) -> Vec<CdrSize> {
+pub(crate) fn cdr(schema: &Schema, order: &[MessageId]) -> Vec<CdrSize> {
     let count = CdrLength::scalar(4);
     let mut lengths = vec![CdrLength::default(); schema.messages.len()];
     let mut sizes = vec![CdrSize::default(); schema.messages.len()];

@@ -2,7 +2,7 @@
 
 mod block;
 
-pub use block::{Block, range_text};
+pub(crate) use block::{Block, range_text};
 
 use super::{Cell, Heading, Page, Row, Table, Text};
 use crate::diagnostic::{Diagnostic, Problem};
@@ -10,7 +10,7 @@ use crate::source::Span;
 
 /// All rows under one heading. What the heading stands for may be unreadable; the rows count still.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ErrorCodeTable<'p> {
+pub(crate) struct ErrorCodeTable<'p> {
     /// The heading, or where there is none, the header.
     pub span: Span,
     /// What the heading says.
@@ -23,7 +23,7 @@ pub struct ErrorCodeTable<'p> {
 
 /// A row with all its cells.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ErrorCodeRow<'p> {
+pub(crate) struct ErrorCodeRow<'p> {
     /// The code.
     pub code: u32,
     /// The cell that gives it.
@@ -37,7 +37,7 @@ pub struct ErrorCodeRow<'p> {
 }
 
 /// Reads all error-code tables of a page. Parts of a table under the same heading are one table.
-pub fn read(page: &Page) -> (Vec<ErrorCodeTable<'_>>, Vec<Diagnostic>) {
+pub(crate) fn read(page: &Page) -> (Vec<ErrorCodeTable<'_>>, Vec<Diagnostic>) {
     let mut diagnostics = Vec::new();
     let mut tables: Vec<ErrorCodeTable<'_>> = Vec::new();
     let mut last_heading = None;

@@ -16,8 +16,9 @@ mod message;
 mod note;
 
 pub(crate) use self::expression::is_number;
-pub use self::expression::{Expression, ExpressionKind};
-pub use self::message::{Direction, MessageDefinition, PartDefinition};
+pub(crate) use self::expression::{Expression, ExpressionKind};
+pub use self::message::Direction;
+pub(crate) use self::message::{MessageDefinition, PartDefinition};
 
 use self::columns::{Columns, Header};
 use self::note::read_note;
@@ -28,7 +29,7 @@ use crate::source::Span;
 
 /// What a page defines beside error codes.
 #[derive(Debug, Default)]
-pub struct Definitions<'p> {
+pub(crate) struct Definitions<'p> {
     /// Its types, in order.
     pub types: Vec<TypeDefinition<'p>>,
     /// Its messages, in order.
@@ -37,7 +38,7 @@ pub struct Definitions<'p> {
 
 /// A type as it is written.
 #[derive(Debug)]
-pub struct TypeDefinition<'p> {
+pub(crate) struct TypeDefinition<'p> {
     /// Its name.
     pub name: &'p str,
     /// The heading.
@@ -52,7 +53,7 @@ pub struct TypeDefinition<'p> {
 
 /// What a definition says beneath its heading.
 #[derive(Debug)]
-pub enum Body<'p> {
+pub(crate) enum Body<'p> {
     /// A JSON object.
     Object(Vec<Member<'p>>),
     /// A JSON array with a meaning for each position.
@@ -70,7 +71,7 @@ pub enum Body<'p> {
 
 /// A field of an object, or an element of a tuple.
 #[derive(Debug)]
-pub struct Member<'p> {
+pub(crate) struct Member<'p> {
     /// Its name.
     pub name: &'p str,
     /// The cell of its name.
@@ -85,7 +86,7 @@ pub struct Member<'p> {
 
 /// A value of a set.
 #[derive(Debug)]
-pub struct Entry<'p> {
+pub(crate) struct Entry<'p> {
     /// The value as it is written.
     pub value: &'p str,
     /// The cell of the value.
@@ -95,7 +96,7 @@ pub struct Entry<'p> {
 }
 
 /// Reads the types and messages of a page.
-pub fn read(page: &Page) -> (Definitions<'_>, Vec<Diagnostic>) {
+pub(crate) fn read(page: &Page) -> (Definitions<'_>, Vec<Diagnostic>) {
     let mut reader = Reader { page, diagnostics: Vec::new(), is_defined: vec![false; page.headings.len()] };
     let messages = message::headings(page);
     let mut is_part = vec![false; page.headings.len()];

@@ -4,15 +4,17 @@
 //! Plural forms are refused, since no text of a definition has any.
 
 mod parser;
+#[cfg(any(test, feature = "cli"))]
 mod print;
 
 use crate::source::Span;
 
-pub use self::parser::parse;
-pub use self::print::print;
+pub(crate) use self::parser::parse;
+#[cfg(any(test, feature = "cli"))]
+pub(crate) use self::print::print;
 
 /// The flag of an entry whose translation has to be looked at: it isn't used until somebody takes the flag away.
-pub const FUZZY: &str = "fuzzy";
+pub(crate) const FUZZY: &str = "fuzzy";
 
 /// What a catalogue holds.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -82,7 +84,7 @@ impl Catalogue {
 
 /// Where the parts of an entry stand.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Places {
+pub(crate) struct Places {
     /// The strings of its context; those of its text, where it has none.
     pub context: Span,
     /// The strings of its text.

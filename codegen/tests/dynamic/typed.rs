@@ -262,7 +262,7 @@ fn a_payload_is_read_the_same_wherever_it_lies() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 2000, ..ProptestConfig::default() })]
+    #![proptest_config(support::config(2000))]
 
     #[test]
     fn both_say_the_same_of_trees(seed: u64) {
@@ -291,7 +291,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 500, ..ProptestConfig::default() })]
+    #![proptest_config(support::config(500))]
 
     #[test]
     fn both_say_the_same_of_our_definitions(seed: u64) {

@@ -5,12 +5,10 @@
 //! One whose first line ends within a value, and whose second doesn't begin another, is written over several
 //! lines. All others are JSON Lines: there a broken line spoils nothing but itself.
 
-mod cut;
-
 use std::fmt;
 use std::io::{self, ErrorKind, Read};
 
-use self::cut::Cut;
+use crate::json::Frame;
 use crate::model::Extent;
 
 /// The longest value that is read: nothing that is sent as a message comes near it.
@@ -224,24 +222,24 @@ impl<R: Read> Reader<R> {
 
     /// What kind of source it is, by its first line and how the next one begins.
     fn look(&mut self) -> io::Result<Mode> {
-        let mut cut = Cut::default();
+        let mut frame = Frame::default();
         let mut is_second = false;
         let mut at = 0;
         loop {
             while let Some(byte) = self.rest().get(at).copied() {
                 match (is_second, byte) {
-                    (false, b'[') if cut.is_fresh() => {
+                    (false, b'[') if frame.is_fresh() => {
                         self.take(at + 1);
                         return Ok(Mode::Array);
                     }
-                    (false, b'\n') if !cut.is_fresh() => {
-                        if !cut.is_within() {
+                    (false, b'\n') if !frame.is_fresh() => {
+                        if !frame.is_within() {
                             return Ok(Mode::Lines);
                         }
                         is_second = true;
                     }
                     (_, b' ' | b'\t' | b'\r' | b'\n') => {}
-                    (false, byte) => _ = cut.step(byte),
+                    (false, byte) => _ = frame.step(byte),
                     (true, b'{') => return Ok(Mode::Lines),
                     (true, _) => return Ok(Mode::Values),
                 }
@@ -318,13 +316,12 @@ impl<R: Read> Reader<R> {
                 _ => self.next = Next::Comma,
             }
         }
-        let mut cut = Cut::default();
+        let mut frame = Frame::default();
         let (mut at, mut skipped) = (0, 0);
         let line = self.line;
         loop {
-            let end = self.rest()[at..].iter().position(|byte| cut.step(*byte));
-            if let Some(end) = end {
-                let count = at + end + usize::from(!cut.is_before());
+            if let Some(end) = frame.end(&self.rest()[at..]) {
+                let count = at + end;
                 self.take(count);
                 return Ok(Some(self.lend(line, count, skipped, false)));
             }

@@ -10,7 +10,6 @@ mod compile;
 mod defined;
 mod plain;
 mod schemas;
-mod told;
 
 use uavspec_codegen::source::Span;
 
@@ -60,7 +59,7 @@ pub struct Mismatch {
 
 /// What is wrong with a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Fault {
+pub enum Fault {
     /// It isn't there, and has to be.
     Absent,
     /// It is null.
@@ -73,11 +72,22 @@ pub(crate) enum Fault {
     Further,
 }
 
+/// A step into a body.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// Into a field that the definition has.
+    Field(String),
+    /// Into an element, or a value of a map.
+    Other,
+}
+
 /// Something in a body that hasn't the shape that it should have.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Deviation {
-    /// The rule of its own that this has; without one it is a matter of `FW-ENV-18`.
-    pub told_by: Option<&'static str>,
+    /// The steps that lead to it.
+    pub steps: Vec<Step>,
+    /// The kind of violation; none if the body schema is one of the user.
+    pub fault: Option<Fault>,
     /// The fields of the definition that lead to it, with dots between them; empty where it is in none.
     pub field: String,
     /// Where the definition says what should be.

@@ -1,13 +1,10 @@
 //! JSON as it is written: keys may be repeated, numbers keep their text, and tokens that are no JSON but that
-//! programs write have a place. Strings and numbers are read by `serde_json`, so both readers take the same.
+//! programs write have a place.
 
 use std::borrow::Cow;
 use std::fmt::{self, Write as _};
 
-use serde::de::IgnoredAny;
-
-/// How deep values may nest, as `serde_json` has it.
-const MAX_DEPTH: usize = 127;
+use super::tokens::{Token, Tokens};
 
 /// How many values a tree has at most: each takes some dozen times the room of its text.
 const MAX_VALUES: usize = 1 << 20;
@@ -58,16 +55,27 @@ impl fmt::Display for SyntaxError {
 
 impl std::error::Error for SyntaxError {}
 
-/// What is said where a text ends too early.
-pub(crate) const CUT_OFF: &str = "it is cut off";
+impl<'t> From<Token<'t>> for Tree<'t> {
+    fn from(token: Token<'t>) -> Self {
+        match token {
+            Token::Null => Self::Null,
+            Token::Bool(value) => Self::Bool(value),
+            Token::Int(value) => Self::Int(value),
+            Token::Float(value, text) => Self::Float(value, text),
+            Token::Huge(text) => Self::Huge(text),
+            Token::NotJson(text) => Self::Token(text),
+            Token::Text(text) => Self::Text(text),
+        }
+    }
+}
 
 impl<'t> Tree<'t> {
     /// Reads a text.
     pub fn read(text: &'t str) -> Result<Self, SyntaxError> {
-        let mut parser = Parser { text, at: 0, values: 0 };
-        let tree = parser.value(0)?;
-        parser.space();
-        if parser.at < text.len() { Err(parser.error("something follows the value")) } else { Ok(tree) }
+        let mut tokens = Tokens::new(text);
+        let tree = value(&mut tokens, &mut 0)?;
+        tokens.end()?;
+        Ok(tree)
     }
 
     /// The value of a key, where this is an object; of a repeated one the first.
@@ -142,180 +150,30 @@ pub(crate) fn shortened(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// An integer that fits in 64 bits for certain, by how many digits it has.
-fn plain_integer(written: &[u8]) -> Option<i64> {
-    let digits = written.strip_prefix(b"-").unwrap_or(written);
-    // -0 is a float, and nothing may stand behind a leading 0.
-    let is_plain = match digits {
-        [b'0'] => written.len() == 1,
-        [b'1'..=b'9', rest @ ..] => rest.len() < 18 && rest.iter().all(u8::is_ascii_digit),
-        _ => false,
-    };
-    let value = || digits.iter().fold(0, |value, digit| value * 10 + i64::from(digit - b'0'));
-    is_plain.then(|| if written.len() > digits.len() { -value() } else { value() })
-}
-
-struct Parser<'t> {
-    text: &'t str,
-    at: usize,
-    values: usize,
-}
-
-impl<'t> Parser<'t> {
-    fn error(&self, what: &'static str) -> SyntaxError {
-        let what = if self.at >= self.text.len() { CUT_OFF } else { what };
-        SyntaxError { at: self.at, what }
+/// Reads a value, and counts it and those that it holds.
+fn value<'t>(tokens: &mut Tokens<'t>, count: &mut usize) -> Result<Tree<'t>, SyntaxError> {
+    let first = tokens.peek();
+    *count += 1;
+    if *count > MAX_VALUES {
+        return Err(tokens.error("too many values to say what is wrong with them"));
     }
-
-    fn rest(&self) -> &'t [u8] {
-        &self.text.as_bytes()[self.at..]
-    }
-
-    fn space(&mut self) {
-        let is_space = |byte: &&u8| matches!(byte, b' ' | b'\t' | b'\n' | b'\r');
-        self.at += self.rest().iter().take_while(is_space).count();
-    }
-
-    /// Takes a byte, if it comes next.
-    fn takes(&mut self, byte: u8) -> bool {
-        let is_next = self.rest().first() == Some(&byte);
-        self.at += usize::from(is_next);
-        is_next
-    }
-
-    fn value(&mut self, depth: usize) -> Result<Tree<'t>, SyntaxError> {
-        self.space();
-        self.values += 1;
-        if self.values > MAX_VALUES {
-            return Err(self.error("too many values to say what is wrong with them"));
+    match first {
+        Some(b'{') => {
+            let mut members = Vec::new();
+            tokens.members(|tokens, key| {
+                members.push((key, value(tokens, count)?));
+                Ok::<(), SyntaxError>(())
+            })?;
+            Ok(Tree::Object(members))
         }
-        match self.rest().first() {
-            Some(b'{' | b'[') if depth >= MAX_DEPTH => Err(self.error("values nest too deep")),
-            Some(b'{') => self.object(depth + 1),
-            Some(b'[') => self.list(depth + 1),
-            Some(b'"') => self.string().map(Tree::Text),
-            Some(b'-' | b'0'..=b'9') if !self.rest().starts_with(b"-I") => self.number(),
-            _ => self.word(),
+        Some(b'[') => {
+            let mut values = Vec::new();
+            tokens.list(|tokens| {
+                values.push(value(tokens, count)?);
+                Ok::<(), SyntaxError>(())
+            })?;
+            Ok(Tree::List(values))
         }
-    }
-
-    fn object(&mut self, depth: usize) -> Result<Tree<'t>, SyntaxError> {
-        let mut members = Vec::new();
-        self.at += 1;
-        self.space();
-        if self.takes(b'}') {
-            return Ok(Tree::Object(members));
-        }
-        loop {
-            self.space();
-            if self.rest().first() != Some(&b'"') {
-                return Err(self.error("expected a key"));
-            }
-            let key = self.string()?;
-            self.space();
-            if !self.takes(b':') {
-                return Err(self.error("expected `:`"));
-            }
-            members.push((key, self.value(depth)?));
-            self.space();
-            if self.takes(b'}') {
-                return Ok(Tree::Object(members));
-            }
-            if !self.takes(b',') {
-                return Err(self.error("expected `,` or `}`"));
-            }
-        }
-    }
-
-    fn list(&mut self, depth: usize) -> Result<Tree<'t>, SyntaxError> {
-        let mut values = Vec::new();
-        self.at += 1;
-        self.space();
-        if self.takes(b']') {
-            return Ok(Tree::List(values));
-        }
-        loop {
-            values.push(self.value(depth)?);
-            self.space();
-            if self.takes(b']') {
-                return Ok(Tree::List(values));
-            }
-            if !self.takes(b',') {
-                return Err(self.error("expected `,` or `]`"));
-            }
-        }
-    }
-
-    fn string(&mut self) -> Result<Cow<'t, str>, SyntaxError> {
-        let start = self.at;
-        let mut end = start + 1;
-        let mut is_escaped = false;
-        loop {
-            let Some(found) = memchr::memchr2(b'"', b'\\', &self.text.as_bytes()[end.min(self.text.len())..])
-            else {
-                self.at = self.text.len();
-                return Err(self.error(CUT_OFF));
-            };
-            end += found + 1;
-            if self.text.as_bytes()[end - 1] == b'"' {
-                break;
-            }
-            // What is escaped, which may be a quotation mark.
-            is_escaped = true;
-            end += 1;
-        }
-        let written = &self.text[start..end];
-        let is_control = |byte: u8| byte < b' ';
-        if !is_escaped && !written.bytes().any(is_control) {
-            self.at = end;
-            return Ok(Cow::Borrowed(&written[1..written.len() - 1]));
-        }
-        let read = serde_json::from_str::<&str>(written).map(Cow::Borrowed);
-        let read = read.or_else(|_| serde_json::from_str::<String>(written).map(Cow::Owned));
-        let read = read.map_err(|_| self.error("a string with a control character or a wrong escape"))?;
-        self.at = end;
-        Ok(read)
-    }
-
-    fn number(&mut self) -> Result<Tree<'t>, SyntaxError> {
-        let is_part = |byte: &&u8| matches!(byte, b'-' | b'+' | b'.' | b'0'..=b'9' | b'e' | b'E');
-        let length = self.rest().iter().take_while(is_part).count();
-        let written = &self.text[self.at..self.at + length];
-        if let Some(value) = plain_integer(written.as_bytes()) {
-            self.at += length;
-            return Ok(Tree::Int(value.into()));
-        }
-        let tree = match serde_json::from_str::<serde_json::Number>(written) {
-            Ok(number) => match (number.as_u64(), number.as_i64(), number.as_f64()) {
-                (Some(value), ..) => Tree::Int(value.into()),
-                (_, Some(value), _) => Tree::Int(value.into()),
-                (.., value) => Tree::Float(value.unwrap_or(f64::NAN), written),
-            },
-            Err(_) if serde_json::from_str::<IgnoredAny>(written).is_ok() => Tree::Huge(written),
-            Err(_) => return Err(self.error("a number that isn't JSON's")),
-        };
-        self.at += length;
-        Ok(tree)
-    }
-
-    fn word(&mut self) -> Result<Tree<'t>, SyntaxError> {
-        for (word, tree) in [
-            ("null", Tree::Null),
-            ("true", Tree::Bool(true)),
-            ("false", Tree::Bool(false)),
-            ("NaN", Tree::Token("NaN")),
-            ("Infinity", Tree::Token("Infinity")),
-            ("-Infinity", Tree::Token("-Infinity")),
-        ] {
-            if self.rest().starts_with(word.as_bytes()) {
-                self.at += word.len();
-                return Ok(tree);
-            }
-            if !self.rest().is_empty() && word.as_bytes().starts_with(self.rest()) {
-                self.at = self.text.len();
-                return Err(self.error(CUT_OFF));
-            }
-        }
-        Err(self.error("expected a value"))
+        _ => tokens.token().map(Tree::from),
     }
 }

@@ -74,7 +74,7 @@ pub enum Verdict {
 #[derive(Debug, Default)]
 pub struct Findings {
     groups: BTreeMap<(&'static str, String), Group>,
-    /// Of each rule that was exercised or violated.
+    /// The counts of each rule that was exercised or violated, by id: findings are equal in whatever order they came.
     counts: Vec<(&'static Rule, Counts)>,
 }
 
@@ -181,8 +181,9 @@ impl Findings {
     fn counts_of(&mut self, rule: &'static Rule) -> &mut Counts {
         let at = self.counts.iter().position(|(known, _)| std::ptr::eq(*known, rule));
         let at = at.unwrap_or_else(|| {
-            self.counts.push((rule, Counts::default()));
-            self.counts.len() - 1
+            let at = self.counts.partition_point(|(known, _)| known.id < rule.id);
+            self.counts.insert(at, (rule, Counts::default()));
+            at
         });
         &mut self.counts[at].1
     }

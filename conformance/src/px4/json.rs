@@ -10,14 +10,13 @@
 mod clean;
 mod dialect;
 mod explain;
-mod plan;
 mod template;
 #[cfg(test)]
 mod tests;
 mod value;
 
-pub(crate) use self::clean::{Clean, MessageSeed};
+pub(crate) use self::clean::Clean;
 pub use self::dialect::{Dialect, Dialects};
 pub use self::explain::Told;
-pub use self::plan::Plans;
 pub(crate) use self::template::Template;
+pub use super::values::Plans;

@@ -3,7 +3,7 @@
 use std::fs;
 
 use tempfile::TempDir;
-use uavspec_conformance::check::{Judgement, judge_ulog};
+use uavspec_conformance::check::{CaptureResult, check_ulog};
 use uavspec_conformance::definitions::Definitions;
 
 use super::support::Writer;
@@ -71,7 +71,7 @@ fn tow() -> (TempDir, Definitions) {
 }
 
 /// A message of the tow: its ropes and how many there are, and the same of knots, each with its turns.
-fn judge_tow(ropes: (u8, [u8; 4]), num_knots: i8, knots: [(u8, [u8; 3], u8); 2]) -> Judgement {
+fn judge_tow(ropes: (u8, [u8; 4]), num_knots: i8, knots: [(u8, [u8; 3], u8); 2]) -> CaptureResult {
     let mut log = Writer::with_flags();
     log.format(
         "tow:uint64_t timestamp;uint8_t num_ropes;uint8_t[4] ropes;int8_t num_knots;uint8_t[2] _padding0;\
@@ -93,7 +93,7 @@ fn judge_tow(ropes: (u8, [u8; 4]), num_knots: i8, knots: [(u8, [u8; 3], u8); 2])
     }
     log.data(5, &payload);
     let (_folder, definitions) = tow();
-    judge_ulog(&log.bytes[..], &definitions)
+    check_ulog(&log.bytes[..], &definitions)
 }
 
 #[test]

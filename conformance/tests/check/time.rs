@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use uavspec_conformance::check::{Judgement, judge_ulog};
+use uavspec_conformance::check::{CaptureResult, check_ulog};
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::rules::rule;
 
@@ -26,7 +26,7 @@ fn regular(messages: u64) -> (Writer, u64) {
     (log, FIRST + (messages - 1) * PERIOD)
 }
 
-fn exercised(judgement: &Judgement, id: &str) -> u64 {
+fn exercised(judgement: &CaptureResult, id: &str) -> u64 {
     judgement.findings.exercised(rule(id).expect("a rule"))
 }
 
@@ -184,7 +184,7 @@ uint64 timestamp # [us] Time since system start
 ";
 
 /// A log of a message without a queue, on topics of these names.
-fn judge_sonde(topics: &[&str], times: &[u64]) -> Judgement {
+fn judge_sonde(topics: &[&str], times: &[u64]) -> CaptureResult {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("Sonde.msg"), SONDE).expect("a file");
     let definitions = Definitions::load(folder.path()).expect("definitions");
@@ -198,7 +198,7 @@ fn judge_sonde(topics: &[&str], times: &[u64]) -> Judgement {
             log.data(id, &time.to_le_bytes());
         }
     }
-    judge_ulog(&log.bytes[..], &definitions)
+    check_ulog(&log.bytes[..], &definitions)
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The forms in which messages come, and what their numbers are.
 
 use serde_json::{Value, json};
-use uavspec_conformance::check::Source;
+use uavspec_conformance::check::Summary;
 
 use super::support::Writer;
 use super::{PERIOD, broken, damage, glider, judge_bare, judge_bytes, published, source, type_name};
@@ -121,6 +121,6 @@ fn integers_of_64_bits_are_exact() {
 #[test]
 fn logs_are_still_known_by_their_magic() {
     let judgement = judge_bytes(&Writer::with_flags().bytes);
-    assert!(matches!(judgement.source, Source::Log(_)));
-    assert!(matches!(judge_bytes(b"").source, Source::Json(_)));
+    assert!(matches!(judgement.summary, Summary::Log(_)));
+    assert!(matches!(judge_bytes(b"").summary, Summary::Json(_)));
 }

@@ -4,7 +4,7 @@ use std::io::{self, Read};
 
 use proptest::prelude::*;
 use uavspec_conformance::capture::json::{Event, MAX_LENGTH, Problem, Reader};
-use uavspec_conformance::check::judge_json;
+use uavspec_conformance::check::check_json;
 
 use super::{PERIOD, broken, damage, definitions, glider, judge_bare, judge_bytes, source, typed};
 
@@ -121,7 +121,7 @@ proptest! {
         let is_open = bytes.last().is_some_and(|byte| *byte != b'\n');
         prop_assert_eq!(whole.1, lines as u64 + u64::from(is_open));
         let (_folder, definitions) = definitions();
-        judge_json(&bytes[..], None, &definitions);
+        check_json(&bytes[..], None, &definitions);
     }
 }
 

@@ -5,7 +5,7 @@ use std::fs;
 
 use uavspec_codegen::dynamic::Types;
 use uavspec_conformance::capture::ulog::{Log, Reader};
-use uavspec_conformance::check::{Judgement, judge, judge_json};
+use uavspec_conformance::check::{CaptureResult, check_capture, check_json};
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::px4::comparison::{Comparison, compare};
 
@@ -51,7 +51,7 @@ fn unpad(value: &mut serde_json::Value) {
 }
 
 /// What both kinds of sources can break, in these topics.
-fn findings(judgement: &Judgement, topics: &[String]) -> Vec<(&'static str, String, u64, Vec<String>)> {
+fn findings(judgement: &CaptureResult, topics: &[String]) -> Vec<(&'static str, String, u64, Vec<String>)> {
     let of_both =
         ["PX-ENUM-01", "PX-LEN-01", "PX-NAN-01", "PX-QUEUE-01", "PX-RANGE-01", "PX-STR-01", "PX-TIME-01"];
     let is_wanted =
@@ -77,8 +77,8 @@ fn real_logs_as_json_are_judged_as_the_logs_are() {
         let path = entry.expect("an entry").path();
         let bytes = fs::read(&path).expect("a log");
         let (lines, topics) = as_json(&bytes, &definitions, &types);
-        let of_log = judge(&bytes[..], None, &definitions).expect("bytes can be read");
-        let of_json = judge_json(lines.as_bytes(), None, &definitions);
+        let of_log = check_capture(&bytes[..], None, &definitions).expect("bytes can be read");
+        let of_json = check_json(lines.as_bytes(), None, &definitions);
         assert_eq!(damage(&of_json), Vec::<String>::new(), "{}", path.display());
         assert_eq!(of_json.judged, source(&of_json).lines, "{}", path.display());
         assert_eq!(findings(&of_json, &topics), findings(&of_log, &topics), "{}", path.display());

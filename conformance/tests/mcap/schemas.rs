@@ -3,7 +3,7 @@
 use std::fs;
 
 use serde_json::{Value, json};
-use uavspec_conformance::check::{Basis, Judgement, Source, Standing, judge_mcap};
+use uavspec_conformance::check::{Basis, CaptureResult, Standing, Summary, check_mcap};
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::px4::comparison::Differences;
 
@@ -12,14 +12,14 @@ use super::{GLIDER, Glider, PERIOD, broken, damages, equal, good, judged, ros, r
 use crate::support::shared;
 
 /// What the only channel of a file is judged by.
-fn basis(judgement: &Judgement) -> &Basis {
+fn basis(judgement: &CaptureResult) -> &Basis {
     match &source(judgement).channels[0].standing {
         Standing::Judged(basis) => basis,
         other => panic!("{other:?}"),
     }
 }
 
-fn differences(judgement: &Judgement) -> &Differences {
+fn differences(judgement: &CaptureResult) -> &Differences {
     source(judgement).channels[0].standing.differences().expect("the schema differs")
 }
 
@@ -258,8 +258,8 @@ fn definitions_of_real_releases_equal_themselves() {
                 schema(1, &format!("px4_msgs/msg/{name}"), "ros2msg", format!("{text}\n{others}").as_bytes()),
                 channel(1, 1, "/any", "cdr", &[]),
             ];
-            let judgement = judge_mcap(&file(&records.concat())[..], &definitions);
-            let Source::Mcap(found) = &judgement.source else { panic!("MCAP") };
+            let judgement = check_mcap(&file(&records.concat())[..], &definitions);
+            let Summary::Mcap(found) = &judgement.summary else { panic!("MCAP") };
             let standing = &found.channels[0].standing;
             let is_equal = *standing == Standing::Judged(equal());
             assert!(is_equal || *standing == Standing::Undefined, "{release} {name}: {standing:?}");

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use serde_json::{Value, json};
 use uavspec_codegen::schema::fingerprint::ros_name;
-use uavspec_conformance::check::{Judgement, judge_mcap};
+use uavspec_conformance::check::{CaptureResult, check_mcap};
 use uavspec_conformance::definitions::Definitions;
 use uavspec_runtime::cdr::ByteOrder;
 
@@ -42,7 +42,7 @@ fn cdr(rope: &Value) -> Vec<u8> {
     ty.from_json(rope).expect("a message").to_cdr(ByteOrder::LittleEndian).expect("CDR")
 }
 
-fn judged(payload: &[u8]) -> Judgement {
+fn judged(payload: &[u8]) -> CaptureResult {
     let rope = DEFINITIONS.schema.messages.iter().find(|message| message.name == "Rope").expect("a message");
     let name = ros_name(&DEFINITIONS.schema, rope);
     let text = format!("{ROPE}{}\nMSG: club_msgs/Strand\n{STRAND}", "=".repeat(80));
@@ -51,7 +51,7 @@ fn judged(payload: &[u8]) -> Judgement {
         channel(3, 1, "/tow/rope", "cdr", &[("topic_type_hash", &rope.type_hash)]),
         message(3, payload),
     ];
-    judge_mcap(&file(&records.concat())[..], &DEFINITIONS)
+    check_mcap(&file(&records.concat())[..], &DEFINITIONS)
 }
 
 #[test]

@@ -1,10 +1,10 @@
 //! A run whose input does what it can to break reports.
 
 use serde_json::{Value, json};
-use uavspec_conformance::check::judge;
+use uavspec_conformance::check::check_capture;
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::model::Reason;
-use uavspec_conformance::report::{Action, Judged, Known, Report, Settings, Subject, Unreadable};
+use uavspec_conformance::report::{Action, CheckedCapture, Known, Report, Settings, Subject, Unreadable};
 use uavspec_conformance::rules::mutants;
 use uavspec_conformance::rules::sample::Flight;
 use uavspec_conformance::testee::case::cases;
@@ -18,8 +18,10 @@ pub(crate) const HOSTILE: &str = "</style><script>alert(1)</script>|`*[x](javasc
 pub(crate) fn sources(definitions: &Definitions) -> Vec<(String, Vec<u8>)> {
     let flight = Flight::new(definitions);
     let mut sources = Vec::new();
-    for (at, mutant) in mutants().enumerate() {
-        sources.extend(mutant.make(&flight).map(|bytes| (format!("{}-{at}", mutant.rule.id), bytes)));
+    for mutant in mutants() {
+        for (title, bytes) in mutant.captures(&flight) {
+            sources.push((format!("{}: {title}", mutant.rule.id), bytes));
+        }
     }
     sources.push((format!("{HOSTILE}.jsonl"), lines()));
     sources
@@ -49,12 +51,16 @@ fn lines() -> Vec<u8> {
 /// A report of `check` in which there is everything.
 pub(crate) fn checked(definitions: &Definitions) -> Report {
     let subject = |(path, bytes): (String, Vec<u8>)| {
-        let judgement = judge(&bytes[..], None, definitions).expect("bytes can be read");
+        let judgement = check_capture(&bytes[..], None, definitions).expect("bytes can be read");
         // The time that it took is no part of what is compared.
-        let judged =
-            Judged { path, judgement, notes: vec!["the <b>wind</b>\u{1b}[1m turned".to_owned()], elapsed: 7 };
+        let judged = CheckedCapture {
+            path,
+            result: judgement,
+            notes: vec!["the <b>wind</b>\u{1b}[1m turned".to_owned()],
+            elapsed: 7,
+        };
         let arguments = vec!["--definitions".to_owned(), HOSTILE.to_owned()];
-        Subject::of_source(judged, definitions, &Settings { arguments, ..Settings::default() })
+        Subject::of_capture(judged, definitions, &Settings { arguments, ..Settings::default() })
     };
     let mut subjects: Vec<Subject> = sources(definitions).into_iter().map(subject).collect();
     let last = subjects.last_mut().expect("subjects");

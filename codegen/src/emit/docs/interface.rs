@@ -3,9 +3,9 @@
 use super::constants::{self, Anchored, Constants};
 use super::enums;
 use super::fields;
-use super::language::{self, Heading};
+use super::language::{self, Heading, heading};
 use super::markdown::{Page, Table, code, inline, text_column, unbroken};
-use super::message::{cdr_size, heading, package_cell};
+use super::message::{cdr_size, package_cell};
 use super::scope::Scope;
 use super::site::{Site, interface_path, part_names};
 use super::words::{self, ENGLISH, Words};

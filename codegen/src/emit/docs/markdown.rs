@@ -5,11 +5,10 @@
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
 
-use super::language::heading_anchor;
-use super::notice;
-pub(super) use crate::emit::prose::gist;
-use crate::emit::prose::percent_encoded;
-use crate::emit::{OutputFile, prose};
+use crate::emit::{GENERATED_BY, OutputFile};
+use crate::prose;
+pub(super) use crate::prose::gist;
+use crate::prose::percent_encoded;
 
 /// A page while it is written.
 #[derive(Debug)]
@@ -139,6 +138,11 @@ impl Page {
     pub fn finish(self) -> OutputFile {
         OutputFile { path: self.path, text: self.text + self.end }
     }
+}
+
+/// The line that every file begins with, between the marks of its kind of comment.
+pub(super) fn notice() -> String {
+    format!("{GENERATED_BY} from definitions. Do not edit: run `cargo xtask codegen`.")
 }
 
 /// Formats to the end of a text.
@@ -275,6 +279,16 @@ pub(super) fn anchor(id: &str) -> String {
     format!("<a id=\"{}\"></a>", prose::xml(id))
 }
 
+/// The anchor that mdBook and GitHub give to a heading of plain text.
+pub(super) fn heading_anchor(text: &str) -> String {
+    let characters = text.trim().chars().filter_map(|character| match character {
+        _ if character.is_alphanumeric() || matches!(character, '_' | '-') => Some(character),
+        _ if character.is_whitespace() => Some('-'),
+        _ => None,
+    });
+    characters.collect::<String>().to_lowercase()
+}
+
 /// The address of the page `to`, or of a place in it, as seen from the page `from`.
 pub fn href(from: &str, to: &str, anchor: &str) -> String {
     let mark = if anchor.is_empty() { "" } else { "#" };
@@ -367,5 +381,10 @@ mod tests {
         let mut page = Page::new("p.md", "P");
         page.table(&table);
         assert!(page.finish().text.ends_with("\n| A | C |\n| --- | ---: |\n| x | 1 |\n| y |  |\n"));
+    }
+
+    #[test]
+    fn anchors_are_those_of_headings() {
+        assert_eq!(heading_anchor("Per-mode requirements (RC, GPS)"), "per-mode-requirements-rc-gps");
     }
 }

@@ -3,9 +3,8 @@
 use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::Beside;
-use super::language::path_in;
 use super::markdown::{code, href, link};
+use super::options::Beside;
 use super::words::{self, ENGLISH, Words};
 use crate::emit::json_schema::{self, Target};
 use crate::emit::origin::Origins;
@@ -339,4 +338,21 @@ fn parts(message: &Message) -> HashMap<&str, Part> {
     let fields = message.fields.iter().enumerate();
     let fields = fields.map(|(index, field)| (field.name.as_str(), Part::Field(index)));
     enums.chain(constants).chain(fields).collect()
+}
+
+/// The page that says in another language what `path` says in English: it stands beside that, so that relative links
+/// are the same.
+pub(super) fn path_in(path: &str, tag: &str) -> String {
+    format!("{}.{tag}.md", path.strip_suffix(".md").unwrap_or(path))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_stands_beside_the_english_one() {
+        assert_eq!(path_in("px4/Wind.md", "uk"), "px4/Wind.uk.md");
+        assert_eq!(path_in("px4/Tow.srv.md", "pt-BR"), "px4/Tow.srv.pt-BR.md");
+    }
 }

@@ -1,6 +1,6 @@
 //! Docstrings and comments: texts of definitions come out as text, whatever they hold.
 
-use crate::emit::prose;
+use crate::prose;
 
 /// A docstring on lines of its own; nothing where there is no text.
 pub(super) fn docstring(text: &str, indent: &str) -> String {

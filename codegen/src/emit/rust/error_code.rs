@@ -8,7 +8,7 @@ use super::file::{documentation, header_of, header_of_package, inner_documentati
 use super::identifier::ident;
 use super::types;
 use crate::emit::identifier::error_code_names;
-use crate::emit::prose;
+use crate::prose;
 use crate::schema::{ErrorCode, Package};
 
 /// The text of the module.

@@ -10,7 +10,7 @@ use super::file::documentation;
 use super::identifier::{Scope, ident, snake_case, upper_case};
 use super::text::{constant_text, range_text, special_text};
 use super::{enumeration, types};
-use crate::emit::prose;
+use crate::prose;
 use uavspec_runtime::{Number, Scalar};
 
 use crate::schema::{Dialect, Element, Field, Message, MessageId, Restriction, Shape};
@@ -348,9 +348,7 @@ impl Parts<'_> {
         if let Some(uncontrolled) = &field.uncontrolled {
             facts.push(format!("not controlled: {}", special_text(uncontrolled)));
         }
-        if let Some(frame) = &field.frame {
-            facts.push(format!("frame: {}", prose::inline(frame)));
-        }
+        facts.extend(field.attributes().map(|(attribute, text)| attribute.said(&prose::inline(text))));
         if let Some(array) = field.counts {
             facts.push(format!("counts the entries in use of [`{0}`](Self::{0})", self.fields[array]));
         }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::emit::prose;
+use crate::prose;
 use crate::schema::{Constant, Special};
 use crate::unit;
 use crate::value::Value;

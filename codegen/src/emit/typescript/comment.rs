@@ -1,6 +1,6 @@
 //! Comments: texts of definitions come out as text, whatever they hold.
 
-use crate::emit::prose;
+use crate::prose;
 
 /// A documentation comment; nothing where there is no text.
 pub(super) fn block(text: &str, indent: &str) -> String {

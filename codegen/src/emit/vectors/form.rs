@@ -35,7 +35,7 @@ pub(super) fn file(options: &Options) -> OutputFile {
     });
     let schema = json!({
         "$schema": DRAFT,
-        "$id": format!("{}/{PATH}", options.schemas.base.trim_end_matches('/')),
+        "$id": format!("{}/{PATH}", options.schemas().base.trim_end_matches('/')),
         "$comment": mark(),
         "title": "Vectors",
         "description": "Test vectors of a type: values that it has and values that it doesn't have.",

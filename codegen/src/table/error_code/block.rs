@@ -9,7 +9,7 @@ use crate::diagnostic::Problem;
 
 /// The codes that a heading sets apart for the table below it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Block {
+pub(crate) struct Block {
     /// The heading without its range.
     pub title: String,
     /// The class that all its codes are of.
@@ -162,7 +162,7 @@ fn number(text: &str) -> Option<(u32, &str)> {
 }
 
 /// A range of codes as headings write it: `64-127`, `32768 and above`, `0`.
-pub fn range_text(range: &RangeInclusive<u32>) -> String {
+pub(crate) fn range_text(range: &RangeInclusive<u32>) -> String {
     match (*range.start(), *range.end()) {
         (first, u32::MAX) => format!("{first} and above"),
         (first, last) if first == last => first.to_string(),

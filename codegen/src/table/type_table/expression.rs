@@ -22,7 +22,7 @@ const MAX_ALTERNATIVES: usize = 32;
 
 /// A type as it is written.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Expression {
+pub(crate) struct Expression {
     /// What it says.
     pub kind: ExpressionKind,
     /// Where.
@@ -31,7 +31,7 @@ pub struct Expression {
 
 /// What a type expression says.
 #[derive(Clone, Debug, PartialEq)]
-pub enum ExpressionKind {
+pub(crate) enum ExpressionKind {
     /// Any JSON value.
     Any,
     /// `null` alone.

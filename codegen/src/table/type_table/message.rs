@@ -56,7 +56,7 @@ impl fmt::Display for Direction {
 
 /// A message as it is written.
 #[derive(Debug)]
-pub struct MessageDefinition<'p> {
+pub(crate) struct MessageDefinition<'p> {
     /// Its type, which the field `type` of its body holds.
     pub name: &'p str,
     /// The heading.
@@ -69,7 +69,7 @@ pub struct MessageDefinition<'p> {
 
 /// The shape of a message for a direction.
 #[derive(Debug)]
-pub struct PartDefinition<'p> {
+pub(crate) struct PartDefinition<'p> {
     /// The direction.
     pub direction: Direction,
     /// The subheading.

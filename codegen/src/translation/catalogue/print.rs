@@ -4,7 +4,7 @@
 use super::{Catalogue, Entry};
 
 /// A catalogue as text, which gives the same catalogue when it is read.
-pub fn print(catalogue: &Catalogue) -> String {
+pub(crate) fn print(catalogue: &Catalogue) -> String {
     let mut text = String::new();
     for (index, entry) in catalogue.entries.iter().enumerate() {
         if index > 0 {

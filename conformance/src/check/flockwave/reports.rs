@@ -19,7 +19,7 @@ use std::collections::HashSet;
 use self::known::{Kind, Known};
 use crate::definitions::Definitions;
 use crate::flockwave::body_schema::Members;
-use crate::json::{Cursor, Token, Tree};
+use crate::json::{Token, Tokens, Tree, Unclear};
 use crate::model::Findings;
 use uavspec_codegen::schema::json_type::Direction;
 
@@ -118,8 +118,8 @@ impl<'d> Reports<'d> {
             return None;
         }
         let text = str::from_utf8(bytes).ok()?;
-        let mut cursor = Cursor::new(text);
-        let line = self.line(&mut cursor, findings).filter(|_| cursor.is_at_end())?;
+        let mut tokens = Tokens::new(text);
+        let line = self.line(&mut tokens, findings).ok().filter(|_| tokens.end().is_ok())?;
         let message = line.message?;
         let body = message.body.filter(|body| body.is_report)?;
         let id = message.id.filter(|id| (1..=MAX_ID).contains(&id.len()))?;
@@ -155,65 +155,67 @@ impl<'d> Reports<'d> {
         self.known.tell(findings);
     }
 
-    fn line<'l>(&mut self, cursor: &mut Cursor<'l>, findings: &Findings) -> Option<Line<'l>> {
+    fn line<'l>(&mut self, tokens: &mut Tokens<'l>, findings: &Findings) -> Result<Line<'l>, Unclear> {
         let mut line = Line::default();
-        cursor.members(|cursor, key| {
-            match key {
-                "t" if line.time.is_none() => line.time = Some(cursor.decimal()?),
-                "conn" if line.name.is_none() => line.name = Some(cursor.text()?),
-                "dir" if !line.is_of_server && cursor.text()? == "in" => line.is_of_server = true,
-                "msg" if line.message.is_none() => line.message = Some(self.message(cursor, findings)?),
-                _ => return None,
+        tokens.members(|tokens, key| {
+            match &*key {
+                "t" if line.time.is_none() => line.time = Some(time(&tokens.token()?)?),
+                "conn" if line.name.is_none() => line.name = Some(plain(tokens)?),
+                "dir" if !line.is_of_server && plain(tokens)? == "in" => line.is_of_server = true,
+                "msg" if line.message.is_none() => line.message = Some(self.message(tokens, findings)?),
+                _ => return Err(Unclear),
             }
-            Some(())
+            Ok(())
         })?;
-        Some(line)
+        Ok(line)
     }
 
-    fn message<'l>(&mut self, cursor: &mut Cursor<'l>, findings: &Findings) -> Option<Message<'l>> {
+    fn message<'l>(&mut self, tokens: &mut Tokens<'l>, findings: &Findings) -> Result<Message<'l>, Unclear> {
         let mut message = Message::default();
-        cursor.members(|cursor, key| {
-            match key {
-                "$fw.version" if message.version.is_none() => message.version = Some(cursor.text()?),
-                "id" if message.id.is_none() => message.id = Some(cursor.text()?),
-                "body" if message.body.is_none() => message.body = Some(self.body(cursor, findings)?),
-                _ => return None,
+        tokens.members(|tokens, key| {
+            match &*key {
+                "$fw.version" if message.version.is_none() => message.version = Some(plain(tokens)?),
+                "id" if message.id.is_none() => message.id = Some(plain(tokens)?),
+                "body" if message.body.is_none() => message.body = Some(self.body(tokens, findings)?),
+                _ => return Err(Unclear),
             }
-            Some(())
+            Ok(())
         })?;
-        Some(message)
+        Ok(message)
     }
 
-    fn body<'l>(&mut self, cursor: &mut Cursor<'l>, findings: &Findings) -> Option<Body<'l>> {
+    fn body<'l>(&mut self, tokens: &mut Tokens<'l>, findings: &Findings) -> Result<Body<'l>, Unclear> {
         let mut body = Body::default();
-        cursor.members(|cursor, key| {
-            match key {
-                "type" if !body.is_report && cursor.text()? == TYPE => body.is_report = true,
-                "status" if body.states.is_none() => body.states = Some(self.states(cursor, findings)?),
-                _ => return None,
+        tokens.members(|tokens, key| {
+            match &*key {
+                "type" if !body.is_report && plain(tokens)? == TYPE => body.is_report = true,
+                "status" if body.states.is_none() => body.states = Some(self.states(tokens, findings)?),
+                _ => return Err(Unclear),
             }
-            Some(())
+            Ok(())
         })?;
-        Some(body)
+        Ok(body)
     }
 
-    fn states<'l>(&mut self, cursor: &mut Cursor<'l>, findings: &Findings) -> Option<States<'l>> {
+    fn states<'l>(&mut self, tokens: &mut Tokens<'l>, findings: &Findings) -> Result<States<'l>, Unclear> {
         // The one before had about as many.
         let mut states = Vec::with_capacity(self.kinds.len());
         self.kinds.clear();
-        let fields = self.fields.as_mut()?;
+        let fields = self.fields.as_mut().ok_or(Unclear)?;
         let mut broken = 0;
-        cursor.members(|cursor, uav| {
-            let start = cursor.at();
-            let (timestamp, kind) = fields.state(cursor, uav)?;
-            let (kind, count) = self.known.kind(kind, (uav, cursor.since(start)), findings)?;
+        tokens.members(|tokens, uav| {
+            let Cow::Borrowed(uav) = uav else { return Err(Unclear) };
+            let start = tokens.at();
+            let (timestamp, kind) = fields.state(tokens, uav)?;
+            let known = self.known.kind(kind, (uav, tokens.since(start)), findings);
+            let (kind, count) = known.ok_or(Unclear)?;
             self.kinds.push(kind);
             broken += count;
-            let members = vec![("timestamp".into(), Tree::Int(timestamp.into()))];
+            let members = vec![("timestamp".into(), Tree::Int(timestamp))];
             states.push((uav.into(), Tree::Object(members)));
-            Some(())
+            Ok(())
         })?;
-        (broken <= MAX_BROKEN).then_some(states)
+        if broken <= MAX_BROKEN { Ok(states) } else { Err(Unclear) }
     }
 }
 
@@ -229,49 +231,64 @@ impl<'d> Fields<'d> {
     }
 
     /// Takes the state of a UAV: its timestamp, and of which kind it is.
-    fn state<'l>(&mut self, cursor: &mut Cursor<'l>, uav: &str) -> Option<(i64, Kind<'l>)> {
+    fn state<'l>(&mut self, tokens: &mut Tokens<'l>, uav: &str) -> Result<(i128, Kind<'l>), Unclear> {
         let mut kind = Kind::default();
         let mut timestamp = None;
         let mut before = self.members.len();
-        let mut goes_on = cursor.takes(b'{');
-        while goes_on {
-            let field = self.field(cursor, before)?;
+        tokens.object(|tokens| {
+            let field = self.field(tokens, before)?;
             let bit = 1 << field;
             if kind.fields & bit != 0 {
-                return None;
+                return Err(Unclear);
             }
             kind.fields |= bit;
             before = field;
             let is_needed = field == self.id || field == self.timestamp;
-            if !is_needed && cursor.takes_null() {
+            if !is_needed && tokens.takes_null() {
                 kind.nulls |= bit;
             } else if field == self.errors {
-                kind.errors = cursor.list()?;
+                kind.errors = tokens.flat_list().ok_or(Unclear)?;
             } else if is_needed {
-                let token = cursor.token().filter(|token| self.members.holds(field, *token))?;
-                match token {
+                let token = tokens.token()?;
+                match &token {
+                    _ if !self.members.holds(field, &token) => return Err(Unclear),
                     Token::Text(id) if field == self.id && id == uav => {}
-                    Token::Int(value) if field == self.timestamp => timestamp = Some(value),
-                    _ => return None,
+                    Token::Int(value) if field == self.timestamp => timestamp = Some(*value),
+                    _ => return Err(Unclear),
                 }
             } else {
-                self.members.takes(field, cursor)?;
+                self.members.takes(field, tokens)?;
             }
-            goes_on = cursor.goes_on(b'}')?;
-        }
-        // That it has no id is seen by its kind.
-        Some((timestamp?, kind))
+            Ok(())
+        })?;
+        // A state without an id is of another kind.
+        Ok((timestamp.ok_or(Unclear)?, kind))
     }
 
     /// Takes the key of the next field. It is likely to be the one that came there before.
-    fn field(&mut self, cursor: &mut Cursor<'_>, before: usize) -> Option<usize> {
+    fn field(&mut self, tokens: &mut Tokens<'_>, before: usize) -> Result<usize, Unclear> {
         let guess = self.next[before];
-        if cursor.takes_key(self.members.key(guess)) {
-            return Some(guess);
+        if tokens.takes_key(self.members.name(guess)) {
+            return Ok(guess);
         }
-        let field = self.members.field(cursor.key()?)?;
+        let field = self.members.field(&tokens.key()?).ok_or(Unclear)?;
         self.next[before] = field;
-        Some(field)
+        Ok(field)
+    }
+}
+
+/// A string without escapes.
+fn plain<'l>(tokens: &mut Tokens<'l>) -> Result<&'l str, Unclear> {
+    tokens.plain_text().ok_or(Unclear)
+}
+
+/// A time in seconds.
+fn time(token: &Token<'_>) -> Result<f64, Unclear> {
+    match token {
+        #[allow(clippy::cast_precision_loss)] // seconds fit well
+        Token::Int(value) => Ok(*value as f64),
+        Token::Float(value, _) => Ok(*value),
+        _ => Err(Unclear),
     }
 }
 

@@ -1,15 +1,11 @@
 //! What stands around a message and says what it is.
 
-use std::borrow::Cow;
 use std::collections::HashMap;
-use std::fmt;
 
-use serde::Deserializer as _;
-use serde::de::{DeserializeSeed, Error, IgnoredAny, MapAccess, Visitor};
 use uavspec_codegen::schema::MessageId;
 
-use crate::json::Tree;
-use crate::px4::json::{Clean, MessageSeed, Plans};
+use crate::json::{Tokens, Tree, Unclear};
+use crate::px4::json::{Clean, Plans};
 
 /// The operations of rosbridge that may name the type of a topic.
 const ADVERTISE: &str = "advertise";
@@ -130,137 +126,79 @@ pub(super) enum Fast {
     Unclear,
 }
 
-/// Reads a value without a tree. `values` gets what the message says, where its channel wants that.
+/// Reads a value without a tree. `values` gets what the message says, if its channel needs that.
 pub(super) fn read(text: &str, channels: &Channels, plans: &Plans, values: &mut Vec<u8>) -> Fast {
-    let mut reader = serde_json::Deserializer::from_str(text);
     values.clear();
-    let fast = match channels.only.and_then(|at| Some((at, channels.open[at].defined?))) {
+    let mut tokens = Tokens::new(text);
+    let only = channels.only.and_then(|at| Some((at, channels.open[at].defined?)));
+    let fast = match only {
         Some((at, (id, _))) => {
             values.resize(channels.open[at].kept, 0);
-            let seed = MessageSeed::new(plans, id, false, values);
-            seed.deserialize(&mut reader).map(|clean| Fast::Clean(at, clean))
+            plans.read(id, &mut tokens, false, values).map(|clean| Fast::Clean(at, clean))
         }
-        None => reader.deserialize_map(Envelope { channels, plans, values }),
+        None => Envelope { channels, plans, values, is_published: false, channel: None, found: None }
+            .read(&mut tokens),
     };
-    match (fast, reader.end()) {
-        (Ok(fast), Ok(())) => fast,
-        _ => Fast::Unclear,
-    }
+    fast.ok().filter(|_| tokens.end().is_ok()).unwrap_or(Fast::Unclear)
 }
 
+/// A record up to some member. Only the usual order is accepted: what a message is, then the message; [`form`] accepts any.
 struct Envelope<'c> {
     channels: &'c Channels,
     plans: &'c Plans,
     values: &'c mut Vec<u8>,
+    is_published: bool,
+    channel: Option<usize>,
+    found: Option<Fast>,
 }
 
-impl<'de> Visitor<'de> for Envelope<'_> {
-    type Value = Fast;
-
-    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("a message with what says what it is")
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Fast, A::Error> {
-        let unclear = || A::Error::custom("unclear");
-        let (mut is_published, mut channel, mut found) = (false, None, None);
-        // Only the usual order is read here: what a message is, then the message. `form` reads any.
-        while let Some(key) = map.next_key_seed(KeySeed)? {
-            match (key, channel) {
-                (Key::Op, None) if !is_published => {
-                    let op: Cow<'de, str> = map.next_value()?;
-                    if op == ADVERTISE || op == SUBSCRIBE {
-                        return Err(unclear());
-                    }
-                    if op != "publish" {
-                        while map.next_entry::<IgnoredAny, IgnoredAny>()?.is_some() {}
-                        return Ok(Fast::Skipped);
-                    }
-                    is_published = true;
-                }
-                (Key::Topic, None) if is_published => {
-                    channel = Some(map.next_value_seed(NameSeed(self.channels, Which::Topic))?);
-                }
-                (Key::Type, None) if !is_published => {
-                    channel = Some(map.next_value_seed(NameSeed(self.channels, Which::Type))?);
-                }
-                (Key::Message(which), Some(at))
-                    if found.is_none() && is_published == (which == Which::Topic) =>
-                {
-                    found = Some(if let Some((id, _)) = self.channels.open[at].defined {
-                        self.values.resize(self.channels.open[at].kept, 0);
-                        let seed = MessageSeed::new(self.plans, id, is_published, self.values);
-                        Fast::Clean(at, map.next_value_seed(seed)?)
-                    } else {
-                        map.next_value::<IgnoredAny>()?;
-                        Fast::Undefined
-                    });
-                }
-                (Key::Other, _) => _ = map.next_value::<IgnoredAny>()?,
-                _ => return Err(unclear()),
+impl Envelope<'_> {
+    fn read(mut self, tokens: &mut Tokens<'_>) -> Result<Fast, Unclear> {
+        tokens.object(|tokens| {
+            if matches!(self.found, Some(Fast::Skipped)) {
+                tokens.skip_key()?;
+                return tokens.skip();
             }
+            let key = tokens.key()?;
+            self.member(&key, tokens)
+        })?;
+        self.found.ok_or(Unclear)
+    }
+
+    fn member(&mut self, key: &str, tokens: &mut Tokens<'_>) -> Result<(), Unclear> {
+        match (key, self.channel) {
+            ("op", None) if !self.is_published => match &*tokens.text()? {
+                ADVERTISE | SUBSCRIBE => return Err(Unclear),
+                "publish" => self.is_published = true,
+                _ => self.found = Some(Fast::Skipped),
+            },
+            ("topic", None) if self.is_published => self.channel = self.known(Which::Topic, tokens)?,
+            ("type", None) if !self.is_published => self.channel = self.known(Which::Type, tokens)?,
+            ("message", Some(at)) if self.found.is_none() && !self.is_published => {
+                self.message(at, tokens)?
+            }
+            ("msg", Some(at)) if self.found.is_none() && self.is_published => self.message(at, tokens)?,
+            ("op" | "topic" | "type" | "message" | "msg", _) => return Err(Unclear),
+            _ => tokens.skip()?,
         }
-        found.ok_or_else(unclear)
-    }
-}
-
-#[derive(Clone, Copy)]
-enum Key {
-    Op,
-    Topic,
-    Type,
-    Message(Which),
-    Other,
-}
-
-struct KeySeed;
-
-impl<'de> DeserializeSeed<'de> for KeySeed {
-    type Value = Key;
-
-    fn deserialize<D: serde::Deserializer<'de>>(self, deserializer: D) -> Result<Key, D::Error> {
-        deserializer.deserialize_identifier(self)
-    }
-}
-
-impl Visitor<'_> for KeySeed {
-    type Value = Key;
-
-    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("a key")
+        Ok(())
     }
 
-    fn visit_str<E: Error>(self, key: &str) -> Result<Key, E> {
-        Ok(match key {
-            "op" => Key::Op,
-            "topic" => Key::Topic,
-            "type" => Key::Type,
-            "message" => Key::Message(Which::Type),
-            "msg" => Key::Message(Which::Topic),
-            _ => Key::Other,
-        })
-    }
-}
-
-/// Reads a name as the channel that it means.
-struct NameSeed<'c>(&'c Channels, Which);
-
-impl<'de> DeserializeSeed<'de> for NameSeed<'_> {
-    type Value = usize;
-
-    fn deserialize<D: serde::Deserializer<'de>>(self, deserializer: D) -> Result<usize, D::Error> {
-        deserializer.deserialize_str(self)
-    }
-}
-
-impl Visitor<'_> for NameSeed<'_> {
-    type Value = usize;
-
-    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("a topic or a type")
+    /// The channel of this name.
+    fn known(&self, which: Which, tokens: &mut Tokens<'_>) -> Result<Option<usize>, Unclear> {
+        let channel = self.channels.get(which, &tokens.text()?);
+        if channel.is_some() { Ok(channel) } else { Err(Unclear) }
     }
 
-    fn visit_str<E: Error>(self, name: &str) -> Result<usize, E> {
-        self.0.get(self.1, name).ok_or_else(|| E::custom("unclear"))
+    fn message(&mut self, at: usize, tokens: &mut Tokens<'_>) -> Result<(), Unclear> {
+        let open = &self.channels.open[at];
+        self.found = Some(if let Some((id, _)) = open.defined {
+            self.values.resize(open.kept, 0);
+            Fast::Clean(at, self.plans.read(id, tokens, self.is_published, self.values)?)
+        } else {
+            tokens.skip()?;
+            Fast::Undefined
+        });
+        Ok(())
     }
 }

@@ -6,7 +6,7 @@
 use super::bodies::Shapes;
 use super::check::fits;
 use super::defined::{Defined, Length, Object};
-use crate::json::{Cursor, Key, Token};
+use crate::json::{Token, Tokens, Unclear};
 use uavspec_codegen::schema::json_type::Direction;
 
 /// The fields of the objects that a map in a body holds.
@@ -19,7 +19,7 @@ pub(crate) struct Members<'s> {
 /// A field.
 #[derive(Debug)]
 struct Member<'s> {
-    key: Key,
+    name: &'s str,
     shape: &'s Defined,
     plain: Plain<'s>,
 }
@@ -52,8 +52,8 @@ impl Shapes {
         let Defined::Object(index) = **inner else { return None };
         let object = &self.objects[index];
         let fields = object.fields.iter().map(|field| {
-            let (key, shape) = (Key::new(&field.name), &field.shape);
-            Member { key, shape, plain: Plain::of(self, shape) }
+            let (name, shape) = (&*field.name, &field.shape);
+            Member { name, shape, plain: Plain::of(self, shape) }
         });
         Some(Members { object, fields: fields.collect() })
     }
@@ -65,9 +65,9 @@ impl Members<'_> {
         self.fields.len()
     }
 
-    /// The key of a field.
-    pub(crate) fn key(&self, field: usize) -> &Key {
-        &self.fields[field].key
+    /// The name of a field.
+    pub(crate) fn name(&self, field: usize) -> &str {
+        self.fields[field].name
     }
 
     /// The field of a name.
@@ -76,16 +76,16 @@ impl Members<'_> {
     }
 
     /// Whether the value of a field can be this.
-    pub(crate) fn holds(&self, field: usize, token: Token<'_>) -> bool {
+    pub(crate) fn holds(&self, field: usize, token: &Token<'_>) -> bool {
         holds(self.fields[field].shape, token)
     }
 
     /// Takes the value of a field, if that is plainly one that it can have.
-    pub(crate) fn takes(&self, field: usize, cursor: &mut Cursor<'_>) -> Option<()> {
+    pub(crate) fn takes(&self, field: usize, tokens: &mut Tokens<'_>) -> Result<(), Unclear> {
         match &self.fields[field].plain {
-            Plain::One(scalar) => scalar.takes(cursor),
-            Plain::Tuple(elements, length) => list(cursor, *length, |at| elements.get(at)),
-            Plain::List(element, length) => list(cursor, *length, |_| Some(element)),
+            Plain::One(scalar) => scalar.takes(tokens),
+            Plain::Tuple(elements, length) => list(tokens, *length, |at| elements.get(at)),
+            Plain::List(element, length) => list(tokens, *length, |_| Some(element)),
         }
     }
 }
@@ -127,45 +127,41 @@ impl<'s> Scalar<'s> {
     }
 
     #[inline]
-    fn takes(&self, cursor: &mut Cursor<'_>) -> Option<()> {
-        match self {
-            Self::Range(low, high) => {
-                let value = cursor.integer()?;
-                (*low <= value && value <= *high).then_some(())
-            }
-            Self::Nullable(..) if cursor.takes_null() => Some(()),
-            Self::Nullable(low, high) => Self::Range(*low, *high).takes(cursor),
-            Self::Other(shape) => holds(shape, cursor.token()?).then_some(()),
-        }
+    fn takes(&self, tokens: &mut Tokens<'_>) -> Result<(), Unclear> {
+        let fits = match self {
+            Self::Range(low, high) => tokens.integer().is_some_and(|value| *low <= value && value <= *high),
+            Self::Nullable(..) if tokens.takes_null() => true,
+            Self::Nullable(low, high) => return Self::Range(*low, *high).takes(tokens),
+            Self::Other(shape) => holds(shape, &tokens.token()?),
+        };
+        if fits { Ok(()) } else { Err(Unclear) }
     }
 }
 
 /// Takes a list whose elements have these shapes.
 fn list<'s>(
-    cursor: &mut Cursor<'_>,
+    tokens: &mut Tokens<'_>,
     length: Length,
     shape: impl Fn(usize) -> Option<&'s Scalar<'s>>,
-) -> Option<()> {
+) -> Result<(), Unclear> {
     let mut count = 0;
-    let is_list = cursor.takes(b'[');
-    let mut goes_on = is_list && !cursor.takes(b']');
-    while goes_on {
-        shape(count)?.takes(cursor)?;
+    tokens.list(|tokens| {
+        shape(count).ok_or(Unclear)?.takes(tokens)?;
         count += 1;
-        goes_on = cursor.goes_on(b']')?;
-    }
-    (is_list && length.holds(count)).then_some(())
+        Ok::<(), Unclear>(())
+    })?;
+    if length.holds(count) { Ok(()) } else { Err(Unclear) }
 }
 
 /// Whether a value of this shape can be this.
-fn holds(shape: &Defined, token: Token<'_>) -> bool {
+fn holds(shape: &Defined, token: &Token<'_>) -> bool {
     match (shape, token) {
         (Defined::Any, _) | (Defined::Null, Token::Null) | (Defined::Bool, Token::Bool(_)) => true,
-        (Defined::Integer(low, high), Token::Int(value)) => (*low..=*high).contains(&value.into()),
-        (Defined::Integers(all), Token::Int(value)) => all.contains(&value),
+        (Defined::Integer(low, high), Token::Int(value)) => (low..=high).contains(&value),
+        (Defined::Integers(all), Token::Int(value)) => all.iter().any(|one| i128::from(*one) == *value),
         #[allow(clippy::cast_precision_loss)] // as bounds are
         (Defined::Number(low, high), Token::Int(value)) => {
-            let value = value as f64;
+            let value = *value as f64;
             low.is_none_or(|low| value >= low) && high.is_none_or(|high| value <= high)
         }
         (Defined::Text(text), Token::Text(value)) => fits(text, value),

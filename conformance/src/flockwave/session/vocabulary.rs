@@ -1,4 +1,4 @@
-//! What following a conversation needs to know of the message types of Flockwave 2.10 beside their definitions.
+//! What following a session needs to know of the message types of Flockwave 2.10 beside their definitions.
 
 /// How a reply tells about each of several objects that were asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,19 +1,15 @@
-//! Says whether a message is clean, as its text is read, without a tree.
+//! The fast check of a message: it reads the text once, without a tree, and only says that nothing is wrong.
 //!
-//! An error says only that something is wrong: what, is worked out from the tree.
+//! What is wrong otherwise is worked out from the tree.
 
-use std::fmt;
-
-use serde::Deserializer;
-use serde::de::{DeserializeSeed, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
-use uavspec_codegen::dynamic::members::{KeySeed, Seen};
+use uavspec_codegen::dynamic::members::Seen;
 use uavspec_codegen::schema::{MessageId, Shape};
 use uavspec_runtime::Scalar;
 
 use super::dialect::{Dialect, Dialects};
-use super::plan::{Element, FieldPlan, MessagePlan, Plans};
 use super::value::Leaf;
-use crate::json::base64;
+use crate::json::{Token, Tokens, Unclear, base64};
+use crate::px4::values::{Element, FieldPlan, MessagePlan, Plans};
 
 /// What a clean message says of itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,40 +21,37 @@ pub(crate) struct Clean {
 }
 
 impl Plans {
-    /// Whether a text is a message, and nothing is wrong with it. `is_rosbridge` allows what rosbridge writes.
+    /// True if a text is a message, and nothing is wrong with it. `is_rosbridge` allows what rosbridge writes.
     pub fn is_clean(&self, id: MessageId, text: &str, is_rosbridge: bool) -> bool {
-        let mut reader = serde_json::Deserializer::from_str(text);
-        let seed = MessageSeed::new(self, id, is_rosbridge, &mut []);
-        seed.deserialize(&mut reader).is_ok() && reader.end().is_ok()
+        self.read_text(id, text, is_rosbridge, &mut []).is_ok()
     }
-}
 
-/// Reads a message.
-pub(crate) struct MessageSeed<'p, 'v> {
-    reading: Reading<'p, 'v>,
-    plan: &'p MessagePlan,
-}
-
-impl<'p, 'v> MessageSeed<'p, 'v> {
-    /// `values` gets the numbers and bools of the message as they lie in memory. It has the size of the message,
-    /// or is empty where nobody wants them.
-    pub(crate) fn new(plans: &'p Plans, id: MessageId, is_rosbridge: bool, values: &'v mut [u8]) -> Self {
-        let reading = Reading { plans, is_rosbridge, values, clean: Clean::default() };
-        Self { reading, plan: plans.get(id) }
+    /// Reads a text that is a clean message, as [`Plans::read`] does.
+    pub(crate) fn read_text(
+        &self,
+        id: MessageId,
+        text: &str,
+        is_rosbridge: bool,
+        values: &mut [u8],
+    ) -> Result<Clean, Unclear> {
+        let mut tokens = Tokens::new(text);
+        let clean = self.read(id, &mut tokens, is_rosbridge, values)?;
+        tokens.end()?;
+        Ok(clean)
     }
-}
 
-impl<'de> DeserializeSeed<'de> for MessageSeed<'_, '_> {
-    type Value = Clean;
-
-    fn deserialize<D: Deserializer<'de>>(mut self, deserializer: D) -> Result<Clean, D::Error> {
-        deserializer.deserialize_map(Members {
-            reading: &mut self.reading,
-            plan: self.plan,
-            base: 0,
-            is_top: true,
-        })?;
-        Ok(self.reading.clean)
+    /// Reads a clean message. `values` gets its numbers and bools as they lie in memory: it has the size of the message,
+    /// or is empty if they are not needed.
+    pub(crate) fn read(
+        &self,
+        id: MessageId,
+        tokens: &mut Tokens<'_>,
+        is_rosbridge: bool,
+        values: &mut [u8],
+    ) -> Result<Clean, Unclear> {
+        let mut reading = Reading { plans: self, is_rosbridge, values, clean: Clean::default() };
+        reading.message(tokens, self.get(id), 0, true)?;
+        Ok(reading.clean)
     }
 }
 
@@ -69,150 +62,116 @@ struct Reading<'p, 'v> {
     clean: Clean,
 }
 
-fn unclean<E: Error>() -> E {
-    E::custom("unclean")
-}
-
-/// The members of a message.
-struct Members<'r, 'p, 'v> {
-    reading: &'r mut Reading<'p, 'v>,
-    plan: &'p MessagePlan,
-    /// Where the message starts in memory.
-    base: usize,
-    is_top: bool,
-}
-
-impl<'de> Visitor<'de> for Members<'_, '_, '_> {
-    type Value = ();
-
-    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("a message")
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
-        let Self { reading, plan, base, is_top } = self;
+impl<'p> Reading<'p, '_> {
+    /// A message that starts at `base` in memory.
+    fn message(
+        &mut self,
+        tokens: &mut Tokens<'_>,
+        plan: &'p MessagePlan,
+        base: usize,
+        is_top: bool,
+    ) -> Result<(), Unclear> {
         let fields = &plan.fields;
-        let mut seen = Seen::default();
-        let mut guess = 0;
-        while let Some(index) = map.next_key_seed(KeySeed { fields, guess })? {
+        let (mut seen, mut guess) = (Seen::default(), 0);
+        tokens.object(|tokens| {
+            let index = next_field(fields, guess, tokens)?;
             if !seen.insert(index, fields.len()) {
-                return Err(unclean());
-            }
-            let field = &fields[index];
-            if is_top && field.is_timestamp() {
-                let timestamp: u64 = map.next_value()?;
-                reading.clean.timestamp = Some(timestamp);
-                field.keep(reading.values, field.offset, Leaf::Int(timestamp.into()));
-            } else {
-                map.next_value_seed(Value { reading, field, at: base + field.offset, is_element: false })?;
+                return Err(Unclear);
             }
             guess = index + 1;
-        }
-        if (0..fields.len()).all(|index| seen.contains(index)) { Ok(()) } else { Err(unclean()) }
-    }
-}
-
-/// Reads the value of a field, or of an element of it.
-struct Value<'r, 'p, 'v> {
-    reading: &'r mut Reading<'p, 'v>,
-    field: &'p FieldPlan,
-    /// Where it starts in memory.
-    at: usize,
-    is_element: bool,
-}
-
-impl Value<'_, '_, '_> {
-    fn is_array(&self) -> bool {
-        self.field.shape != Shape::Single && !self.is_element
-    }
-
-    fn leaf<E: Error>(self, leaf: Leaf<'_>) -> Result<(), E> {
-        if self.is_array() {
-            return Err(unclean());
-        }
-        self.field.keep(self.reading.values, self.at, leaf);
-        self.field.judge(leaf).map_err(|_| unclean())
-    }
-}
-
-impl<'de> DeserializeSeed<'de> for Value<'_, '_, '_> {
-    type Value = ();
-
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
-        deserializer.deserialize_any(self)
-    }
-}
-
-impl<'de> Visitor<'de> for Value<'_, '_, '_> {
-    type Value = ();
-
-    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fmt::Display::fmt(&self.field.expected(self.is_element), formatter)
-    }
-
-    fn visit_unit<E: Error>(self) -> Result<(), E> {
-        self.leaf(Leaf::Null)
-    }
-
-    fn visit_bool<E: Error>(self, value: bool) -> Result<(), E> {
-        self.leaf(Leaf::Bool(value))
-    }
-
-    fn visit_u64<E: Error>(self, value: u64) -> Result<(), E> {
-        self.leaf(Leaf::Int(value.into()))
-    }
-
-    fn visit_i64<E: Error>(self, value: i64) -> Result<(), E> {
-        self.leaf(Leaf::Int(value.into()))
-    }
-
-    fn visit_f64<E: Error>(self, value: f64) -> Result<(), E> {
-        self.leaf(Leaf::Float(value))
-    }
-
-    fn visit_str<E: Error>(self, text: &str) -> Result<(), E> {
-        if let Some(bytes) = self.field.as_base64(text, self.reading.is_rosbridge, self.is_element) {
-            self.reading.clean.dialects.insert(Dialect::Base64);
-            return self.field.judge_bytes(&bytes).then_some(()).ok_or_else(unclean);
-        }
-        self.leaf(Leaf::Text(text))
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
-        let Self { reading, field, at, .. } = self;
-        if let (Element::Text(room), true) = (field.element, reading.is_rosbridge) {
-            let mut bytes = Vec::new();
-            while bytes.len() < room as usize
-                && let Some(byte) = seq.next_element()?
-            {
-                bytes.push(byte);
+            let field = &fields[index];
+            if is_top && field.is_timestamp() {
+                return self.timestamp(tokens, field);
             }
-            if seq.next_element::<IgnoredAny>()?.is_some() {
-                return Err(unclean());
+            self.value(tokens, field, base + field.offset, false)
+        })?;
+        if (0..fields.len()).all(|index| seen.contains(index)) { Ok(()) } else { Err(Unclear) }
+    }
+
+    fn timestamp(&mut self, tokens: &mut Tokens<'_>, field: &FieldPlan) -> Result<(), Unclear> {
+        let Token::Int(value) = tokens.token()? else { return Err(Unclear) };
+        self.clean.timestamp = Some(u64::try_from(value).map_err(|_| Unclear)?);
+        field.keep(self.values, field.offset, Leaf::Int(value));
+        Ok(())
+    }
+
+    /// The value of a field, or of an element of it, which starts at `at` in memory.
+    fn value(
+        &mut self,
+        tokens: &mut Tokens<'_>,
+        field: &'p FieldPlan,
+        at: usize,
+        is_element: bool,
+    ) -> Result<(), Unclear> {
+        let is_array = field.shape != Shape::Single && !is_element;
+        match (tokens.peek(), field.element) {
+            (Some(b'['), Element::Text(room)) if self.is_rosbridge => self.numbers(tokens, field, room),
+            (Some(b'['), _) if is_array => self.list(tokens, field, at),
+            (Some(b'{'), Element::Message(id)) if !is_array => {
+                self.message(tokens, self.plans.get(id), at, false)
             }
-            reading.clean.dialects.insert(Dialect::NumbersForText);
-            return field.judge_text(&bytes).map_err(|_| unclean());
+            _ => {
+                let token = tokens.token()?;
+                if let Token::Text(text) = &token
+                    && let Some(bytes) = field.as_base64(text, self.is_rosbridge, is_element)
+                {
+                    self.clean.dialects.insert(Dialect::Base64);
+                    return if field.judge_bytes(&bytes) { Ok(()) } else { Err(Unclear) };
+                }
+                let leaf = Leaf::of(&token).filter(|_| !is_array).ok_or(Unclear)?;
+                field.keep(self.values, at, leaf);
+                field.judge(leaf).map_err(|_| Unclear)
+            }
         }
-        if field.shape == Shape::Single || self.is_element {
-            return Err(unclean());
-        }
+    }
+
+    /// The elements of an array.
+    fn list(&mut self, tokens: &mut Tokens<'_>, field: &'p FieldPlan, mut at: usize) -> Result<(), Unclear> {
         let mut count = 0;
-        let mut element = at;
-        while seq.next_element_seed(Value { reading, field, at: element, is_element: true })?.is_some() {
+        tokens.list(|tokens| {
+            self.value(tokens, field, at, true)?;
             count += 1;
-            element += field.stride;
-        }
-        field.judge_length(count).map_err(|_| unclean())
+            at += field.stride;
+            Ok::<(), Unclear>(())
+        })?;
+        field.judge_length(count).map_err(|_| Unclear)
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<(), A::Error> {
-        match self.field.element {
-            Element::Message(id) if !self.is_array() => {
-                let plan = self.reading.plans.get(id);
-                Members { reading: self.reading, plan, base: self.at, is_top: false }.visit_map(map)
+    /// Text that is written as the numbers of its bytes.
+    fn numbers(&mut self, tokens: &mut Tokens<'_>, field: &FieldPlan, room: u32) -> Result<(), Unclear> {
+        let mut bytes = Vec::new();
+        tokens.list(|tokens| match tokens.token()? {
+            Token::Int(byte) if bytes.len() < room as usize => {
+                bytes.push(u8::try_from(byte).map_err(|_| Unclear)?);
+                Ok(())
             }
-            _ => Err(unclean()),
-        }
+            _ => Err(Unclear),
+        })?;
+        self.clean.dialects.insert(Dialect::NumbersForText);
+        field.judge_text(&bytes).map_err(|_| Unclear)
+    }
+}
+
+/// Takes the key of a field, most likely of the one that is declared next.
+fn next_field(fields: &[FieldPlan], guess: usize, tokens: &mut Tokens<'_>) -> Result<usize, Unclear> {
+    if fields.get(guess).is_some_and(|field| tokens.takes_key(&field.name)) {
+        return Ok(guess);
+    }
+    let key = tokens.key()?;
+    fields.iter().position(|field| field.name == key).ok_or(Unclear)
+}
+
+impl<'t> Leaf<'t> {
+    /// The value that a token is; none for numbers that are too large, and for tokens that are not JSON.
+    pub(super) fn of(token: &'t Token<'_>) -> Option<Self> {
+        Some(match token {
+            Token::Null => Self::Null,
+            Token::Bool(value) => Self::Bool(*value),
+            Token::Int(value) => Self::Int(*value),
+            Token::Float(value, _) => Self::Float(*value),
+            Token::Text(text) => Self::Text(text),
+            Token::Huge(_) | Token::NotJson(_) => return None,
+        })
     }
 }
 

@@ -9,14 +9,15 @@ use uavspec_codegen::schema::{MessageId, Shape};
 
 use super::clean::Clean;
 use super::dialect::Dialects;
-use super::plan::{Element, FieldPlan, Plans};
 use super::value::Leaf;
+use crate::json::{Tokens, Unclear};
+use crate::px4::values::{Element, FieldPlan, Plans};
 
 /// Most values that a template has: beyond that it costs more room than it saves time.
 const MAX_STEPS: usize = 8_192;
 
 /// Keys around a message that say what it is. What other keys hold says nothing of it.
-const TELLING: [&[u8]; 5] = [b"op", b"topic", b"type", b"msg", b"message"];
+const TELLING: [&str; 5] = ["op", "topic", "type", "msg", "message"];
 
 /// A clean message of a channel, with all around it.
 #[derive(Debug)]
@@ -67,12 +68,13 @@ impl Template {
             timestamp: None,
             changes: Vec::new(),
         };
-        let mut learner = Learner { plans, text, at: 0, template };
-        match key {
-            None => learner.message(id, 0, true)?,
-            Some(key) => learner.around(id, key)?,
-        }
-        Some(learner.template)
+        let mut learner = Learner { plans, template };
+        let mut tokens = Tokens::of_bytes(text);
+        let read = match key {
+            None => learner.message(&mut tokens, id, 0, true),
+            Some(key) => learner.around(&mut tokens, id, key),
+        };
+        read.ok().map(|()| learner.template)
     }
 
     /// Whether a text is one more like it, and what it says of itself. If so, it is the one that the next is compared
@@ -105,7 +107,9 @@ impl Template {
             };
             let step = self.steps.get(next)?;
             let start = new - old.checked_sub(step.start)?;
-            let (leaf, rest) = token(&text[start..])?;
+            let mut tokens = Tokens::of_bytes(&text[start..]);
+            let token = tokens.token().ok()?;
+            let leaf = Leaf::of(&token)?;
             let bytes = match step.place {
                 None => [0; 8],
                 Some(place) => {
@@ -114,7 +118,7 @@ impl Template {
                     field.bytes(leaf)
                 }
             };
-            let length = text.len() - start - rest.len();
+            let length = tokens.at();
             self.changes.push(Change { step: next, length, bytes });
             (old, new, next) = (step.end, start + length, next + 1);
         }
@@ -207,172 +211,78 @@ fn common(left: &[u8], right: &[u8]) -> usize {
     length + rest.take_while(|(left, right)| left == right).count()
 }
 
-/// The value that a text begins with, and what follows it. None where it is an object or an array, is no JSON, or
-/// is written in a way that is seldom.
-fn token(text: &[u8]) -> Option<(Leaf<'_>, &[u8])> {
-    match text.first()? {
-        b't' => Some((Leaf::Bool(true), text.strip_prefix(b"true")?)),
-        b'f' => Some((Leaf::Bool(false), text.strip_prefix(b"false")?)),
-        b'n' => Some((Leaf::Null, text.strip_prefix(b"null")?)),
-        b'"' => {
-            let is_special = |byte: &u8| matches!(byte, b'"' | b'\\' | ..=0x1f);
-            let end = 1 + text[1..].iter().position(is_special)?;
-            let is_plain = text[end] == b'"';
-            is_plain.then(|| Some((Leaf::Text(str::from_utf8(&text[1..end]).ok()?), &text[end + 1..])))?
-        }
-        _ => number(text),
-    }
-}
-
-/// A number as RFC 8259 writes it.
-fn number(text: &[u8]) -> Option<(Leaf<'_>, &[u8])> {
-    let digits = |text: &[u8]| text.iter().position(|byte| !byte.is_ascii_digit()).unwrap_or(text.len());
-    let sign = usize::from(text[0] == b'-');
-    let whole = digits(&text[sign..]);
-    let first = *text.get(sign)?;
-    // Nothing may stand behind a leading 0; and -0 is a float, whatever its field.
-    if whole == 0 || (first == b'0' && (whole > 1 || sign == 1)) {
-        return None;
-    }
-    let mut end = sign + whole;
-    let is_integer = !matches!(text.get(end), Some(b'.' | b'e' | b'E'));
-    if is_integer {
-        // What has more digits is in the range of no type.
-        let value = text[sign..end]
-            .iter()
-            .fold(0_u64, |value, digit| value.wrapping_mul(10).wrapping_add(u64::from(digit - b'0')));
-        let value = i128::from(value);
-        return (whole < 20).then_some((Leaf::Int(if sign == 1 { -value } else { value }), &text[end..]));
-    }
-    if text[end] == b'.' {
-        let fraction = digits(&text[end + 1..]);
-        if fraction == 0 {
-            return None;
-        }
-        end += 1 + fraction;
-    }
-    if matches!(text.get(end), Some(b'e' | b'E')) {
-        end += 1 + usize::from(matches!(text.get(end + 1), Some(b'+' | b'-')));
-        let exponent = digits(text.get(end..)?);
-        if exponent == 0 {
-            return None;
-        }
-        end += exponent;
-    }
-    let value: f64 = str::from_utf8(&text[..end]).ok()?.parse().ok()?;
-    // JSON can say numbers that no float holds: what they are is for others to say.
-    value.is_finite().then_some((Leaf::Float(value), &text[end..]))
-}
-
 /// Finds the values of a clean message.
-struct Learner<'p, 't> {
+struct Learner<'p> {
     plans: &'p Plans,
-    text: &'t [u8],
-    at: usize,
     template: Template,
 }
 
-impl Learner<'_, '_> {
-    fn space(&mut self) {
-        let rest = &self.text[self.at..];
-        let is_space = |byte: &u8| matches!(byte, b' ' | b'\t' | b'\n' | b'\r');
-        self.at += rest.iter().position(|byte| !is_space(byte)).unwrap_or(rest.len());
-    }
-
-    fn take(&mut self, byte: u8) -> Option<()> {
-        self.space();
-        (self.text.get(self.at) == Some(&byte)).then(|| self.at += 1)
-    }
-
-    fn token(&mut self) -> Option<Leaf<'_>> {
-        self.space();
-        let (leaf, rest) = token(&self.text[self.at..])?;
-        self.at = self.text.len() - rest.len();
-        Some(leaf)
-    }
-
-    fn string(&mut self) -> Option<&[u8]> {
-        let Leaf::Text(text) = self.token()? else { return None };
-        Some(text.as_bytes())
-    }
-
-    /// Members of an object or elements of an array, up to its end.
-    fn each(&mut self, end: u8, mut item: impl FnMut(&mut Self) -> Option<()>) -> Option<()> {
-        self.space();
-        if self.text.get(self.at) == Some(&end) {
-            return self.take(end);
-        }
-        loop {
-            item(self)?;
-            if self.take(b',').is_none() {
-                return self.take(end);
-            }
-        }
-    }
-
+impl Learner<'_> {
     /// An object of which one member is the message.
-    fn around(&mut self, id: MessageId, message: &str) -> Option<()> {
-        self.take(b'{')?;
-        self.each(b'}', |learner| {
-            let key = learner.string()?;
-            let (is_message, is_telling) = (key == message.as_bytes(), TELLING.contains(&key));
-            learner.take(b':')?;
-            if is_message {
-                return learner.message(id, 0, true);
+    fn around(&mut self, tokens: &mut Tokens<'_>, id: MessageId, message: &str) -> Result<(), Unclear> {
+        tokens.members(|tokens, key| {
+            if key == message {
+                self.message(tokens, id, 0, true)
+            } else if TELLING.contains(&&*key) {
+                tokens.text()?;
+                Ok(())
+            } else {
+                self.step(tokens, None)
             }
-            if is_telling { learner.token().map(|_| ()) } else { learner.step(None) }
         })
     }
 
-    fn message(&mut self, id: MessageId, base: usize, is_top: bool) -> Option<()> {
+    fn message(
+        &mut self,
+        tokens: &mut Tokens<'_>,
+        id: MessageId,
+        base: usize,
+        is_top: bool,
+    ) -> Result<(), Unclear> {
         let plans = self.plans;
         let fields = &plans.get(id).fields;
-        self.take(b'{')?;
-        self.each(b'}', |learner| {
-            let key = learner.string()?;
-            let index = fields.iter().position(|field| field.name.as_bytes() == key)?;
-            learner.take(b':')?;
+        tokens.members(|tokens, key| {
+            let index = fields.iter().position(|field| field.name == key).ok_or(Unclear)?;
             let field = &fields[index];
-            let place =
+            let mut place =
                 Place { id, index, at: base + field.offset, is_timestamp: is_top && field.is_timestamp() };
             if field.shape == Shape::Single {
-                return learner.value(field, place);
+                return self.value(tokens, field, place);
             }
-            learner.take(b'[')?;
-            let mut element = place;
-            learner.each(b']', |learner| {
-                learner.value(field, element)?;
-                element.at += field.stride;
-                Some(())
+            tokens.list(|tokens| {
+                self.value(tokens, field, place)?;
+                place.at += field.stride;
+                Ok(())
             })
         })
     }
 
-    fn value(&mut self, field: &FieldPlan, place: Place) -> Option<()> {
+    fn value(&mut self, tokens: &mut Tokens<'_>, field: &FieldPlan, place: Place) -> Result<(), Unclear> {
         match field.element {
-            Element::Message(nested) => self.message(nested, place.at, false),
-            _ => self.step(Some(place)),
+            Element::Message(nested) => self.message(tokens, nested, place.at, false),
+            _ => self.step(tokens, Some(place)),
         }
     }
 
-    fn step(&mut self, place: Option<Place>) -> Option<()> {
-        let plans = self.plans;
-        self.space();
-        let start = self.at;
-        let leaf = self.token()?;
-        let bytes = place.map_or([0; 8], |place| place.field(plans).bytes(leaf));
-        let (end, template) = (self.at, &mut self.template);
+    fn step(&mut self, tokens: &mut Tokens<'_>, place: Option<Place>) -> Result<(), Unclear> {
+        tokens.peek();
+        let start = tokens.at();
+        let token = tokens.token()?;
+        let leaf = Leaf::of(&token).ok_or(Unclear)?;
+        let template = &mut self.template;
         if template.steps.len() == MAX_STEPS {
-            return None;
+            return Err(Unclear);
         }
-        template.steps.push(Step { start, end, place });
+        template.steps.push(Step { start, end: tokens.at(), place });
         if let Some(place) = place {
-            place.field(plans).put(&mut template.values, place.at, bytes);
+            let field = place.field(self.plans);
+            let bytes = field.bytes(leaf);
+            field.put(&mut template.values, place.at, bytes);
             if place.is_timestamp {
                 template.timestamp = Some(u64::from_le_bytes(bytes));
             }
         }
-        Some(())
+        Ok(())
     }
 }
 

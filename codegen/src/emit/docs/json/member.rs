@@ -1,7 +1,7 @@
 //! Tables of fields and elements, and what types look like in them.
 
+use super::super::cell::{range, unit};
 use super::super::error_codes;
-use super::super::fields::{range, unit};
 use super::super::markdown::{Page, Table, anchor, code, href, inline, link, number_column, text_column};
 use super::{Json, Owner, anchor_of};
 use crate::emit::docs::words::ENGLISH;

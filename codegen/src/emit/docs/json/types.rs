@@ -1,6 +1,6 @@
 //! The page of a type.
 
-use super::super::fields::unit;
+use super::super::cell::unit;
 use super::super::markdown::{Page, Table, code, inline, text_column, unbroken};
 use super::super::message::package_cell;
 use super::member::{json_code, values};

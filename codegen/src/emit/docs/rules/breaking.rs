@@ -3,10 +3,11 @@
 
 use super::{Chapter, OVERVIEW, RulePage, Shown, rule_link};
 use crate::breaking::{Between, Category, RULES, Rule, breaking};
-use crate::diagnostic::{Level, render};
+use crate::diagnostic::Level;
 use crate::emit::docs::markdown::{Table, gist, text_column, with_code};
 use crate::example::{Example, packages};
-use crate::read;
+use crate::read::read;
+use crate::render;
 use crate::source::SourceMap;
 
 /// What stands above the table.

@@ -6,7 +6,7 @@ use proc_macro2::Ident;
 
 use super::super::context::Context;
 use super::super::identifier::{self, Scope, ident};
-use crate::emit::prose;
+use crate::prose;
 use crate::schema::json_type::{Definition, Expression, Member, TYPE_FIELD};
 use crate::schema::{JsonTypeId, Package};
 

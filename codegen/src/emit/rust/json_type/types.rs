@@ -10,7 +10,7 @@ use super::super::text::range_text;
 use super::super::types as literals;
 use super::default;
 use super::names::{Names, field_names, text};
-use crate::emit::prose;
+use crate::prose;
 use crate::schema::json_type::{
     Definition, Expression, JsonType, Limits, Member, Object, Set, SetValue, SetValues, Typed,
 };

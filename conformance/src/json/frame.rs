@@ -1,0 +1,146 @@
+//! The end of a JSON value, found from brackets and quotation marks alone.
+//!
+//! The bytes may come in pieces of any length, and may be no JSON: a reader of lines or streams finds the next value
+//! whatever is wrong with this one.
+
+use super::scan::plain_length;
+
+/// A state machine that follows the bytes of a value.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Frame {
+    depth: u64,
+    state: State,
+    /// True if the byte that ended the value isn't part of it.
+    is_before: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum State {
+    /// Nothing but space so far.
+    #[default]
+    Fresh,
+    /// Between strings.
+    Plain,
+    /// A number or a word that nothing surrounds.
+    Word,
+    String,
+    /// Behind a backslash in a string.
+    Escape,
+}
+
+impl Frame {
+    /// The number of these bytes that belong to the value, if it ends among them or before the first.
+    pub(crate) fn end(&mut self, bytes: &[u8]) -> Option<usize> {
+        let mut at = 0;
+        while at < bytes.len() {
+            if self.state == State::String {
+                at += plain_length(&bytes[at..]);
+            }
+            if self.step(*bytes.get(at)?) {
+                return Some(at + usize::from(!self.is_before));
+            }
+            at += 1;
+        }
+        None
+    }
+
+    /// Follows a text whose brackets count wherever values end, and returns how many are open.
+    pub(crate) fn follow(&mut self, text: &str) -> u64 {
+        for byte in text.bytes() {
+            if self.state == State::Word {
+                self.state = State::Plain;
+            }
+            self.step(byte);
+        }
+        self.depth
+    }
+
+    /// Takes the next byte. True if the value ends with this byte, or before it.
+    pub(crate) fn step(&mut self, byte: u8) -> bool {
+        self.is_before = false;
+        match self.state {
+            State::String => match byte {
+                b'"' => {
+                    self.state = State::Plain;
+                    self.depth == 0
+                }
+                b'\\' => self.is_in(State::Escape),
+                _ => false,
+            },
+            State::Escape => self.is_in(State::String),
+            State::Word
+                if matches!(byte, b' ' | b'\t' | b'\r' | b'\n' | b',' | b']' | b'}' | b'{' | b'[') =>
+            {
+                self.is_before = true;
+                true
+            }
+            State::Word => false,
+            State::Fresh | State::Plain => match byte {
+                b' ' | b'\t' | b'\r' | b'\n' => false,
+                b'"' => self.is_in(State::String),
+                b'{' | b'[' => {
+                    self.depth += 1;
+                    self.is_in(State::Plain)
+                }
+                b'}' | b']' => {
+                    self.depth = self.depth.saturating_sub(1);
+                    self.state = State::Plain;
+                    self.depth == 0
+                }
+                _ if self.depth == 0 => self.is_in(State::Word),
+                _ => false,
+            },
+        }
+    }
+
+    /// True if nothing but spaces came so far.
+    pub(crate) fn is_fresh(&self) -> bool {
+        self.state == State::Fresh
+    }
+
+    /// True within brackets or a string.
+    pub(crate) fn is_within(&self) -> bool {
+        self.depth > 0 || matches!(self.state, State::String | State::Escape)
+    }
+
+    fn is_in(&mut self, state: State) -> bool {
+        self.state = state;
+        false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn finds_the_end_of_values_of_every_kind() {
+        for (text, end) in [
+            ("{\"a\":[1,{}]} {", Some(12)),
+            ("[\"]\\\"]\"]]", Some(8)),
+            (" \"a\\\\\"x", Some(6)),
+            ("true,", Some(4)),
+            ("1.5}", Some(3)),
+            ("{\"a\":\"}", None),
+            ("12", None),
+        ] {
+            assert_eq!(Frame::default().end(text.as_bytes()), end, "{text}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn pieces_come_to_the_same_as_single_bytes(text in "[\\[\\]{}\",:\\\\ a1\u{1}]{0,40}", at in 0_usize..40) {
+            let bytes = text.as_bytes();
+            let mut frame = Frame::default();
+            let steps = bytes.iter().position(|byte| frame.step(*byte));
+            let end = steps.map(|last| last + usize::from(!frame.is_before));
+            let (first, second) = bytes.split_at(at.min(bytes.len()));
+            let mut frame = Frame::default();
+            let found = frame.end(first).or_else(|| Some(first.len() + frame.end(second)?));
+            prop_assert_eq!(found, end);
+        }
+    }
+}
