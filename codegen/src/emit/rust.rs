@@ -41,6 +41,7 @@ use self::identifier::{Scope, ident, module_name};
 use super::OutputFile;
 #[cfg(feature = "files")]
 use super::emitter::{Input, Output};
+use super::file::OutputFile;
 use super::origin::Origins;
 #[cfg(feature = "files")]
 use crate::failure::Failure;
@@ -58,16 +59,16 @@ pub struct Options {
     pub readme: Option<String>,
 }
 
-impl Default for Options {
-    fn default() -> Self {
-        Self { root: "mod.rs".to_owned(), readme: None }
-    }
-}
-
 #[cfg(feature = "files")]
 impl Output for Options {
     fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
         Ok(emit(input.schema, input.sources, self))
+    }
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { root: "mod.rs".to_owned(), readme: None }
     }
 }
 

@@ -2,7 +2,6 @@
 //!
 //! `UAVSPEC_PICTURES` names a folder where the pictures stay.
 
-
 use std::fs;
 use std::path::Path;
 use std::process::Command;

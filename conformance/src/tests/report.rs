@@ -1,6 +1,5 @@
 //! Reports of every kind, read back as other programs read them, whatever the input holds.
 
-
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;

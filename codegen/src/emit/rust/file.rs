@@ -7,9 +7,9 @@ use quote::quote;
 
 use super::context::Context;
 use super::imports;
-use crate::emit::GENERATED_BY;
+use crate::emit::file::GENERATED_BY;
 use crate::schema::Package;
-use crate::source::Span;
+use crate::span::Span;
 
 /// The header line of a generated file.
 pub(super) fn header(from: &str) -> String {
