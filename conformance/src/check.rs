@@ -87,21 +87,21 @@ impl Summary {
 /// The result of checking a capture.
 #[derive(Debug)]
 pub struct CaptureResult {
-    /// What the capture says about itself.
+    /// The summary of the capture.
     pub summary: Summary,
-    /// How many bytes were read.
+    /// The number of bytes that were read.
     pub bytes: u64,
-    /// From its first to its last timestamp, in µs.
+    /// The time from its first to its last timestamp, in µs.
     pub duration: u64,
-    /// How many messages it has.
+    /// The number of messages.
     pub records: u64,
-    /// How many of them have a type, can be read as it, and were checked.
+    /// The number of messages that were checked: they have a type and can be read as it.
     pub judged: u64,
-    /// What can't be read, and where first, in that order.
+    /// The corrupt parts, each with its first location, in that order.
     pub damage: Vec<(Place, String)>,
-    /// How much more of that there is.
+    /// The number of further corrupt parts.
     pub more_damage: u64,
-    /// How much of it could be read.
+    /// The extent to which the capture could be read.
     pub extent: Extent,
     /// All violations.
     pub findings: Findings,
@@ -362,7 +362,7 @@ impl<'d> Course<'d> {
 
     fn finish(mut self, bytes: u64, summary: Summary) -> CaptureResult {
         for follower in &mut self.followers {
-            follower.judge(self.definitions, &mut self.findings, |checker, context| checker.end(context));
+            follower.judge(self.definitions, &mut self.findings, px4::Checker::end);
             self.findings.exercise(follower.rule, follower.coverage);
         }
         self.listeners.end(&mut self.findings);

@@ -59,7 +59,7 @@ pub struct JsonSummary {
     pub lines: u64,
     /// The number of types that its messages have.
     pub types: usize,
-    /// The number of messages of rosbridge that publish no message.
+    /// The number of rosbridge messages that don't publish anything.
     pub skipped: u64,
     /// The topics or types without a definition, by name.
     #[cfg_attr(test, schemars(with = "Vec<String>"))]

@@ -67,7 +67,7 @@ struct Format<'f> {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 enum FormatResult {
-    /// The same fields of the same types at the same offsets.
+    /// All fields have equal types and offsets.
     Equal,
     /// Something differs.
     Differs,

@@ -1,7 +1,7 @@
 //! The check of payloads in memory, and of messages that were read from CDR into memory.
 //!
-//! A plan is made once for each format. The format is the one that the capture states; the constraints are those of the
-//! definition, for all fields that both have. A healthy message costs a few comparisons for each constrained field; only
+//! A plan is made once for each format. The capture states the format, the definition the constraints. Both apply to the
+//! fields that they have in common. A healthy message costs a few comparisons for each constrained field; only
 //! for other messages the violations are worked out.
 
 mod healthy;
@@ -78,7 +78,7 @@ struct Entry {
     index: usize,
 }
 
-/// A message within the one that the plan is for.
+/// A message nested in the message of the plan.
 #[derive(Clone, Copy)]
 struct Within<'w> {
     /// The offset at which it starts.
@@ -195,8 +195,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// A sequence: its elements are checked by steps of their own. Nobody knows how many a message has, so they cover
-    /// nothing.
+    /// A sequence: its elements are checked by separate steps. Their number is unknown, so they count for no coverage.
     fn sequence(
         &mut self,
         placed: Placed<'_>,
@@ -255,7 +254,7 @@ fn nested_id(field: Option<(&MessagePlan, &FieldPlan)>) -> Option<MessageId> {
     }
 }
 
-/// True if a field of a format is the one that the definition means.
+/// True if a field of a format is this field of the definition.
 fn is_same(placed: Placed<'_>, field: &FieldPlan, message: &MessagePlan) -> bool {
     match (placed.element, field.element) {
         (PlacedElement::Scalar(left), Element::Scalar(right)) => left == right && placed.shape == field.shape,

@@ -22,7 +22,7 @@ pub struct ValueRules {
     pub count: &'static Rule,
     /// A value lies in its range.
     pub range: &'static Rule,
-    /// A value is one of those that the definition names.
+    /// A value is a documented one.
     pub documented: &'static Rule,
     /// A value is NaN only where that has a meaning.
     pub nan: &'static Rule,
@@ -337,12 +337,12 @@ impl FieldPlan {
     }
 }
 
-/// True if `char` stands for text: ROS 2 takes it for a number.
+/// True if `char` is text: ROS 2 takes it for a number.
 fn has_text(message: &schema::Message, schema: &Schema) -> bool {
     schema.package_of(message).form == Form::Msg(Dialect::Px4)
 }
 
-/// The number that little-endian bytes stand for.
+/// The number in little-endian bytes.
 pub(super) fn number(scalar: Scalar, bytes: &[u8]) -> Option<Number> {
     let integer = match scalar {
         Scalar::Bool | Scalar::UInt8 | Scalar::Byte | Scalar::Char => i128::from(*bytes.first()?),

@@ -23,7 +23,7 @@ pub struct CheckedCapture {
 /// The settings of a run that reports depend on.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
-    /// Whether formats that differ from the definitions count as breaches.
+    /// True if formats that differ from the definitions count as violations.
     pub are_formats_strict: bool,
     /// The arguments of the command but the files, so that one finds the same again.
     pub arguments: Vec<String>,
@@ -44,7 +44,7 @@ impl Settings {
         crate::text::command_line(words.chain([path.as_str()]))
     }
 
-    /// What came of a rule.
+    /// The verdict of a rule.
     fn verdict(&self, findings: &Findings, rule: &'static Rule) -> Verdict {
         match findings.verdict(rule) {
             model::Verdict::Shown if self.are_formats_strict && rule.id == px4::FMT_01.rule.id => {

@@ -52,7 +52,7 @@ struct Row<'c> {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 enum ChannelResult {
-    /// The same fields of the same types in the same order.
+    /// All fields have equal types and the same order.
     Equal,
     /// Something differs.
     Differs,

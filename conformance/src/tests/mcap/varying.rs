@@ -93,3 +93,20 @@ fn each_mutant_breaks_its_rule() {
         assert!(found.len() == 1 && found[0].0 == id && found[0].1.starts_with(said), "{said}: {found:?}");
     }
 }
+
+#[test]
+fn counts_each_violation_in_a_sequence() {
+    let mut payload = cdr(&rope());
+    let knots = (4 + 8 + 4 + 5_usize).next_multiple_of(4) + 4;
+    payload[knots..knots + 2].copy_from_slice(&[9, 7]);
+    let judgement = judged(&payload);
+    let groups: Vec<_> = judgement.findings.groups().collect();
+    assert_eq!(groups.len(), 1);
+    assert_eq!(
+        (groups[0].rule.id, groups[0].subject.as_str(), groups[0].count),
+        ("PX-BOOL-01", "rope.knots", 2)
+    );
+    let details: Vec<_> =
+        groups[0].examples.iter().map(|(_, detail)| (&*detail.path, &*detail.actual)).collect();
+    assert_eq!(details, [("knots[0]", "9"), ("knots[1]", "7")]);
+}
