@@ -349,7 +349,7 @@ impl<'d> Course<'d> {
 
     fn finish(mut self, bytes: u64, source: Source) -> Judgement {
         for follower in &mut self.followers {
-            follower.judge(self.definitions, &mut self.findings, |checker, context| checker.end(context));
+            follower.judge(self.definitions, &mut self.findings, px4::Checker::end);
             self.findings.exercise(follower.rule, follower.coverage);
         }
         self.listeners.end(&mut self.findings);
