@@ -293,7 +293,7 @@ impl Probe<'_, '_> {
         }
         message["body"] = body;
         if is_repeated {
-            self.post_message(&id, &message, plain(), until)?;
+            self.post_message(&id, &message, Some(plain()), until)?;
         }
         let answer = self.post_message(&id, &message, Some(Trial { rule, how }), until);
         match answer {
@@ -333,7 +333,7 @@ impl Probe<'_, '_> {
         let data = base64::encode(format!("{name}:{password}").as_bytes());
         let until = Instant::now() + PATIENCE;
         let answer =
-            self.post(&json!({ "type": "AUTH-REQ", "method": "basic", "data": data }), plain(), until);
+            self.post(&json!({ "type": "AUTH-REQ", "method": "basic", "data": data }), Some(plain()), until);
         if answer.is_none_or(|answer| answer["body"]["result"] != true) {
             self.note("the login failed".to_owned());
         }
@@ -451,8 +451,8 @@ impl Probe<'_, '_> {
 }
 
 /// What every request tries: that it has an answer.
-fn plain() -> Option<Trial<'static>> {
-    Some(Trial { rule: &env_07::RULE.rule, how: "" })
+fn plain() -> Trial<'static> {
+    Trial { rule: &env_07::RULE.rule, how: "" }
 }
 
 /// The trial of a message. One that can't be answered tries nothing by itself.

@@ -88,9 +88,12 @@ pub fn mutants() -> impl Iterator<Item = Mutant> {
 /// The way in which a rule is checked, in words.
 pub fn checked_by(rule: &Rule) -> &'static str {
     let keeps_state = |check: &flockwave::Check| matches!(check, flockwave::Check::Session(_));
-    let flockwave = flockwave::rule(rule.id).map(|of| match of.checks.iter().any(keeps_state) {
-        true => FOLLOWING,
-        false => "message by message, with what went over the connection before",
+    let flockwave = flockwave::rule(rule.id).map(|of| {
+        if of.checks.iter().any(keeps_state) {
+            FOLLOWING
+        } else {
+            "message by message, with what went over the connection before"
+        }
     });
     let px4 = px4::RULES.iter().find(|of| of.rule.id == rule.id).map(|of| match of.check {
         px4::Check::Value => "value by value, by a plan that is made once for each format",

@@ -9,7 +9,10 @@ use crate::rules::flockwave::{Check, Message, RULES, SessionCheck, StatusReport}
 /// The checks of all rules.
 pub(in crate::check) struct Listeners<'d> {
     definitions: &'d Definitions,
+    /// Those that see status reports first.
     all: Vec<Listener>,
+    /// The number of those that see status reports.
+    on_reports: usize,
 }
 
 /// A check of a rule, and the number of times that it had something to check.
@@ -44,35 +47,26 @@ impl<'d> Listeners<'d> {
                 Listener { rule: &of.rule, running, coverage: 0 }
             })
         });
-        Self { definitions, all: all.collect() }
+        let sees_reports = |of: &Listener| {
+            matches!(of.running, Running::Session(_) | Running::Stateless(Check::StatusReport(_)))
+        };
+        let (mut all, others): (Vec<Listener>, Vec<Listener>) = all.partition(sees_reports);
+        let on_reports = all.len();
+        all.extend(others);
+        Self { definitions, all, on_reports }
     }
 
     /// A record.
     pub(in crate::check) fn record(&mut self, exchange: &Exchange<'_>, findings: &mut Findings) {
         let (message, report) = (Message::of(exchange), StatusReport::of(exchange));
-        self.follow(&Views { exchange, message, report }, findings);
+        let views = Views { exchange, message, report };
+        views.show(&mut self.all, self.definitions, findings);
     }
 
     /// A status report whose message was checked already.
     pub(in crate::check) fn checked_report(&mut self, exchange: &Exchange<'_>, findings: &mut Findings) {
-        self.follow(&Views { exchange, message: None, report: StatusReport::of(exchange) }, findings);
-    }
-
-    fn follow(&mut self, views: &Views<'_>, findings: &mut Findings) {
-        let definitions = self.definitions;
-        for Listener { rule, running, coverage } in &mut self.all {
-            let mut context = RuleContext { rule, definitions, findings: &mut *findings, coverage };
-            match (running, &views.message, &views.report) {
-                (Running::Stateless(Check::Message(check)), Some(message), _) => check(message, &mut context),
-                (Running::Stateless(Check::Exchange(check)), _, None) => check(views.exchange, &mut context),
-                (Running::Stateless(Check::StatusReport(check)), _, Some(report)) => {
-                    check(report, &mut context);
-                }
-                (Running::Session(state), _, Some(report)) => state.status_report(report, &mut context),
-                (Running::Session(state), _, None) => state.exchange(views.exchange, &mut context),
-                (Running::Stateless(_), ..) => {}
-            }
-        }
+        let views = Views { exchange, message: None, report: StatusReport::of(exchange) };
+        views.show(&mut self.all[..self.on_reports], self.definitions, findings);
     }
 
     /// Something is unreadable, and records may be missing.
@@ -92,6 +86,25 @@ impl<'d> Listeners<'d> {
                 state.end(&mut RuleContext { rule, definitions, findings: &mut *findings, coverage });
             }
             findings.exercise(rule, *coverage);
+        }
+    }
+}
+
+impl Views<'_> {
+    /// Shows each listener what its kind sees.
+    fn show(&self, listeners: &mut [Listener], definitions: &Definitions, findings: &mut Findings) {
+        for Listener { rule, running, coverage } in listeners {
+            let mut context = RuleContext { rule, definitions, findings: &mut *findings, coverage };
+            match (running, &self.message, &self.report) {
+                (Running::Stateless(Check::Message(check)), Some(message), _) => check(message, &mut context),
+                (Running::Stateless(Check::Exchange(check)), _, None) => check(self.exchange, &mut context),
+                (Running::Stateless(Check::StatusReport(check)), _, Some(report)) => {
+                    check(report, &mut context);
+                }
+                (Running::Session(state), _, Some(report)) => state.status_report(report, &mut context),
+                (Running::Session(state), _, None) => state.exchange(self.exchange, &mut context),
+                (Running::Stateless(_), ..) => {}
+            }
         }
     }
 }

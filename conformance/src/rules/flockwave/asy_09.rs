@@ -28,7 +28,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         name: "the end of what never began",
         make: || {
             mutant::then(|session| {
-                session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }))
+                session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
             })
         },
         also: &[],

@@ -44,7 +44,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             name: "a second result",
             make: || {
                 mutant::then(|session| {
-                    session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-1", "result": true }))
+                    session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-1", "result": true }));
                 })
             },
             also: &[],

@@ -16,7 +16,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "ASYNC-CANCEL and ASYNC-RESUME that try it",
     },
     checks: &[Check::Exchange(|exchange, context| {
-        served::in_error(exchange, context, &["ASYNC-CANCEL", "ASYNC-RESUME"])
+        served::in_error(exchange, context, &["ASYNC-CANCEL", "ASYNC-RESUME"]);
     })],
     covers: &[],
     bug: Bug::behaviour("Operations that nobody knows can be cancelled."),

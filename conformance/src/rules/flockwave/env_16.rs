@@ -39,7 +39,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             name: "a setting RTK-SOURCE is answered with itself",
             make: || {
                 mutant::then(|session| {
-                    session.asks(json!({ "type": "RTK-SOURCE", "id": null }), json!({ "id": null }))
+                    session.asks(json!({ "type": "RTK-SOURCE", "id": null }), json!({ "id": null }));
                 })
             },
             also: &[],

@@ -28,7 +28,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
                 let error = json!({ "type": "UAV-INF", "error": { "kite": "Again" } });
                 mutant::over("tcp#9", |session| {
                     listed_uavs::listed_twice(session, |session| {
-                        session.tries_and_hears(&RULE.rule, "", asked, error)
+                        session.tries_and_hears(&RULE.rule, "", asked, error);
                     });
                 })
             },

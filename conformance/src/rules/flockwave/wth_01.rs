@@ -37,7 +37,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             name: "seconds with a fraction",
             make: || {
                 mutant::reply("WTH-INF", |body| {
-                    body["status"]["ridge"]["timestamp"] = 1_790_000_000.25.into()
+                    body["status"]["ridge"]["timestamp"] = 1_790_000_000.25.into();
                 })
             },
             also: &[],
