@@ -7,7 +7,7 @@ use quote::quote;
 
 use super::context::Context;
 use super::imports;
-use crate::emit::GENERATED_BY;
+use crate::emit::file::GENERATED_BY;
 use crate::schema::Package;
 use crate::source::Span;
 

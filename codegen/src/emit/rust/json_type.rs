@@ -18,7 +18,7 @@ use self::types::Definitions;
 use super::context::Context;
 use super::file::{documentation, header_of_package, inner_documentation, layout_file};
 use super::identifier::ident;
-use crate::emit::OutputFile;
+use crate::emit::file::OutputFile;
 use crate::schema::Package;
 
 /// Whether a package has anything to emit here.

@@ -8,7 +8,7 @@ use super::super::file::{documentation, header_of, inner_documentation, layout_f
 use super::super::identifier::{Scope, ident, module_name, pascal_case};
 use super::names::{MODULE, Names, TYPES, is_own, text};
 use super::types::Definitions;
-use crate::emit::OutputFile;
+use crate::emit::file::OutputFile;
 use crate::prose;
 use crate::schema::json_type::{Direction, JsonMessage, JsonPart, Member, Object};
 use crate::schema::{JsonMessageId, Package};
