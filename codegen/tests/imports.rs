@@ -32,6 +32,12 @@ fn modules_import_lower_floors_only() {
 }
 
 #[test]
+fn no_files_import_each_other_in_a_ring() {
+    let found = Imports::read(Path::new(env!("CARGO_MANIFEST_DIR"))).cycles();
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
 fn no_modules_of_a_folder_import_each_other_in_a_ring() {
     let levels = Imports::read(Path::new(env!("CARGO_MANIFEST_DIR"))).between_siblings();
     let found: Vec<String> = levels.iter().flat_map(Imports::cycles).collect();

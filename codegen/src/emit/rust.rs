@@ -38,7 +38,6 @@ use quote::quote;
 use self::context::{Context, Place};
 use self::file::{documentation, header, header_of, header_of_package, inner_documentation, layout_file};
 use self::identifier::{Scope, ident, module_name};
-use super::OutputFile;
 #[cfg(feature = "files")]
 use super::emitter::{Input, Output};
 use super::file::OutputFile;

@@ -201,6 +201,8 @@ impl File {
                 Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Parenthesis => at + 2,
                 _ => at + 1,
             },
+            // What is quoted is written by the program, not used by it.
+            TokenTree::Ident(_) if word == "quote" && is_mark(tokens, at + 1, '!') => at + 3,
             TokenTree::Ident(_) if word == "use" => {
                 let end = end_of_item(tokens, at);
                 self.uses(&[], &tokens[at + 1..end]);
@@ -313,7 +315,7 @@ mod tests {
             ("c/inner.rs", "use super::super::d; fn f() { std::a::b(); x.a::<u8>(); d::g() }"),
             ("d.rs", "#[cfg(test)]\nuse crate::a;\n#[cfg(test)]\nmod tests;"),
             ("e.rs", "use std::fmt; macro_rules! m { () => { $crate::f::g() } }"),
-            ("f.rs", "#[cfg(feature = \"x\")] use crate::Root;"),
+            ("f.rs", "#[cfg(feature = \"x\")] use crate::Root; fn f() { quote! { crate::a::A } }"),
         ]);
         let named = |module: &ModulePath| found.0[module].iter().map(shown).collect::<Vec<_>>().join(" ");
         let all: Vec<String> =
