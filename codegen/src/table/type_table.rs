@@ -70,6 +70,7 @@ pub(crate) fn read(page: &Page) -> (Definitions<'_>, Vec<Diagnostic>) {
 mod tests {
     use super::*;
     use crate::source::SourceMap;
+    use crate::table::text::Text;
 
     fn page(text: &str) -> Page {
         let mut sources = SourceMap::default();
