@@ -5,6 +5,19 @@
 //! [`Category`], and there is one finding for each of those.
 //!
 //! Types and messages of pages are not compared yet: no rule says anything of what changes in them.
+//!
+//! ```
+//! use uavspec_codegen::breaking::{Between, breaking};
+//! use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//!
+//! let mut sources = SourceMap::default();
+//! let [old, new] = ["float32 speed  # [m/s] Speed\n", "float32 speed  # [deg] Speed\n"].map(|text| {
+//!     let id = sources.add("Wind.msg", text.into()).unwrap();
+//!     read(&sources, &[PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])]).0
+//! });
+//! let findings = breaking(&sources, &old, &new, Between::Commits);
+//! assert!(findings.iter().any(|finding| finding.rule == "field-unit-changed"));
+//! ```
 
 mod comparison;
 mod message;

@@ -1,5 +1,15 @@
 //! What is wrong with a definition, as data. The texts stand in one table, [`Problem`]; how they are
 //! shown is the business of [`render`](crate::render).
+//!
+//! ```
+//! use uavspec_codegen::{PackageInput, SourceMap, diagnostic::has_errors, msg::Dialect, read, schema::Form};
+//!
+//! let mut sources = SourceMap::default();
+//! let id = sources.add("Wind.msg", "flaot32 speed\n".into()).unwrap();
+//! let (_, diagnostics) = read(&sources, &[PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])]);
+//! assert!(has_errors(&diagnostics));
+//! assert_eq!(diagnostics[0].problem.code(), "unknown-type");
+//! ```
 
 use std::fmt;
 

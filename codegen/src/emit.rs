@@ -1,4 +1,17 @@
 //! Output: each emitter turns a schema into files, and none touches a disk.
+//!
+//! ```
+//! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//! # let mut sources = SourceMap::default();
+//! # let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n".into()).unwrap();
+//! # let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! # let (schema, diagnostics) = read(&sources, &packages);
+//! use uavspec_codegen::emit::json_schema;
+//!
+//! let files = json_schema::emit(&schema, &json_schema::Options::default());
+//! let paths: Vec<&str> = files.iter().map(|file| file.path.as_str()).collect();
+//! assert!(paths.contains(&"px4/Wind.schema.json"));
+//! ```
 
 mod binding;
 pub mod docs;

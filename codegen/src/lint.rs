@@ -8,6 +8,17 @@
 //! A finding is let stand by a comment `# uavspec:ignore RULE reason`: behind a declaration or above one for
 //! that line, in the comment at the head of a file for the whole file. In a page the comment is one of the
 //! page's language, `<!-- uavspec:ignore RULE reason -->`.
+//!
+//! ```
+//! use uavspec_codegen::lint::{Settings, lint};
+//! use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, schema::Form};
+//!
+//! let mut sources = SourceMap::default();
+//! let id = sources.add("Wind.msg", "# Wind\n\nuint64 timestamp  # [us] Time\nfloat32 speed  # Speed\n".into()).unwrap();
+//! let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! let findings = lint(&sources, &packages, &[], &Settings::default());
+//! assert_eq!(findings[0].rule, "unit-missing");
+//! ```
 
 mod fix;
 mod ignore;

@@ -1,4 +1,12 @@
 //! Definitions from files: those that a configuration file names, or those at a path.
+//!
+//! ```
+//! let folder = tempfile::tempdir()?;
+//! std::fs::write(folder.path().join("Wind.msg"), "float32 speed  # [m/s] Speed\n")?;
+//! let (_, schema) = uavspec_codegen::load::read_definitions(folder.path())?;
+//! assert_eq!(schema.messages[0].name, "Wind");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod config;
 mod files;

@@ -1,4 +1,14 @@
 //! Diagnostics and findings as text: path, line, the line itself, a caret and a hint.
+//!
+//! ```
+//! use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, render, schema::Form};
+//!
+//! let mut sources = SourceMap::default();
+//! let id = sources.add("Wind.msg", "float32 speed  # [parsec] Speed\n".into()).unwrap();
+//! let (_, diagnostics) = read(&sources, &[PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])]);
+//! let text = render::render(&diagnostics, &sources, false);
+//! assert!(text.starts_with("warning[unknown-unit]: `parsec` is no known unit\n --> Wind.msg:1:18"));
+//! ```
 
 use std::fmt::Write as _;
 

@@ -4,6 +4,7 @@
 mod declare;
 mod enums;
 mod error_codes;
+mod gather;
 mod json_type;
 mod lower;
 mod measure;

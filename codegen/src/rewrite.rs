@@ -1,4 +1,16 @@
 //! Files of the user that a command changes: all of them or none.
+//!
+//! ```
+//! use uavspec_codegen::rewrite::{Change, write};
+//!
+//! let folder = tempfile::tempdir()?;
+//! let path = folder.path().join("Wind.msg");
+//! std::fs::write(&path, "float32  speed\n")?;
+//! let [old, new] = ["float32  speed\n", "float32 speed\n"].map(str::to_owned);
+//! write(&[Change { path: path.clone(), shown: "Wind.msg".to_owned(), old, new: new.clone() }])?;
+//! assert_eq!(std::fs::read_to_string(&path)?, new);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use std::fs::{self, Permissions};
 use std::io::{self, Write as _};

@@ -1,4 +1,14 @@
 //! Texts with names, and places in them. Strings come in; files don't.
+//!
+//! ```
+//! use uavspec_codegen::source::{Position, SourceMap};
+//!
+//! let mut sources = SourceMap::default();
+//! let id = sources.add("Wind.msg", "float32 speed\nfloat32 gust\n".into()).unwrap();
+//! let gust = sources.span(id).part(22..26);
+//! assert_eq!(sources.slice(gust), "gust");
+//! assert_eq!(sources.position(gust), Position { line: 2, column: 9 });
+//! ```
 
 use std::collections::BTreeMap;
 use std::ops::Range;

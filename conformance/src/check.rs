@@ -279,13 +279,13 @@ impl<'d> Course<'d> {
 
     /// Something goes over a connection, or happens to it.
     fn exchanged(&mut self, record: &SessionRecord<'_>) {
-        let exchange = self.sessions.follow(record, self.definitions);
+        let exchange = self.sessions.follow(record, self.definitions.body_schemas());
         self.tell(&exchange);
     }
 
     /// The same, of a report on UAVs that rules have judged already which go by what it says alone.
     fn reported(&mut self, record: &SessionRecord<'_>) {
-        let exchange = self.sessions.follow_told(record);
+        let exchange = self.sessions.follow_checked(record);
         self.listeners.checked_report(&exchange, &mut self.findings);
     }
 

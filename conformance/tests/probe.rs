@@ -13,10 +13,10 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 use uavspec_conformance::check::check_capture;
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::flockwave::transport::endpoint::Endpoint;
 use uavspec_conformance::probe::{Options, Probed, probe};
 use uavspec_conformance::rules::flockwave;
 use uavspec_conformance::serve::{self, Server, Transport};
+use uavspec_conformance::transport::endpoint::Endpoint;
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 

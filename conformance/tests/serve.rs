@@ -12,10 +12,10 @@ use std::time::{Duration, Instant};
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use serde_json::{Value, json};
-use uavspec_conformance::flockwave::transport::MESSAGE_LIMIT;
-use uavspec_conformance::flockwave::transport::client::{Client, Heard, connect};
 use uavspec_conformance::rules::flockwave;
 use uavspec_conformance::serve::{Options, Server, Transport};
+use uavspec_conformance::transport::MESSAGE_LIMIT;
+use uavspec_conformance::transport::client::{Client, Heard, connect};
 
 /// How long something may take that has to happen.
 const PATIENCE: Duration = Duration::from_secs(60);

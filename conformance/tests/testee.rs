@@ -42,7 +42,8 @@ fn testee() -> &'static Path {
     static TESTEE: OnceLock<PathBuf> = OnceLock::new();
     TESTEE.get_or_init(|| {
         let mut cargo = Command::new(env!("CARGO"));
-        cargo.args(["build", "--quiet", "--package", env!("CARGO_PKG_NAME"), "--example", "testee"]);
+        // With `--workspace`, dependencies have the features that `cargo test --workspace` has compiled them with.
+        cargo.args(["build", "--quiet", "--workspace", "--example", "testee"]);
         cargo.args(["--message-format", "json"]).current_dir(env!("CARGO_MANIFEST_DIR"));
         let built = cargo.stderr(Stdio::inherit()).output().expect("cargo runs");
         let printed = String::from_utf8(built.stdout).expect("UTF-8");

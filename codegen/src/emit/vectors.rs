@@ -33,6 +33,19 @@
 //! those are left out there.
 //!
 //! Messages that no value satisfies, that are longer than 64 KiB or nest more than 32 levels have no cases.
+//!
+//! ```
+//! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//! # let mut sources = SourceMap::default();
+//! # let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n".into()).unwrap();
+//! # let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! # let (schema, diagnostics) = read(&sources, &packages);
+//! use uavspec_codegen::emit::vectors::{Options, emit};
+//!
+//! let files = emit(&schema, &Options::default());
+//! let vectors = files.iter().find(|file| file.path == "px4/Wind.vectors.json").unwrap();
+//! assert!(vectors.text.contains("PX-RANGE-01"));
+//! ```
 
 mod bytes;
 mod case;
@@ -40,45 +53,31 @@ mod error_code;
 mod field;
 mod form;
 mod json_type;
+mod mark;
 mod message;
 mod number;
+mod options;
 mod part;
 mod print;
 mod sample;
 mod typical;
 
 use self::case::Case;
+use self::message::is_uorb;
+pub use self::options::Options;
 use self::print::{Head, quote};
 #[cfg(feature = "files")]
 use super::emitter::{Input, Others, Output};
-use super::json_schema::{self, DRAFT, Target};
-use super::{GENERATED_BY, OutputFile};
+use super::file::OutputFile;
+use super::json_schema::{self, Target};
 use crate::dynamic::Types;
 #[cfg(feature = "files")]
 use crate::failure::Failure;
 use crate::schema::json_type::Direction;
-use crate::schema::{Dialect, Form, JsonMessageId, Kind, Message, MessageId, Package, Schema};
-
-/// The version of the form of the files. It rises when a reader of the form before would misread them.
-const FORM: u32 = 1;
+use crate::schema::{JsonMessageId, Message, MessageId, Package, Schema};
 
 /// Where the files in the form of the JSON Schema Test Suite are.
 const SUITE: &str = "json-schema-test-suite/tests/draft2020-12";
-
-/// How vectors are emitted.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "files", derive(serde::Deserialize), serde(default, deny_unknown_fields))]
-pub struct Options {
-    /// The absolute address that every `$id` of the schemas starts with, if it isn't the default.
-    pub base: Option<String>,
-}
-
-impl Options {
-    /// How the schemas are emitted that the vectors refer to.
-    fn schemas(&self) -> json_schema::Options {
-        self.base.clone().map_or_else(json_schema::Options::default, |base| json_schema::Options { base })
-    }
-}
 
 #[cfg(feature = "files")]
 impl Output for Options {
@@ -170,14 +169,4 @@ fn facts(package: &Package, message: &Message) -> Vec<(&'static str, String)> {
     }
     facts.push(("type_hash", quote(&message.type_hash)));
     facts
-}
-
-/// Whether messages like this lie in uORB memory: those of other dialects don't, be their size fixed or not.
-fn is_uorb(package: &Package, message: &Message) -> bool {
-    package.form == Form::Msg(Dialect::Px4) && message.kind == Kind::Message
-}
-
-/// What a file says of its origin.
-fn mark() -> String {
-    format!("{GENERATED_BY}. Do not edit: run `cargo xtask codegen`.")
 }

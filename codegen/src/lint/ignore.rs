@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::rule::{Check, Levels, Measured, Rule};
 use super::settings::{Ignore, Settings};
 use super::subject;
-use super::subject::Text;
+use super::subject::SourceText;
 use crate::diagnostic::Level;
 use crate::directive::{self, Directive};
 use crate::example::Example;
@@ -139,7 +139,7 @@ fn of_part<'s>(part: &Part<'s>, source: SourceId, sources: &SourceMap, requests:
     }
 }
 
-fn of_page<'s>(page: &Text<'s>, sources: &SourceMap, requests: &mut Vec<Request<'s>>) {
+fn of_page<'s>(page: &SourceText<'s>, sources: &SourceMap, requests: &mut Vec<Request<'s>>) {
     for (line, span) in page.lines() {
         let Some((directive, start)) = directive::find(line, span) else { continue };
         let (scope, removal) = if start == 0 {

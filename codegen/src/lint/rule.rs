@@ -1,6 +1,6 @@
 //! Rules, and what they report.
 
-use super::subject::{Subject, Text};
+use super::subject::{SourceText, Subject};
 use crate::diagnostic::{Diagnostic, Level};
 use crate::example::Example;
 use crate::finding::{Edit, Finding};
@@ -74,7 +74,7 @@ pub(crate) enum Check {
     /// The readers report it under the same id; this mends it, where it can.
     Reader(fn(&Diagnostic, &SourceMap) -> Vec<Edit>),
     /// Looks at each source as text.
-    Text(fn(&Text<'_>, &mut Sink<'_>)),
+    Text(fn(&SourceText<'_>, &mut Sink<'_>)),
     /// Looks at each message, parts of services and actions too.
     Message(fn(&Subject<'_>, &mut Sink<'_>)),
     /// Looks at the error codes of each package.

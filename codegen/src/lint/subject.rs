@@ -78,7 +78,7 @@ pub(super) fn annotations<'l>(line: &'l Line<'_>) -> impl Iterator<Item = &'l An
 
 /// A source as text.
 #[derive(Debug)]
-pub(crate) struct Text<'a> {
+pub(crate) struct SourceText<'a> {
     /// What it says.
     pub text: &'a str,
     /// Where.
@@ -87,7 +87,7 @@ pub(crate) struct Text<'a> {
     pub form: Form,
 }
 
-impl<'a> Text<'a> {
+impl<'a> SourceText<'a> {
     /// Its lines without their ends, each with its place.
     pub(crate) fn lines(&self) -> impl Iterator<Item = (&'a str, Span)> {
         let span = self.span;
@@ -132,13 +132,13 @@ pub(super) fn subjects<'a>(
 }
 
 /// All sources.
-pub(super) fn texts<'a>(sources: &'a SourceMap, parsed: &[PackageSource<'a>]) -> Vec<Text<'a>> {
+pub(super) fn texts<'a>(sources: &'a SourceMap, parsed: &[PackageSource<'a>]) -> Vec<SourceText<'a>> {
     let mut texts = Vec::new();
     for package in parsed {
         let files = package.files.iter().map(|(_, _, span, _)| *span);
         for span in files.chain(package.pages.iter().map(|page| page.span)) {
             let text = sources.text(sources.source_of(span));
-            texts.push(Text { text, span, form: package.form });
+            texts.push(SourceText { text, span, form: package.form });
         }
     }
     texts

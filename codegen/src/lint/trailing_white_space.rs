@@ -1,7 +1,7 @@
 //! `trailing-white-space`: blanks and tabs before the end of a line.
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Text;
+use super::subject::SourceText;
 use crate::diagnostic::Level;
 use crate::example::Example;
 use crate::schema::Form;
@@ -23,7 +23,7 @@ pub(super) const RULE: Rule = Rule {
     check: Check::Text(check),
 };
 
-fn check(text: &Text<'_>, sink: &mut Sink<'_>) {
+fn check(text: &SourceText<'_>, sink: &mut Sink<'_>) {
     // In pages two blanks at the end break a line.
     if text.form == Form::Table {
         return;

@@ -10,7 +10,7 @@ use std::ops::RangeInclusive;
 use uavspec_runtime::Scalar;
 
 use super::attribute::{ATTRIBUTES, Attribute};
-use super::is_identifier;
+use super::kind::is_identifier;
 use super::literal::{LiteralError, parse_scalar};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::Span;

@@ -1,4 +1,16 @@
 //! Attributes: annotations whose text says more about a field, and restricts none of its values.
+//!
+//! ```
+//! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//! # let mut sources = SourceMap::default();
+//! # let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n".into()).unwrap();
+//! # let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! # let (schema, diagnostics) = read(&sources, &packages);
+//! use uavspec_codegen::msg::attribute::FRAME;
+//!
+//! assert_eq!(FRAME.name, "frame");
+//! assert_eq!(schema.messages[0].fields[1].attribute(&FRAME), None);
+//! ```
 
 /// A kind of attribute. All stages treat attributes alike, by what stands here.
 #[derive(Debug, PartialEq, Eq)]

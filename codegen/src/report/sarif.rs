@@ -13,7 +13,7 @@ use std::fmt::Write as _;
 use serde_json::{Map, Value, json};
 use sha2::{Digest as _, Sha256};
 
-use super::{Entry, PROJECT_URL, Place, Region, Report, RuleInfo};
+use super::model::{Entry, PROJECT_URL, Place, Region, Report, RuleInfo};
 use crate::diagnostic::Level;
 use crate::prose::{gist, percent_encoded};
 

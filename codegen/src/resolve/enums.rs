@@ -2,10 +2,11 @@
 
 use uavspec_runtime::Scalar;
 
+use super::gather::by_prefix;
 use super::resolver::{PendingEnum, Resolver, id};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::msg::annotation::Prefix;
-use crate::schema::{Element, EnumRef, MessageId, enumeration};
+use crate::schema::{Element, EnumRef, MessageId};
 use crate::source::Span;
 
 /// Most members that all enums of a run may have together.
@@ -61,7 +62,7 @@ impl<'s> Resolver<'s> {
         let by_prefix = self
             .by_prefix
             .entry(wanted.owner)
-            .or_insert_with(|| enumeration::by_prefix(owner, &self.claimed[wanted.owner.0 as usize]));
+            .or_insert_with(|| by_prefix(owner, &self.claimed[wanted.owner.0 as usize]));
         for prefix in &wanted.prefixes {
             if !by_prefix.is_used(prefix) {
                 let problem = Problem::UnknownEnum { prefix: prefix.clone(), place: owner.name.clone() };

@@ -4,8 +4,8 @@ use std::collections::{BTreeSet, HashMap};
 
 use uavspec_runtime::Scalar;
 
+use super::gather::ByPrefix;
 use crate::diagnostic::Diagnostic;
-use crate::schema::enumeration::ByPrefix;
 use crate::schema::{Element, EnumRef, Message, MessageId, Schema};
 use crate::span::Span;
 use crate::value::Value;

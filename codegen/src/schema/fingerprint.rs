@@ -1,4 +1,15 @@
 //! Fingerprints of definitions: PX4's message hash and the ROS type hash (RIHS01).
+//!
+//! ```
+//! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//! # let mut sources = SourceMap::default();
+//! # let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n".into()).unwrap();
+//! # let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! # let (schema, diagnostics) = read(&sources, &packages);
+//! use uavspec_codegen::schema::fingerprint::ros_name;
+//!
+//! assert_eq!(ros_name(&schema, &schema.messages[0]), "px4_msgs/msg/Wind");
+//! ```
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -6,8 +17,11 @@ use std::fmt::Write as _;
 use sha2::{Digest as _, Sha256};
 use uavspec_runtime::Scalar;
 
+use super::id::MessageId;
 use super::layout::EMPTY_MEMBER;
-use super::{Element, Interface, Kind, Message, MessageId, Schema, Shape, Type, shape_text};
+use super::model::{Element, Interface, Message, Schema, Type, shape_text};
+use crate::msg::Kind;
+use crate::msg::ast::Shape;
 
 /// Most fields that a message may have with all that it nests: the hash runs over each of them.
 pub const MAX_NESTED_FIELDS: u64 = 1 << 20;

@@ -2,9 +2,10 @@
 
 mod block;
 
-pub(crate) use block::{Block, range_text};
+pub(crate) use self::block::{Block, parse_code, range_text};
 
-use super::{Cell, Heading, Page, Row, Table, Text};
+use super::page::{Cell, Heading, Page, Row, Table};
+use super::text::Text;
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::Span;
 
@@ -152,12 +153,6 @@ impl Columns {
             });
         }
     }
-}
-
-/// A code in decimal. A sign, a leading zero or another base would be read differently elsewhere.
-pub(crate) fn parse_code(text: &str) -> Option<u32> {
-    let is_plain = text.bytes().all(|byte| byte.is_ascii_digit()) && (text == "0" || !text.starts_with('0'));
-    text.parse().ok().filter(|_| is_plain)
 }
 
 #[cfg(test)]

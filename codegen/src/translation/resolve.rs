@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::catalogue::{Catalogue, Entry, Places, parse};
 use super::language::{self, SOURCE_LANGUAGE, is_tag};
-use super::{Language, Text, Translated, Translations, texts};
+use super::text::{Text, texts};
+use super::translations::{Language, Translated, Translations};
 use crate::diagnostic::{Diagnostic, Problem, has_errors};
 use crate::schema::Schema;
 use crate::source::{SourceId, SourceMap, Span, stem};

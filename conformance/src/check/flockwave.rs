@@ -306,7 +306,7 @@ impl<'d> FlockwaveJudge<'d> {
             // It is judged all the same where it says that something went wrong, or what is wrong with itself.
             return self.course.judged += u64::from(is_of_server);
         };
-        let is_known = self.course.definitions.is_message_known(name);
+        let is_known = self.course.definitions.body_schemas().has(name);
         self.course.judged += u64::from(is_of_server && is_known);
         let types = if is_known { &mut source.types } else { &mut source.unknown };
         if !types.contains_key(name) {

@@ -11,12 +11,43 @@ mod defined;
 mod plain;
 mod schemas;
 
+use uavspec_codegen::schema::json_type::Direction;
 use uavspec_codegen::source::Span;
 
 pub use self::bodies::Shapes;
 pub(crate) use self::plain::Members;
 pub use self::schemas::{SchemaError, Schemas};
 use crate::json::{Tree, pointer};
+
+/// The body schemas of all types: those of the definitions, and those of the user for other types.
+#[derive(Clone, Copy, Debug)]
+pub struct BodySchemas<'s> {
+    /// Those of the definitions.
+    pub shapes: &'s Shapes,
+    /// Those of the user.
+    pub schemas: &'s Schemas,
+}
+
+impl BodySchemas<'_> {
+    /// True if there is a body schema of this type.
+    pub fn has(&self, type_name: &str) -> bool {
+        self.shapes.has(type_name) || self.schemas.has(type_name)
+    }
+
+    /// The violations of the schema of a body's type for its direction; none if there is no such schema.
+    pub fn deviations(
+        &self,
+        type_name: &str,
+        direction: Direction,
+        body: &Tree<'_>,
+    ) -> Option<Vec<Deviation>> {
+        if self.shapes.has(type_name) {
+            self.shapes.check(type_name, direction, body)
+        } else {
+            self.schemas.check(type_name, direction, body)
+        }
+    }
+}
 
 /// What a value has to be.
 #[derive(Clone, Copy, Debug)]

@@ -27,7 +27,7 @@ pub enum Direction {
     Event,
 }
 
-/// What a client tries a server with: an record that is there to see whether a rule holds.
+/// What a client tries a server with: a record that is there to see whether a rule holds.
 #[derive(Clone, Copy, Debug)]
 pub struct Trial<'e> {
     /// The rule.

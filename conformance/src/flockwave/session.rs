@@ -22,8 +22,10 @@ use self::ids::Ids;
 pub use self::operation::{Named, Operation, Stage};
 use self::remembered::Remembered;
 pub(crate) use self::vocabulary::OPERATIONS;
+#[cfg(test)]
+pub(crate) use self::vocabulary::{OPERATION, PARTS};
 pub use self::vocabulary::{Parts, parts};
-use crate::definitions::Definitions;
+use crate::flockwave::body_schema::BodySchemas;
 use crate::flockwave::record::{Direction, SessionRecord};
 use crate::json::Tree;
 use crate::model::{Place, Rule};
@@ -137,21 +139,21 @@ impl Default for Sessions {
 }
 
 impl Sessions {
-    /// What an record means after all that went before it, where bodies have the shapes of these definitions.
-    pub fn follow<'t>(&mut self, record: &'t SessionRecord<'t>, definitions: &Definitions) -> Exchange<'t> {
+    /// A record with what it means after all that precedes it, and with the violations of its body schema.
+    pub fn follow<'t>(&mut self, record: &'t SessionRecord<'t>, schemas: BodySchemas<'_>) -> Exchange<'t> {
         let time = self.at(record);
         let exchange = Exchange::new(record, time);
-        let deviations = exchange.deviations_from(definitions);
+        let deviations = exchange.deviations_from(schemas);
         self.placed(Exchange { deviations, ..exchange })
     }
 
-    /// The same, where what deviates from the shape of the body was told already.
-    pub(crate) fn follow_told<'t>(&mut self, record: &'t SessionRecord<'t>) -> Exchange<'t> {
+    /// Like [`follow`](Self::follow), for a record whose message was checked already.
+    pub(crate) fn follow_checked<'t>(&mut self, record: &'t SessionRecord<'t>) -> Exchange<'t> {
         let time = self.at(record);
         self.placed(Exchange { deviations: Some(Vec::new()), ..Exchange::new(record, time) })
     }
 
-    /// A exchange with its place in the session.
+    /// An exchange with its place in the session.
     fn placed<'t>(&mut self, mut exchange: Exchange<'t>) -> Exchange<'t> {
         let record = exchange.record;
         let state = &self.states[record.connection.index];
@@ -242,7 +244,7 @@ impl Sessions {
         }
     }
 
-    /// The time of an record, where it can be trusted.
+    /// The time of a record, where it can be trusted.
     fn at(&mut self, record: &SessionRecord<'_>) -> Option<f64> {
         self.grow(record.connection.index);
         let state = &mut self.states[record.connection.index];

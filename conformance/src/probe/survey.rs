@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::Probe;
 use crate::rules::flockwave::trial::{self, NOBODY};
-use crate::rules::flockwave::{ack_06, env_24};
+use crate::rules::flockwave::{ack_06, env_24, sys_ping_01};
 
 /// How many steps there are, more or less.
 pub(super) const STEPS: usize = 70;
@@ -53,6 +53,7 @@ impl Probe<'_, '_> {
         }
         self.log_in();
         self.ask(json!({ "type": "AUTH-WHOAMI" }));
+        self.ask_trying(&sys_ping_01::RULE, json!({ "type": "SYS-PING" }));
         self.ask_trying(&env_24::RULE, json!({ "type": "SYS-VER" }));
         self.ask(json!({ "type": "SYS-VER" }));
         for _ in 0..2 {

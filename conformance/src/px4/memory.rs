@@ -142,7 +142,7 @@ impl Compiler<'_> {
             let field = field.filter(|(message, field)| is_same(placed, field, message));
             match placed.shape {
                 Shape::Bounded(_) | Shape::Sequence => {
-                    self.sequence(placed, of, field, counter, within, steps)
+                    self.sequence(placed, of, field, counter, within, steps);
                 }
                 Shape::Single | Shape::Array(_) => self.field(placed, of, field, counter, within, steps),
             }

@@ -180,7 +180,7 @@ impl<'c> Constraint<'c> {
                 _ => Ok(()),
             },
             Element::Scalar(scalar) => number(scalar, bytes).map_or(Ok(()), |found| self.check_number(found)),
-            Element::Text(_) => self.check_text(bytes),
+            Element::Text(_) => check_text(bytes),
             Element::String { .. } | Element::Message(_) => Ok(()),
         }
     }
@@ -193,14 +193,14 @@ impl<'c> Constraint<'c> {
             Some(demand) => Err(Violation::Number(demand, found, restriction)),
         }
     }
+}
 
-    /// Checks the bytes of a text up to the first NUL.
-    pub(super) fn check_text(self, bytes: &[u8]) -> Result<(), Violation<'c>> {
-        let end = memchr::memchr(0, bytes).unwrap_or(bytes.len());
-        match std::str::from_utf8(&bytes[..end]) {
-            Ok(_) => Ok(()),
-            Err(error) => Err(Violation::NotUtf8(error.valid_up_to())),
-        }
+/// Checks the bytes of a text up to the first NUL.
+pub(super) fn check_text<'c>(bytes: &[u8]) -> Result<(), Violation<'c>> {
+    let end = memchr::memchr(0, bytes).unwrap_or(bytes.len());
+    match std::str::from_utf8(&bytes[..end]) {
+        Ok(_) => Ok(()),
+        Err(error) => Err(Violation::NotUtf8(error.valid_up_to())),
     }
 }
 

@@ -309,7 +309,8 @@ pub struct FlockwaveRule {
     pub covers: &'static [Attribution],
     /// The bug of the reference server that violates it.
     pub bug: Bug,
-    /// The requests of a probe that show whether a server keeps it. Rules without a trial show in any session.
+    /// The requests of a probe that show whether a server keeps it. Without a trial it shows in any session, or the
+    /// survey of the probe tries it on its way.
     pub(crate) trial: Option<Trial>,
     /// Captures that violate it.
     pub mutants: &'static [Mutant],

@@ -8,7 +8,7 @@ use super::options::Options;
 use super::rules::{self, Rules};
 use super::site::path_in;
 use super::site::{Site, interface_path};
-use crate::emit::OutputFile;
+use crate::emit::file::OutputFile;
 use crate::schema::Package;
 use crate::translation::{interface_unit, message_unit};
 

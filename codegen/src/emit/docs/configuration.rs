@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use serde::Deserialize;
 
 use super::options::{Beside, Options};
+use super::pages::emit;
 use crate::emit::emitter::{Input, Others, Output};
 use crate::emit::file::OutputFile;
 use crate::failure::Failure;
@@ -67,6 +68,6 @@ impl Output for Configuration {
             more_contents: self.contents.paths().iter().map(read).collect::<Result<String, Failure>>()?,
             beside: self.beside.clone(),
         };
-        Ok(super::emit(input.schema, input.translations, input.sources, &options))
+        Ok(emit(input.schema, input.translations, input.sources, &options))
     }
 }

@@ -10,7 +10,7 @@ use super::markdown::{Page, Table, code, href, inline, link, number_column, text
 use super::scope::with_links;
 use super::site::{Site, path_in};
 use super::words::{self, Words};
-use crate::emit::OutputFile;
+use crate::emit::file::OutputFile;
 use crate::emit::json_schema::Target;
 use crate::prose::xml;
 use crate::schema::{ErrorCode, ErrorTable, Package};

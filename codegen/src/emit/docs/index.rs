@@ -12,7 +12,7 @@ use super::rules;
 use super::scope::Scope;
 use super::site::{Part, Site, interface_path};
 use super::words::ENGLISH;
-use crate::emit::OutputFile;
+use crate::emit::file::OutputFile;
 use crate::schema::{Enum, Message, MessageId, Package};
 
 /// Longest text of a cell in an index, in characters.

@@ -9,7 +9,7 @@ use super::message::{cdr_size, package_cell};
 use super::scope::Scope;
 use super::site::{Site, interface_path, part_names};
 use super::words::{self, ENGLISH, Words};
-use crate::emit::OutputFile;
+use crate::emit::file::OutputFile;
 use crate::emit::json_schema::Target;
 use crate::schema::{Interface, Kind, MessageId, Package};
 use crate::translation::{MessageText, interface_unit};

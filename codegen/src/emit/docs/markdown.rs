@@ -1,11 +1,21 @@
 //! The Markdown that pages are made of: headings, paragraphs, tables, links.
 //!
 //! Others who write pages use it, too, so that all look the same.
+//!
+//! ```
+//! use uavspec_codegen::emit::docs::markdown::{Page, Table, code, text_column};
+//!
+//! let mut table = Table::new(&[text_column("Field"), text_column("Type")]);
+//! table.row([code("speed"), code("float32")]);
+//! let mut page = Page::with_notice("Made by hand.", "wind.md", "Wind");
+//! page.table(&table);
+//! assert!(page.finish().text.ends_with("| `speed` | `float32` |\n"));
+//! ```
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
 
-use crate::emit::{GENERATED_BY, OutputFile};
+use crate::emit::file::{GENERATED_BY, OutputFile};
 use crate::prose;
 pub(super) use crate::prose::gist;
 use crate::prose::percent_encoded;

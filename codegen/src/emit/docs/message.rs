@@ -12,7 +12,7 @@ use super::picture;
 use super::scope::Scope;
 use super::site::Site;
 use super::words::{self, Word, Words};
-use crate::emit::OutputFile;
+use crate::emit::file::OutputFile;
 use crate::emit::json_schema::Target;
 use crate::schema::{CdrSize, MessageId, Package, UorbLayout};
 use crate::translation::{MessageText, message_unit};

@@ -6,8 +6,8 @@ use uavspec_runtime::Scalar;
 
 use super::address::Target;
 use super::annotation::{annotation, annotations, filled, prefixes, range, unit};
-use super::any_of_type;
 use super::bounds::{self, Bounds};
+use super::tree::any_of_type;
 use super::tree::{Member, Node, member};
 use crate::schema::{Element, Enum, EnumRef, Field, Form, Message, Schema, Shape, Special};
 use crate::value::Value;

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::{DRAFT, FORM, Options, mark};
-use crate::emit::OutputFile;
+use super::mark::{FORM, mark};
+use super::options::Options;
+use crate::emit::file::OutputFile;
+use crate::emit::json_schema::DRAFT;
 
 /// The file of the schema.
 const PATH: &str = "vectors.schema.json";

@@ -4,7 +4,6 @@ use std::ops::RangeInclusive;
 
 use uavspec_runtime::{ErrorClass, Severity};
 
-use super::parse_code;
 use crate::diagnostic::Problem;
 
 /// The codes that a heading sets apart for the table below it.
@@ -168,6 +167,12 @@ pub(crate) fn range_text(range: &RangeInclusive<u32>) -> String {
         (first, last) if first == last => first.to_string(),
         (first, last) => format!("{first}-{last}"),
     }
+}
+
+/// A code in decimal. A sign, a leading zero or another base would be read differently elsewhere.
+pub(crate) fn parse_code(text: &str) -> Option<u32> {
+    let is_plain = text.bytes().all(|byte| byte.is_ascii_digit()) && (text == "0" || !text.starts_with('0'));
+    text.parse().ok().filter(|_| is_plain)
 }
 
 #[cfg(test)]

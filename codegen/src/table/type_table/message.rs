@@ -3,10 +3,11 @@
 use std::fmt;
 
 use super::columns::{self, Columns, Header};
-use super::{Member, Reader, under};
+use super::reader::{Member, Reader, under};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::Span;
-use crate::table::{Heading, Page, Table, Text};
+use crate::table::page::{Heading, Page, Table};
+use crate::table::text::Text;
 
 /// How the paragraph begins that names what answers a request.
 const ANSWER: &str = "Answer:";

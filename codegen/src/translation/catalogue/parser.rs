@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{Catalogue, Entry, Places};
+use super::entry::{Catalogue, Entry, Places};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::{SourceId, SourceMap, Span};
 

@@ -1,7 +1,7 @@
 //! Writes catalogues. Lines are not broken, except where the text itself has a line end: tools break them
 //! differently, and whoever compares two states would see that instead of what has changed.
 
-use super::{Catalogue, Entry};
+use super::entry::{Catalogue, Entry};
 
 /// A catalogue as text, which gives the same catalogue when it is read.
 pub(crate) fn print(catalogue: &Catalogue) -> String {

@@ -5,8 +5,7 @@ use std::borrow::Cow;
 use uavspec_codegen::schema::json_type::Direction;
 
 use super::{Asked, Named};
-use crate::definitions::Definitions;
-use crate::flockwave::body_schema::Deviation;
+use crate::flockwave::body_schema::{BodySchemas, Deviation};
 use crate::flockwave::record::{self, SessionRecord};
 use crate::json::Tree;
 use crate::model::Rule;
@@ -207,9 +206,9 @@ impl<'t> Exchange<'t> {
     }
 
     /// What of a body that the server sends has another shape than its type has for its direction.
-    pub(super) fn deviations_from(&self, definitions: &Definitions) -> Option<Vec<Deviation>> {
+    pub(super) fn deviations_from(&self, schemas: BodySchemas<'_>) -> Option<Vec<Deviation>> {
         let body = self.body.filter(|_| self.is_of_server())?;
-        definitions.deviations(self.type_name?, self.direction()?, body)
+        schemas.deviations(self.type_name?, self.direction()?, body)
     }
 
     /// A field of the body.

@@ -150,7 +150,7 @@ impl<'p> Explaining<'p, '_> {
                     let detail = Detail::new(format!("{} has no such field; found {value}", plan.name))
                         .excerpt(format!("\"{name}\": {}", value.excerpt()));
                     self.within(key, &name, |within| {
-                        within.report(within.plans.rules.members, plan.span, detail)
+                        within.report(within.plans.rules.members, plan.span, detail);
                     });
                 }
                 continue;

@@ -5,7 +5,7 @@ use std::fmt;
 use uavspec_codegen::schema::Shape;
 use uavspec_runtime::{Number, Scalar};
 
-use crate::px4::values::{Element, FieldPlan, Violation};
+use crate::px4::values::{Element, FieldPlan, Violation, check_text};
 
 /// A value that holds no others.
 #[derive(Clone, Copy, Debug)]
@@ -87,7 +87,7 @@ impl FieldPlan {
         {
             return Err(Violation::Length { found: bytes.len(), of: "bytes", shape: Shape::Array(room) });
         }
-        self.constraint().check_text(bytes)
+        check_text(bytes)
     }
 
     /// What a value of it, or of an element, is in JSON.

@@ -23,7 +23,7 @@ pub(super) enum Healthy {
 }
 
 impl Healthy {
-    /// Worked out by the constraint itself, so that the two can't differ; none if it constrains nothing.
+    /// Worked out with the constraint itself, which has the last word at the ends of ranges; none if it constrains nothing.
     pub(super) fn of(constraint: Constraint<'_>) -> Option<Self> {
         let scalar = match constraint.element {
             Element::Scalar(Scalar::Bool) => return Some(Self::Bool),
@@ -40,11 +40,20 @@ impl Healthy {
                 |byte: usize| u8::try_from(byte).is_ok_and(|byte| constraint.check_bytes(&[byte]).is_ok());
             return Some(Self::Among(Box::new(std::array::from_fn(is_healthy))));
         }
-        Some(if scalar.is_float() {
-            Self::floats(scalar, restriction)
+        let is_healthy = |number: Number| constraint.check_number(number).is_ok();
+        let healthy = if scalar.is_float() {
+            Some(Self::floats(scalar, restriction))
         } else {
-            Self::integers(scalar, restriction).unwrap_or(Self::Unknown)
-        })
+            Self::integers(scalar, restriction)
+        };
+        let are_ends_healthy = match &healthy {
+            Some(Self::Between(_, low, high)) => {
+                [*low, *high].map(|end| Number::Int(end.into())).into_iter().all(is_healthy)
+            }
+            Some(Self::Floats(_, low, high)) => [*low, *high].map(Number::Float).into_iter().all(is_healthy),
+            _ => false,
+        };
+        Some(healthy.filter(|_| are_ends_healthy).unwrap_or(Self::Unknown))
     }
 
     fn floats(scalar: Scalar, restriction: &Restriction) -> Self {

@@ -122,7 +122,7 @@ impl SessionCheck for Families {
         }
         if exchange.role == Role::Response && exchange.tried(&env_07::RULE.rule).is_some() {
             let asked = exchange.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
-            if let Some(name) = asked.filter(|name| !context.definitions.is_message_known(name))
+            if let Some(name) = asked.filter(|name| !context.definitions.body_schemas().has(name))
                 && let Some(reason) = reason(exchange, name)
             {
                 let unknown = &mut self.connections.of(exchange).unknown;

@@ -5,8 +5,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Request, Role, Rule, RuleContext, Status,
-    Trial, body, env_16, mutant, served, source,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, body,
+    env_16, mutant, served, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -25,7 +25,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             out.message()["body"] = json!({ "type": "ACK-NAK" });
         }
     }),
-    trial: Some(Trial::Requests(|_| vec![Request::new("", json!({ "type": "SYS-PING" }))])),
+    trial: None,
     mutants: &[
         Mutant { name: "it is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
         Mutant { name: "it isn't answered", make: || mutant::unanswered("tcp#9", &RULE.rule), also: &[] },

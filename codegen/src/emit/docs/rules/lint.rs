@@ -1,7 +1,7 @@
 //! The rules of `lint`. What is said of the examples is what the rules themselves say, when the pages are
 //! made.
 
-use super::{Chapter, OVERVIEW, RulePage, Shown, rule_link};
+use super::chapter::{Chapter, OVERVIEW, RulePage, Shown, rule_link};
 use crate::diagnostic::Level;
 use crate::emit::docs::markdown::{Table, code, gist, number_column, text_column, with_code};
 use crate::example::{Example, catalogues, is_catalogue, packages};

@@ -157,7 +157,7 @@ impl<'d> Known<'d> {
             place: Place::Line(1),
         };
         let definitions = self.definitions;
-        let exchange = Sessions::default().follow(&record, definitions);
+        let exchange = Sessions::default().follow(&record, definitions.body_schemas());
         let mut findings = Findings::default();
         let message = Message::of(&exchange)?;
         let mut all = Vec::new();
