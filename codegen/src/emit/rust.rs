@@ -58,16 +58,16 @@ pub struct Options {
     pub readme: Option<String>,
 }
 
+impl Default for Options {
+    fn default() -> Self {
+        Self { root: "mod.rs".to_owned(), readme: None }
+    }
+}
+
 #[cfg(feature = "files")]
 impl Output for Options {
     fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
         Ok(emit(input.schema, input.sources, self))
-    }
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self { root: "mod.rs".to_owned(), readme: None }
     }
 }
 
