@@ -7,10 +7,10 @@ use super::{Detail, Message, RuleContext, Shape, Tree};
 use crate::flockwave::body_schema::{Mismatch, integer};
 use crate::json::pointer;
 
-/// How much of something is quoted, in characters.
+/// The length of a quotation, in characters.
 const MAX_QUOTED: usize = 64;
 
-/// Something has another shape than it should, here in the message.
+/// Reports a value of another shape.
 pub(super) fn mismatched(message: &Message<'_>, context: &mut RuleContext<'_>, found: Mismatch) {
     message.violates(context, || {
         let Mismatch { path, expected, actual } = found;
@@ -18,7 +18,7 @@ pub(super) fn mismatched(message: &Message<'_>, context: &mut RuleContext<'_>, f
     });
 }
 
-/// A field of the body has this shape; it may be left out where it isn't required.
+/// Checks that a field of the body has this shape, or is absent and not required.
 pub(super) fn field(
     message: &Message<'_>,
     context: &mut RuleContext<'_>,
@@ -29,7 +29,7 @@ pub(super) fn field(
     member(message, context, message.body, &["body"], (name, is_required), shape);
 }
 
-/// A member of something at `keys` has this shape.
+/// Checks that a member of the object at `keys` has this shape, or is absent and not required.
 pub(super) fn member(
     message: &Message<'_>,
     context: &mut RuleContext<'_>,
@@ -50,12 +50,12 @@ pub(super) fn member(
     }
 }
 
-/// The members of what a server says of the state of each object of a type.
+/// The states in a message of this type, by object.
 pub(super) fn states<'t>(message: &Message<'t>, type_name: &str) -> &'t [(Cow<'t, str>, Tree<'t>)] {
     members(message.body_of(type_name), "status")
 }
 
-/// Each object's key in the map is its id.
+/// Checks that the key of each state is its id.
 pub(super) fn keyed(message: &Message<'_>, context: &mut RuleContext<'_>, type_name: &str) {
     for (key, state) in states(message, type_name) {
         context.covered();
@@ -69,7 +69,7 @@ pub(super) fn keyed(message: &Message<'_>, context: &mut RuleContext<'_>, type_n
     }
 }
 
-/// No value of a list stands there twice.
+/// Checks that a list has no value twice.
 pub(super) fn unique(message: &Message<'_>, context: &mut RuleContext<'_>, name: &str) {
     let Some(Tree::List(values)) = message.field(name) else { return };
     context.covered();
@@ -82,7 +82,7 @@ pub(super) fn unique(message: &Message<'_>, context: &mut RuleContext<'_>, name:
     }
 }
 
-/// Asks of each list of error codes what is wrong with it. What is no integer is another rule's matter.
+/// Checks each list of error codes. Another rule reports values that are no integers.
 pub(super) fn codes(
     message: &Message<'_>,
     context: &mut RuleContext<'_>,
@@ -102,8 +102,8 @@ pub(super) fn codes(
     }
 }
 
-/// Exactly one of the members of a body is there. A null among them counts only where nothing else does, and only if
-/// null may be what it says.
+/// Checks that the body has exactly one of these fields. A null counts only if there is no other value, and only for
+/// the field that may be null.
 pub(super) fn exactly_one(
     message: &Message<'_>,
     context: &mut RuleContext<'_>,
@@ -123,20 +123,20 @@ pub(super) fn exactly_one(
     }
 }
 
-/// Whether something is there, and not null: members that are optional may be null, by the advice to the authors of
-/// the specification.
+/// True if a value is present and not null. Optional members may be null, by the advice to the authors of the
+/// specification.
 pub(super) fn is_there(value: Option<&Tree<'_>>) -> bool {
     value.is_some_and(|value| *value != Tree::Null)
 }
 
-/// Whether a text is one to three numbers with dots between them.
+/// True if a text is one to three numbers with dots between them.
 pub(super) fn is_version(text: &str) -> bool {
     let mut parts = text.split('.');
     let is_number = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
     parts.by_ref().take(3).all(is_number) && parts.next().is_none()
 }
 
-/// A text as it is quoted.
+/// A text in quotation marks, shortened.
 pub(super) fn quoted(text: &str) -> String {
     let short: String = text.chars().take(MAX_QUOTED).collect();
     let more = if short.len() < text.len() { "…" } else { "" };

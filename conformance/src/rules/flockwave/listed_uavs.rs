@@ -1,8 +1,7 @@
 //! The check of UAV-INF against the UAVs that UAV-LIST lists.
 //!
-//! UAVs come and go. So UAV-INF fails to know one only where the lists before and after it have that UAV, and nothing has
-//! told in between that it is gone. Where an id stands twice in the request, that may be what it fails of, and the other
-//! rule reports it.
+//! UAVs come and go. So UAV-INF lacks one only if the lists before and after it have that UAV, and no OBJ-DEL in between
+//! names it. If the request has the id twice, that may be the cause, and the other rule reports it.
 
 use std::collections::BTreeSet;
 
@@ -34,7 +33,7 @@ pub(super) struct Unknown {
     connections: PerConnection<Listed>,
 }
 
-/// What was told on a connection.
+/// The UAVs that were listed on a connection.
 #[derive(Default)]
 struct Listed {
     /// The latest list.

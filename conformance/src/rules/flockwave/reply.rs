@@ -6,19 +6,19 @@ use super::{Detail, Exchange, OPERATIONS, Reference, Role, RuleContext, Tree, bo
 use crate::flockwave::session::parts;
 use crate::json::pointer;
 
-/// How much room the ids of a list may take that are followed, in bytes: those of a fleet of ten thousand fit.
+/// The size of the lists that are followed, in bytes: the ids of ten thousand UAVs fit.
 const MAX_LISTED: usize = 1 << 19;
 
-/// What an id takes beside its text, in bytes; a rough guess.
+/// The size of an id in addition to its text, in bytes; a rough guess.
 const OVERHEAD: usize = 40;
 
 /// The longest id that is followed, in bytes: 64 characters of up to four.
 const MAX_ID: usize = 256;
 
-/// How many objects are told that aren't where they should be.
+/// The number of misplaced objects that a finding names.
 const MAX_TOLD: usize = 4;
 
-/// Each object that was asked for stands in exactly one part of the reply, if it is of one of these types.
+/// Checks that each requested object is in exactly one part of a reply of these types.
 pub(super) fn partition(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
     let Some((asked, parts)) = replied(exchange, types) else { return };
     context.covered();
@@ -56,7 +56,7 @@ pub(super) fn partition(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, 
     }
 }
 
-/// The reply tells of nothing that wasn't asked for, if it is of one of these types.
+/// Checks that a reply of these types has no object that wasn't requested.
 pub(super) fn strangers(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
     let Some((asked, parts)) = replied(exchange, types) else { return };
     context.covered();
@@ -72,7 +72,7 @@ pub(super) fn strangers(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, 
     }
 }
 
-/// What was asked for, and the parts of a reply that tell about it.
+/// The requested objects, and the parts of the reply that name them.
 pub(super) fn replied<'u>(
     exchange: &'u Exchange<'_>,
     types: &[&str],
@@ -82,7 +82,7 @@ pub(super) fn replied<'u>(
     Some((asked, parts(name)?.told))
 }
 
-/// What a part of a reply names: the keys of a map, or the strings of a list.
+/// The objects in a part of a reply: the keys of a map, or the strings of a list.
 pub(super) fn named<'t>(exchange: &Exchange<'t>, part: &str) -> impl Iterator<Item = &'t str> {
     let (members, values) = match exchange.field(part) {
         Some(Tree::Object(members)) => (&members[..], &[][..]),
@@ -92,7 +92,7 @@ pub(super) fn named<'t>(exchange: &Exchange<'t>, part: &str) -> impl Iterator<It
     members.iter().map(|(key, _)| key.as_ref()).chain(values.iter().filter_map(Tree::as_str))
 }
 
-/// The ids of a list, where it is one of strings, and not too long to be followed.
+/// The ids of a list, if it consists of strings and isn't too long.
 pub(super) fn listed(exchange: &Exchange<'_>) -> Option<BTreeSet<String>> {
     let Some(Tree::List(values)) = exchange.field("ids").filter(|_| exchange.role != Role::Unanswered) else {
         return None;
@@ -106,13 +106,13 @@ pub(super) fn listed(exchange: &Exchange<'_>) -> Option<BTreeSet<String>> {
     values.iter().map(id).collect()
 }
 
-/// Whether it is a response of the server, and what its `refs` name is known for certain.
+/// True if this is a response of the server, and the request in its `refs` is known.
 pub(super) fn refers(exchange: &Exchange<'_>) -> bool {
     let is_response = exchange.role == Role::Response && exchange.is_of_server();
     is_response && exchange.record.connection.is_told && exchange.reference != Reference::Unclear
 }
 
-/// Whether replies of a type may have receipts.
+/// True if replies of a type may have receipts.
 pub(super) fn gives_receipts(name: &str) -> bool {
     name == "LOG-DATA" || OPERATIONS.contains(&name)
 }

@@ -23,14 +23,13 @@ pub(super) fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     served(exchange, context);
 }
 
-/// The session of which a connection that tries the rule doesn't come about.
+/// The session in which a connection that tries the rule is refused.
 pub(super) fn no_connection(rule: &Rule) -> Option<Vec<u8>> {
     mutant::then(|session| session.refused(rule, "no connection", "Nobody is there"))
 }
 
-/// Whether this is the response to a request that tries the rule. That there is none breaks it, and so does a connection
-/// that didn't come about. Of a recording that doesn't show how the connection ended, nobody knows what was to come; nor
-/// what was lost, where messages may be.
+/// True if this is the response to a request that tries the rule. Reports a violation if there is no response or no
+/// connection; but not if the session doesn't show how the connection ended, or messages may be lost.
 pub(super) fn tried(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) -> bool {
     let Some(how) = exchange.tried(context.rule) else { return false };
     let (what, actual) = match exchange.role {
@@ -47,13 +46,13 @@ pub(super) fn tried(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) -> b
     false
 }
 
-/// Whether all that answered a request would be known.
+/// True if any response would be in the session.
 fn is_over(exchange: &Exchange<'_>) -> bool {
     exchange.record.note.is_some() && exchange.record.connection.is_told
 }
 
-/// A request that tries the rule, or the connection for it, comes to nothing. Of `how` it is tried, what stands before
-/// the first colon is the subject: what is tried in several ways is one weakness.
+/// Reports a request that tries the rule and gets no response or no connection. The subject is the part of `how` before
+/// the first colon: several ways of trying show one weakness.
 fn unserved(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, what: &str, actual: &str, how: &str) {
     let type_name = exchange.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
     let (way, kind) = how.split_once(": ").unwrap_or((how, ""));
@@ -71,7 +70,8 @@ fn unserved(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, what: &str, 
     });
 }
 
-/// Whether this is the response to a request that tries the rule, and that was served. That it wasn't breaks the rule.
+/// True if this is the response to a request that tries the rule, and doesn't refuse it. Reports a refusal as a
+/// violation.
 pub(super) fn served(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) -> bool {
     if !tried(exchange, context) {
         return false;
@@ -90,7 +90,7 @@ pub(super) fn served(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) -> 
     false
 }
 
-/// What a response refuses a request with, and the reason that it gives.
+/// The kind of a refusal, and the reason that it gives.
 fn refusal<'t>(exchange: &Exchange<'t>) -> Option<(&'static str, Option<&'t str>)> {
     if exchange.type_name == Some("ACK-NAK") {
         return Some(("ACK-NAK", exchange.field("reason").and_then(Tree::as_str)));
@@ -100,8 +100,8 @@ fn refusal<'t>(exchange: &Exchange<'t>) -> Option<(&'static str, Option<&'t str>
     Some(("an error", error.get("message").and_then(Tree::as_str)))
 }
 
-/// A request that tries the rule has an entry in `error` for what nobody knows or can do. Of what is asked for, and stands
-/// nowhere in the reply, other rules tell.
+/// Checks that the response to a request that tries the rule names the requested object in `error`. Other rules report
+/// objects that the response doesn't have at all.
 pub(super) fn in_error(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
     if !served(exchange, context) {
         return;
