@@ -156,9 +156,6 @@ impl<'d> JsonJudge<'d> {
 
     fn value(&mut self, bytes: &[u8], line: u64, is_last: bool) {
         let place = Place::Line(line);
-        if let Some((at, clean)) = self.templates.read(bytes, &self.plans, &mut self.values) {
-            return self.message(at, clean, place);
-        }
         let text = match std::str::from_utf8(bytes) {
             Ok(text) => text,
             Err(error) => {
@@ -166,6 +163,9 @@ impl<'d> JsonJudge<'d> {
                 return self.course.gap(place, text);
             }
         };
+        if let Some((at, clean)) = self.templates.read(text, &self.plans, &mut self.values) {
+            return self.message(at, clean, place);
+        }
         match read(text, &self.channels, &self.plans, &mut self.values) {
             Fast::Clean(at, clean) => {
                 if clean.dialects == Dialects::default() {
