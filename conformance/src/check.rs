@@ -18,7 +18,7 @@ use uavspec_codegen::source::Span;
 use uavspec_runtime::Scalar;
 
 pub use self::flockwave::{FlockwaveJudge, FlockwaveSource, TypeCount};
-pub use self::json::{JsonSource, judge_json};
+pub use self::json::{JsonSource, judge_json, judge_json_thoroughly};
 pub use self::log::{LogSource, judge_ulog};
 pub use self::mcap::{Basis, McapChannel, McapSource, Standing, judge_mcap};
 use crate::capture::{ENCRYPTED_MAGIC, MCAP_MAGIC, ULOG_MAGIC};

@@ -9,10 +9,11 @@ use std::fs;
 
 use serde_json::{Value, json};
 use tempfile::TempDir;
-use uavspec_conformance::check::{JsonSource, Judgement, Source, judge};
+use uavspec_conformance::check::{JsonSource, Judgement, Source, judge, judge_json, judge_json_thoroughly};
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::model::{Place, Verdict};
-use uavspec_conformance::rules::{RULES, rule};
+use uavspec_conformance::rules::sample::Flight;
+use uavspec_conformance::rules::{RULES, mutants, rule};
 
 const GLIDER: &str = "\
 uint32 MESSAGE_VERSION = 2
@@ -371,4 +372,23 @@ fn entries_that_are_not_in_use_are_ignored() {
             assert_eq!((judgement.judged, damage(&judgement)), (2, vec![]), "{text}");
         }
     }
+}
+
+#[test]
+fn templates_come_to_the_same_as_reading_each_message() {
+    let definitions = Definitions::built_in();
+    let flight = Flight::new(&definitions);
+    let mut compared = 0;
+    for mutant in mutants().filter(|mutant| !mutant.rule.is_on_flockwave()) {
+        let bytes = mutant.make(&flight).expect("the definitions have it");
+        if bytes.first() != Some(&b'{') {
+            continue;
+        }
+        compared += 1;
+        let quick = format!("{:#?}", judge_json(&bytes[..], None, &definitions));
+        let thorough = format!("{:#?}", judge_json_thoroughly(&bytes[..], None, &definitions));
+        let difference = quick.lines().zip(thorough.lines()).find(|(one, other)| one != other);
+        assert_eq!((difference, quick.len()), (None, thorough.len()), "{}", mutant.rule.id);
+    }
+    assert!(compared > 0);
 }

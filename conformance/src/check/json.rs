@@ -47,8 +47,22 @@ pub struct JsonSource {
 /// Judges messages as JSON: JSON Lines, an array, or a single one. They are all of one type where `of` says so;
 /// otherwise each says its type or its topic. They are judged as far as they can be read.
 pub fn judge_json(input: impl Read, of: Option<MessageId>, definitions: &Definitions) -> Judgement {
+    judge_with(input, of, JsonJudge::new(of, definitions))
+}
+
+/// Like [`judge_json`], but compares no message with those before it. It takes several times as long and comes to the same,
+/// which tests and benchmarks see by it.
+pub fn judge_json_thoroughly(
+    input: impl Read,
+    of: Option<MessageId>,
+    definitions: &Definitions,
+) -> Judgement {
+    judge_with(input, of, JsonJudge { templates: Templates::none(), ..JsonJudge::new(of, definitions) })
+}
+
+fn judge_with(input: impl Read, of: Option<MessageId>, judge: JsonJudge<'_>) -> Judgement {
     let mut reader = Reader::new(input);
-    let mut judge = Judge::Json { judge: JsonJudge::new(of, definitions), is_decided: of.is_some() };
+    let mut judge = Judge::Json { judge, is_decided: of.is_some() };
     loop {
         match reader.next() {
             Ok(Some(item)) => match item.event {
