@@ -13,7 +13,7 @@ use uavspec_conformance::check::{JsonSource, Judgement, Source, judge, judge_jso
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::model::{Place, Verdict};
 use uavspec_conformance::rules::sample::Flight;
-use uavspec_conformance::rules::{RULES, mutants, rule};
+use uavspec_conformance::rules::{self, RULES, rule};
 
 const GLIDER: &str = "\
 uint32 MESSAGE_VERSION = 2
@@ -379,7 +379,7 @@ fn templates_come_to_the_same_as_reading_each_message() {
     let definitions = Definitions::built_in();
     let flight = Flight::new(&definitions);
     let mut compared = 0;
-    for mutant in mutants().filter(|mutant| !mutant.rule.is_on_flockwave()) {
+    for mutant in rules::mutants().filter(|mutant| !mutant.rule.is_on_flockwave()) {
         let bytes = mutant.make(&flight).expect("the definitions have it");
         if bytes.first() != Some(&b'{') {
             continue;

@@ -1,6 +1,6 @@
 //! The end of a JSON value, found from brackets and quotation marks alone.
 //!
-//! The bytes may come in pieces of any length, and may be no JSON: a reader of lines or streams finds the next value
+//! The bytes may come in pieces of any length, and may be invalid JSON: a reader of lines or streams finds the next value
 //! whatever is wrong with this one.
 
 /// A state machine that follows the bytes of a value.

@@ -1,7 +1,7 @@
 //! The JSON tokenizer: it reads one text and lends its tokens, without copying them.
 //!
 //! It accepts RFC 8259 plus `NaN`, `Infinity` and `-Infinity`, which get a token of their own. Readers of known shapes ask
-//! for what they expect ([`Tokens::integer`], [`Tokens::takes_key`]); the others ask for any token. Functions that are called
+//! for the token they expect ([`Tokens::integer`], [`Tokens::takes_key`]); the others ask for any token. Functions that run
 //! for each value are marked `#[inline]` because their callers are in other modules.
 
 use std::borrow::Cow;
@@ -108,7 +108,7 @@ impl<'t> Tokens<'t> {
         if self.peek().is_none() { Ok(()) } else { Err(self.error("something follows the value")) }
     }
 
-    /// Reads an object, each of whose members `read` takes, key and all.
+    /// Reads an object. `read` takes each member with its key.
     #[inline]
     pub(crate) fn object<E: From<SyntaxError>>(
         &mut self,
@@ -117,7 +117,7 @@ impl<'t> Tokens<'t> {
         self.enclosed([b'{', b'}'], "expected `,` or `}`", read)
     }
 
-    /// Reads an object, of whose members `read` gets the keys and takes the values.
+    /// Reads an object. `read` gets the key of each member and takes its value.
     #[inline]
     pub(crate) fn members<E: From<SyntaxError>>(
         &mut self,
@@ -129,7 +129,7 @@ impl<'t> Tokens<'t> {
         })
     }
 
-    /// Reads an array, each of whose elements `read` takes.
+    /// Reads an array. `read` takes each element.
     #[inline]
     pub(crate) fn list<E: From<SyntaxError>>(
         &mut self,
@@ -225,7 +225,7 @@ impl<'t> Tokens<'t> {
         }
     }
 
-    /// A string without escapes. Takes nothing if it is something else.
+    /// A string without escapes. The position stays if another value comes next.
     #[inline]
     pub(crate) fn plain_text(&mut self) -> Option<&'t str> {
         if self.peek() != Some(b'"') {
@@ -251,7 +251,7 @@ impl<'t> Tokens<'t> {
         unescaped(self.quoted()?).map(Cow::Owned).ok_or(SyntaxError { at: start, what })
     }
 
-    /// What stands between the quotation marks of a string, as it is written.
+    /// The text between the quotation marks of a string, escapes and all.
     fn quoted(&mut self) -> Result<&'t str, SyntaxError> {
         let start = self.at + 1;
         let mut end = start;
@@ -403,7 +403,7 @@ impl<'t> Tokens<'t> {
     }
 }
 
-/// The text that a string with escapes stands for.
+/// The text of a string with escapes.
 fn unescaped(written: &str) -> Option<String> {
     if written.bytes().any(|byte| byte < b' ') {
         return None;
@@ -422,7 +422,7 @@ fn unescaped(written: &str) -> Option<String> {
     Some(text)
 }
 
-/// The character that a letter behind a backslash stands for.
+/// The character of an escape of one letter.
 fn simple_escape(letter: u8) -> Option<char> {
     Some(match letter {
         b'"' | b'\\' | b'/' => letter.into(),
@@ -435,7 +435,7 @@ fn simple_escape(letter: u8) -> Option<char> {
     })
 }
 
-/// The character that `u` and four hex digits stand for, or two such with a backslash between them; and their length.
+/// The character of an escape with `u` and four hex digits, or of a surrogate pair of two, and its length in bytes.
 fn code_point(escape: &str) -> Option<(char, usize)> {
     let unit = |at: usize| {
         let digits =
@@ -472,7 +472,7 @@ fn is_number(text: &[u8]) -> bool {
     !whole.is_empty() && (whole == b"0" || whole[0] != b'0') && rest.is_empty()
 }
 
-/// The number that a text stands for, which is one.
+/// The value of a text that is a number.
 fn number(written: &str) -> Token<'_> {
     let is_integer = written != "-0" && !written.contains(['.', 'e', 'E']);
     let fits = |value: &i128| (i64::MIN.into()..=u64::MAX.into()).contains(value);
