@@ -21,7 +21,7 @@ use uavspec_runtime::Scalar;
 
 use self::flockwave::Listeners;
 pub use self::flockwave::{FlockwaveJudge, FlockwaveSummary, TypeCount};
-pub use self::json::{JsonSummary, check_json};
+pub use self::json::{JsonSummary, check_json, check_json_thoroughly};
 pub use self::log::{LogSummary, check_ulog};
 pub use self::mcap::{Basis, McapChannel, McapSummary, Standing, check_mcap};
 pub use self::summary::{Describe, Line, List, MAX_LISTED, Totals};

@@ -3,7 +3,6 @@
 pub mod base64;
 mod frame;
 mod pointer;
-mod scan;
 mod tokens;
 mod tree;
 

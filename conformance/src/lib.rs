@@ -17,7 +17,7 @@ pub mod capture;
 pub mod check;
 pub mod definitions;
 mod flockwave;
-mod json;
+pub mod json;
 mod matrix;
 pub mod model;
 mod net;
@@ -32,4 +32,4 @@ mod tests;
 mod text;
 mod watch;
 
-pub use flockwave::transport;
+pub use flockwave::{body_schema, transport};

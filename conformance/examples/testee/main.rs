@@ -19,7 +19,7 @@ use rude::Rude;
 use serde_json::{Value, json};
 use uavspec_codegen::dynamic::Types;
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::flockwave::body_schema::Shapes;
+use uavspec_conformance::body_schema::Shapes;
 
 fn main() -> io::Result<ExitCode> {
     let arguments: Vec<String> = env::args().skip(1).collect();

@@ -92,8 +92,22 @@ impl Describe for JsonSummary {
 /// Checks messages as JSON: JSON Lines, an array, or a single one. They are all of one type where `of` says so;
 /// otherwise each says its type or its topic. They are checked as far as they can be read.
 pub fn check_json(input: impl Read, of: Option<MessageId>, definitions: &Definitions) -> CaptureResult {
+    check_with(input, of, JsonJudge::new(of, definitions))
+}
+
+/// Like [`check_json`], but compares no message with those before it. It takes several times as long and comes to the
+/// same, which tests and benchmarks see by it.
+pub fn check_json_thoroughly(
+    input: impl Read,
+    of: Option<MessageId>,
+    definitions: &Definitions,
+) -> CaptureResult {
+    check_with(input, of, JsonJudge { templates: Templates::none(), ..JsonJudge::new(of, definitions) })
+}
+
+fn check_with(input: impl Read, of: Option<MessageId>, judge: JsonJudge<'_>) -> CaptureResult {
     let mut reader = Reader::new(input);
-    let mut judge = Judge::Json { judge: JsonJudge::new(of, definitions), is_decided: of.is_some() };
+    let mut judge = Judge::Json { judge, is_decided: of.is_some() };
     loop {
         match reader.next() {
             Ok(Some(item)) => match item.event {
@@ -201,9 +215,6 @@ impl<'d> JsonJudge<'d> {
 
     fn value(&mut self, bytes: &[u8], line: u64, is_last: bool) {
         let place = Place::Line(line);
-        if let Some((at, clean)) = self.templates.read(bytes, &self.plans, &mut self.values) {
-            return self.message(at, clean, place);
-        }
         let text = match std::str::from_utf8(bytes) {
             Ok(text) => text,
             Err(error) => {
@@ -211,6 +222,9 @@ impl<'d> JsonJudge<'d> {
                 return self.course.gap(place, text);
             }
         };
+        if let Some((at, clean)) = self.templates.read(text, &self.plans, &mut self.values) {
+            return self.message(at, clean, place);
+        }
         match read(text, &self.channels, &self.plans, &mut self.values) {
             Fast::Clean(at, clean) => {
                 if clean.dialects == Dialects::default() {

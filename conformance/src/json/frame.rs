@@ -1,9 +1,7 @@
 //! The end of a JSON value, found from brackets and quotation marks alone.
 //!
-//! The bytes may come in pieces of any length, and may be no JSON: a reader of lines or streams finds the next value
+//! The bytes may come in pieces of any length, and may be invalid JSON: a reader of lines or streams finds the next value
 //! whatever is wrong with this one.
-
-use super::scan::plain_length;
 
 /// A state machine that follows the bytes of a value.
 #[derive(Clone, Copy, Debug, Default)]
@@ -31,17 +29,8 @@ enum State {
 impl Frame {
     /// The number of these bytes that belong to the value, if it ends among them or before the first.
     pub(crate) fn end(&mut self, bytes: &[u8]) -> Option<usize> {
-        let mut at = 0;
-        while at < bytes.len() {
-            if self.state == State::String {
-                at += plain_length(&bytes[at..]);
-            }
-            if self.step(*bytes.get(at)?) {
-                return Some(at + usize::from(!self.is_before));
-            }
-            at += 1;
-        }
-        None
+        let last = bytes.iter().position(|byte| self.step(*byte))?;
+        Some(last + usize::from(!self.is_before))
     }
 
     /// Follows a text whose brackets count wherever values end, and returns how many are open.

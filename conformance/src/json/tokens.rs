@@ -1,13 +1,12 @@
 //! The JSON tokenizer: it reads one text and lends its tokens, without copying them.
 //!
 //! It accepts RFC 8259 plus `NaN`, `Infinity` and `-Infinity`, which get a token of their own. Readers of known shapes ask
-//! for what they expect ([`Tokens::integer`], [`Tokens::takes_key`]); the others ask for any token. Functions that are called
+//! for the token they expect ([`Tokens::integer`], [`Tokens::takes_key`]); the others ask for any token. Functions that run
 //! for each value are marked `#[inline]` because their callers are in other modules.
 
 use std::borrow::Cow;
 
 use super::SyntaxError;
-use super::scan::{digits, first_digits, plain_length};
 
 /// The maximum nesting depth, equal to that of `serde_json`.
 const MAX_DEPTH: usize = 127;
@@ -24,7 +23,7 @@ const NOT_JSON: [&str; 3] = ["NaN", "Infinity", "-Infinity"];
 /// A position in a JSON text.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tokens<'t> {
-    text: &'t [u8],
+    text: &'t str,
     at: usize,
     depth: usize,
 }
@@ -61,11 +60,6 @@ impl From<SyntaxError> for Unclear {
 impl<'t> Tokens<'t> {
     /// The start of a text.
     pub(crate) fn new(text: &'t str) -> Self {
-        Self::of_bytes(text.as_bytes())
-    }
-
-    /// The start of a text that may not be UTF-8. A string that is not is an error.
-    pub(crate) fn of_bytes(text: &'t [u8]) -> Self {
         Self { text, at: 0, depth: 0 }
     }
 
@@ -75,8 +69,12 @@ impl<'t> Tokens<'t> {
     }
 
     /// The text since an earlier position.
-    pub(crate) fn since(&self, start: usize) -> &'t [u8] {
+    pub(crate) fn since(&self, start: usize) -> &'t str {
         &self.text[start..self.at]
+    }
+
+    fn rest(&self) -> &'t [u8] {
+        &self.text.as_bytes()[self.at..]
     }
 
     /// An error at this position.
@@ -89,7 +87,7 @@ impl<'t> Tokens<'t> {
     #[inline]
     pub(crate) fn peek(&mut self) -> Option<u8> {
         loop {
-            let byte = *self.text.get(self.at)?;
+            let byte = *self.text.as_bytes().get(self.at)?;
             if !matches!(byte, b' ' | b'\t' | b'\n' | b'\r') {
                 return Some(byte);
             }
@@ -110,7 +108,7 @@ impl<'t> Tokens<'t> {
         if self.peek().is_none() { Ok(()) } else { Err(self.error("something follows the value")) }
     }
 
-    /// Reads an object, each of whose members `read` takes, key and all.
+    /// Reads an object. `read` takes each member with its key.
     #[inline]
     pub(crate) fn object<E: From<SyntaxError>>(
         &mut self,
@@ -119,7 +117,7 @@ impl<'t> Tokens<'t> {
         self.enclosed([b'{', b'}'], "expected `,` or `}`", read)
     }
 
-    /// Reads an object, of whose members `read` gets the keys and takes the values.
+    /// Reads an object. `read` gets the key of each member and takes its value.
     #[inline]
     pub(crate) fn members<E: From<SyntaxError>>(
         &mut self,
@@ -131,7 +129,7 @@ impl<'t> Tokens<'t> {
         })
     }
 
-    /// Reads an array, each of whose elements `read` takes.
+    /// Reads an array. `read` takes each element.
     #[inline]
     pub(crate) fn list<E: From<SyntaxError>>(
         &mut self,
@@ -194,8 +192,7 @@ impl<'t> Tokens<'t> {
     #[inline]
     pub(crate) fn takes_key(&mut self, name: &str) -> bool {
         self.peek();
-        let key =
-            self.text[self.at..].strip_prefix(b"\"").and_then(|rest| rest.strip_prefix(name.as_bytes()));
+        let key = self.rest().strip_prefix(b"\"").and_then(|rest| rest.strip_prefix(name.as_bytes()));
         let is_next = key.is_some_and(|rest| rest.starts_with(b"\":"));
         if is_next {
             self.at += name.len() + 3;
@@ -206,7 +203,7 @@ impl<'t> Tokens<'t> {
     /// Takes `null` if it comes next.
     #[inline]
     pub(crate) fn takes_null(&mut self) -> bool {
-        let is_next = self.peek() == Some(b'n') && self.text[self.at..].starts_with(b"null");
+        let is_next = self.peek() == Some(b'n') && self.rest().starts_with(b"null");
         self.at += if is_next { 4 } else { 0 };
         is_next
     }
@@ -215,7 +212,7 @@ impl<'t> Tokens<'t> {
     pub(crate) fn token(&mut self) -> Result<Token<'t>, SyntaxError> {
         match self.peek() {
             Some(b'"') => self.text().map(Token::Text),
-            Some(b'-' | b'0'..=b'9') if !self.text[self.at..].starts_with(b"-I") => self.number(),
+            Some(b'-' | b'0'..=b'9') if !self.rest().starts_with(b"-I") => self.number(),
             _ => self.word(),
         }
     }
@@ -228,20 +225,20 @@ impl<'t> Tokens<'t> {
         }
     }
 
-    /// A string without escapes. Takes nothing if it is something else.
+    /// A string without escapes. The position stays if another value comes next.
     #[inline]
     pub(crate) fn plain_text(&mut self) -> Option<&'t str> {
         if self.peek() != Some(b'"') {
             return None;
         }
-        let rest = &self.text[self.at + 1..];
-        let length = plain_length(rest);
-        if rest.get(length) != Some(&b'"') {
+        let start = self.at + 1;
+        let is_special = |byte: &u8| matches!(byte, b'"' | b'\\' | ..=0x1f);
+        let end = start + self.text.as_bytes()[start..].iter().position(is_special)?;
+        if self.text.as_bytes()[end] != b'"' {
             return None;
         }
-        let text = str::from_utf8(&rest[..length]).ok()?;
-        self.at += length + 2;
-        Some(text)
+        self.at = end + 1;
+        Some(&self.text[start..end])
     }
 
     #[cold]
@@ -250,23 +247,22 @@ impl<'t> Tokens<'t> {
         if self.peek() != Some(b'"') {
             return Err(self.error("expected a string"));
         }
-        let written = self.quoted()?;
-        let read = str::from_utf8(written).ok().and_then(unescaped);
-        read.map(Cow::Owned).ok_or(SyntaxError { at: start, what: WRONG_STRING })
+        let what = "a string with a control character or a wrong escape";
+        unescaped(self.quoted()?).map(Cow::Owned).ok_or(SyntaxError { at: start, what })
     }
 
-    /// What stands between the quotation marks of a string, as it is written.
-    fn quoted(&mut self) -> Result<&'t [u8], SyntaxError> {
+    /// The text between the quotation marks of a string, escapes and all.
+    fn quoted(&mut self) -> Result<&'t str, SyntaxError> {
         let start = self.at + 1;
         let mut end = start;
         loop {
-            let rest = self.text.get(end..).unwrap_or_default();
+            let rest = self.text.as_bytes().get(end..).unwrap_or_default();
             let Some(found) = memchr::memchr2(b'"', b'\\', rest) else {
                 self.at = self.text.len();
                 return Err(self.error(CUT_OFF));
             };
             end += found;
-            if self.text[end] == b'"' {
+            if self.text.as_bytes()[end] == b'"' {
                 self.at = end + 1;
                 return Ok(&self.text[start..end]);
             }
@@ -280,19 +276,16 @@ impl<'t> Tokens<'t> {
     #[inline]
     pub(crate) fn integer(&mut self) -> Option<i64> {
         let is_negative = self.peek()? == b'-';
-        let rest = &self.text[self.at + usize::from(is_negative)..];
-        let (mut value, mut length) = rest.first_chunk().map_or((0, 0), |start| first_digits(*start));
-        if length == 0 || length == 8 {
-            for digit in
-                rest[length..].iter().take(MAX_DIGITS - length).take_while(|byte| byte.is_ascii_digit())
-            {
-                value = value * 10 + u64::from(digit - b'0');
-                length += 1;
-            }
+        let digits = &self.rest()[usize::from(is_negative)..];
+        let (mut value, mut length) = (0, 0);
+        for digit in digits.iter().take(MAX_DIGITS).take_while(|byte| byte.is_ascii_digit()) {
+            value = value * 10 + i64::from(digit - b'0');
+            length += 1;
         }
         // Nothing may follow a leading 0; and -0 is a float.
-        let is_plain = length > 0 && (rest[0] != b'0' || length == 1 && !is_negative);
-        let value = i64::try_from(value).ok().filter(|_| is_plain)?;
+        if length == 0 || digits[0] == b'0' && (length > 1 || is_negative) {
+            return None;
+        }
         self.at += length + usize::from(is_negative);
         Some(if is_negative { -value } else { value })
     }
@@ -302,16 +295,17 @@ impl<'t> Tokens<'t> {
         let start = self.at;
         let is_part = |byte: &u8| matches!(byte, b'-' | b'+' | b'.' | b'0'..=b'9' | b'e' | b'E');
         if let Some(value) = self.integer() {
-            if !self.text.get(self.at).is_some_and(is_part) {
+            if !self.rest().first().is_some_and(is_part) {
                 return Ok(Token::Int(value.into()));
             }
             self.at = start;
         }
         self.peek();
-        let rest = &self.text[self.at..];
-        let written = &rest[..rest.iter().position(|byte| !is_part(byte)).unwrap_or(rest.len())];
-        let written = str::from_utf8(written).ok().filter(|text| is_number(text.as_bytes()));
-        let written = written.ok_or_else(|| self.error("a number that isn't JSON's"))?;
+        let length = self.rest().iter().position(|byte| !is_part(byte)).unwrap_or(self.rest().len());
+        let written = &self.text[self.at..self.at + length];
+        if !is_number(written.as_bytes()) {
+            return Err(self.error("a number that isn't JSON's"));
+        }
         self.at += written.len();
         Ok(number(written))
     }
@@ -321,15 +315,14 @@ impl<'t> Tokens<'t> {
         if self.peek() != Some(b'[') {
             return None;
         }
-        let rest = &self.text[self.at..];
-        let list = str::from_utf8(&rest[..=memchr::memchr(b']', rest)?]).ok()?;
-        self.at += list.len();
-        Some(list)
+        let start = self.at;
+        self.at += memchr::memchr(b']', self.rest())? + 1;
+        Some(self.since(start))
     }
 
     /// A word. Part of one at the end of the text is cut off.
     fn word(&mut self) -> Result<Token<'t>, SyntaxError> {
-        let rest = &self.text[self.at..];
+        let rest = self.rest();
         let json = [("null", Token::Null), ("true", Token::Bool(true)), ("false", Token::Bool(false))];
         for (word, token) in json.into_iter().chain(NOT_JSON.map(|word| (word, Token::NotJson(word)))) {
             if rest.starts_with(word.as_bytes()) {
@@ -392,7 +385,7 @@ impl<'t> Tokens<'t> {
         if self.peek() != Some(b'"') {
             return Err(Unclear);
         }
-        let mut written = self.quoted()?;
+        let mut written = self.quoted()?.as_bytes();
         if written.iter().any(|byte| *byte < b' ') {
             return Err(Unclear);
         }
@@ -410,9 +403,7 @@ impl<'t> Tokens<'t> {
     }
 }
 
-const WRONG_STRING: &str = "a string with a control character or a wrong escape";
-
-/// The text that a string with escapes stands for.
+/// The text of a string with escapes.
 fn unescaped(written: &str) -> Option<String> {
     if written.bytes().any(|byte| byte < b' ') {
         return None;
@@ -431,7 +422,7 @@ fn unescaped(written: &str) -> Option<String> {
     Some(text)
 }
 
-/// The character that a letter behind a backslash stands for.
+/// The character of an escape of one letter.
 fn simple_escape(letter: u8) -> Option<char> {
     Some(match letter {
         b'"' | b'\\' | b'/' => letter.into(),
@@ -444,7 +435,7 @@ fn simple_escape(letter: u8) -> Option<char> {
     })
 }
 
-/// The character that `u` and four hex digits stand for, or two such with a backslash between them; and their length.
+/// The character of an escape with `u` and four hex digits, or of a surrogate pair of two, and its length in bytes.
 fn code_point(escape: &str) -> Option<(char, usize)> {
     let unit = |at: usize| {
         let digits =
@@ -458,6 +449,11 @@ fn code_point(escape: &str) -> Option<(char, usize)> {
     let second = unit(7).filter(|_| escape[5..].starts_with("\\u"))?;
     let character = char::decode_utf16([first, second]).next()?.ok()?;
     Some((character, 11))
+}
+
+/// The number of digits at the start of a text.
+fn digits(text: &[u8]) -> usize {
+    text.iter().position(|byte| !byte.is_ascii_digit()).unwrap_or(text.len())
 }
 
 /// True if a text is a number by RFC 8259, section 6.
@@ -476,7 +472,7 @@ fn is_number(text: &[u8]) -> bool {
     !whole.is_empty() && (whole == b"0" || whole[0] != b'0') && rest.is_empty()
 }
 
-/// The number that a text stands for, which is one.
+/// The value of a text that is a number.
 fn number(written: &str) -> Token<'_> {
     let is_integer = written != "-0" && !written.contains(['.', 'e', 'E']);
     let fits = |value: &i128| (i64::MIN.into()..=u64::MAX.into()).contains(value);
@@ -490,126 +486,4 @@ fn number(written: &str) -> Token<'_> {
 }
 
 #[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-    use serde::de::IgnoredAny;
-    use serde_json::{Number, Value};
-
-    use super::super::Tree;
-    use super::*;
-
-    /// Texts that are nearly JSON, and often are.
-    fn texts() -> impl Strategy<Value = String> {
-        let leaf = prop_oneof![
-            "[-0-9.eE+]{1,22}",
-            "-?(0|[1-9][0-9]{0,20})(\\.[0-9]{1,3})?([eE][-+]?[0-9]{1,3})?",
-            "\"[ -~\u{e4}\u{1F6F8}]{0,12}\"",
-            "\"([ -!a-c\u{e4}]|\\\\[\"\\\\/bfnrtux]|\\\\u[0-9a-fA-F]{3,4}|\\\\ud[89cd]00){0,6}\"",
-            prop::sample::select(
-                &["null", "true", "false", "NaN", "-Infinity", "nul", "-Inf", "\"\u{1}\"", "\""][..]
-            )
-            .prop_map(str::to_owned),
-        ];
-        leaf.prop_recursive(4, 24, 4, |inner| {
-            let separator = prop::sample::select(&[",", " , ", ",\t\n\r", ",,", ""][..]);
-            let list = (prop::collection::vec(inner.clone(), 0..4), separator.clone())
-                .prop_map(|(values, separator)| format!("[{}]", values.join(separator)));
-            let member = ("\"[ab\\\\n]{0,3}\"", prop::sample::select(&[":", " : ", ""][..]), inner)
-                .prop_map(|(key, colon, value)| key + colon + &value);
-            let object = (prop::collection::vec(member, 0..4), separator)
-                .prop_map(|(members, separator)| format!("{{{}}}", members.join(separator)));
-            prop_oneof![list, object]
-        })
-    }
-
-    /// The value that `serde_json` has for a tree; none if it has none.
-    fn value(tree: &Tree<'_>) -> Option<Value> {
-        Some(match tree {
-            Tree::Null => Value::Null,
-            Tree::Bool(value) => Value::Bool(*value),
-            Tree::Int(value) => Value::Number(Number::from_i128(*value)?),
-            Tree::Float(value, _) => Value::Number(Number::from_f64(*value)?),
-            Tree::Huge(_) | Tree::Token(_) => return None,
-            Tree::Text(text) => Value::String(text.to_string()),
-            Tree::List(values) => Value::Array(values.iter().map(value).collect::<Option<_>>()?),
-            Tree::Object(members) => {
-                let members = members.iter().map(|(key, member)| Some((key.to_string(), value(member)?)));
-                Value::Object(members.collect::<Option<_>>()?)
-            }
-        })
-    }
-
-    fn skips(text: &str) -> bool {
-        let mut tokens = Tokens::new(text);
-        tokens.skip().is_ok() && tokens.end().is_ok()
-    }
-
-    proptest! {
-        #![proptest_config(ProptestConfig::with_cases(4_096))]
-
-        #[test]
-        fn accepts_the_same_texts_and_values_as_serde_json(
-            text in texts(),
-            cut in any::<prop::sample::Index>(),
-            is_cut in prop::bool::weighted(0.2),
-        ) {
-            let ends: Vec<usize> = text.char_indices().map(|(at, _)| at).collect();
-            let text = if is_cut { &text[..ends[cut.index(ends.len())]] } else { &text };
-            let tree = Tree::read(text);
-            prop_assert_eq!(tree.as_ref().ok().and_then(value), serde_json::from_str(text).ok(), "{}", text);
-            prop_assert_eq!(skips(text), serde_json::from_str::<IgnoredAny>(text).is_ok(), "{}", text);
-            if let Err(error) = tree {
-                let is_at_end = error.at == text.len();
-                prop_assert_eq!(error.what == CUT_OFF, is_at_end, "{}: {}", text, error);
-                prop_assert!(text.is_char_boundary(error.at), "{}: {}", text, error);
-            }
-        }
-
-        #[test]
-        fn reads_an_integer_as_any_token(text in "-?[0-9]{1,20}[,.e ]?") {
-            let mut tokens = Tokens::new(&text);
-            if let Some(found) = tokens.integer().filter(|_| !matches!(tokens.peek(), Some(b'0'..=b'9' | b'.' | b'e'))) {
-                prop_assert_eq!(Tokens::new(&text).token(), Ok(Token::Int(found.into())));
-            }
-        }
-    }
-
-    #[test]
-    fn leaves_unusual_numbers_and_strings_to_other_readers() {
-        for text in ["-0", "01", "-", "", "1234567890123456789x", "x"] {
-            let mut tokens = Tokens::new(text);
-            assert!(tokens.integer().is_none() || tokens.end().is_err(), "{text}");
-        }
-        for text in ["\"\\n\"", "\"", "\"\u{1}\"", "1"] {
-            assert_eq!(Tokens::new(text).plain_text(), None, "{text}");
-        }
-        assert_eq!(Tokens::of_bytes(b"\"\xff\"").text().map_err(|error| error.what), Err(WRONG_STRING));
-        assert_eq!(Tokens::new(" [1,\"a\"]]").flat_list(), Some("[1,\"a\"]"));
-    }
-
-    #[test]
-    fn takes_a_key_only_if_it_is_the_whole_key() {
-        for name in ["", "id", "velocityNED13", "a_longer_name_than_16_bytes"] {
-            let text = format!(" \"{name}\":7}}");
-            let mut tokens = Tokens::new(&text);
-            assert!(tokens.takes_key(name) && tokens.integer() == Some(7), "{text}");
-            for other in [format!("\"{name}x\":7"), format!("\"{name}\" :7"), format!("\"{name}")] {
-                let mut tokens = Tokens::new(&other);
-                assert!(!tokens.takes_key(name) && tokens.at() == 0, "{other}");
-            }
-        }
-    }
-
-    #[test]
-    fn limits_the_depth_of_what_it_reads_but_not_of_what_it_skips() {
-        for (depth, is_readable) in [(127, true), (128, false), (100_000, false)] {
-            for [open, close] in [["[", "]"], ["{\"a\":[", "]}"]] {
-                let levels = depth / open.bytes().filter(|byte| matches!(byte, b'{' | b'[')).count();
-                let text = open.repeat(levels) + &close.repeat(levels);
-                let is_too_deep = Tree::read(&text).is_err_and(|error| error.what == "values nest too deep");
-                assert_eq!(is_too_deep, !is_readable, "{depth}");
-                assert!(skips(&text), "{depth}");
-            }
-        }
-    }
-}
+mod tests;

@@ -150,7 +150,7 @@ pub(crate) fn shortened(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// Reads a value, and counts it and those that it holds.
+/// Reads a value. `count` grows by the number of values in it.
 fn value<'t>(tokens: &mut Tokens<'t>, count: &mut usize) -> Result<Tree<'t>, SyntaxError> {
     let first = tokens.peek();
     *count += 1;

@@ -6,10 +6,11 @@ mod logs;
 
 use std::fs;
 
-use crate::check::{CaptureResult, JsonSummary, Summary, check_capture};
+use crate::check::{CaptureResult, JsonSummary, Summary, check_capture, check_json, check_json_thoroughly};
 use crate::definitions::Definitions;
 use crate::model::{Place, Verdict};
-use crate::rules::{RULES, rule};
+use crate::rules::sample::Flight;
+use crate::rules::{self, RULES, rule};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
@@ -369,4 +370,23 @@ fn entries_that_are_not_in_use_are_ignored() {
             assert_eq!((judgement.judged, damage(&judgement)), (2, vec![]), "{text}");
         }
     }
+}
+
+#[test]
+fn templates_come_to_the_same_as_reading_each_message() {
+    let definitions = Definitions::built_in();
+    let flight = Flight::new(&definitions);
+    let mut compared = 0;
+    let captures = rules::mutants()
+        .filter(|mutant| !mutant.rule.is_on_flockwave())
+        .flat_map(|mutant| mutant.captures(&flight))
+        .filter(|(_, bytes)| bytes.first() == Some(&b'{'));
+    for (title, bytes) in captures {
+        compared += 1;
+        let quick = format!("{:#?}", check_json(&bytes[..], None, &definitions));
+        let thorough = format!("{:#?}", check_json_thoroughly(&bytes[..], None, &definitions));
+        let difference = quick.lines().zip(thorough.lines()).find(|(one, other)| one != other);
+        assert_eq!((difference, quick.len()), (None, thorough.len()), "{title}");
+    }
+    assert!(compared > 0);
 }

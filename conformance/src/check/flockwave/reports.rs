@@ -242,21 +242,25 @@ impl<'d> Fields<'d> {
             }
             kind.fields |= bit;
             before = field;
-            let is_needed = field == self.id || field == self.timestamp;
-            if !is_needed && tokens.takes_null() {
+            let fits = if field == self.id {
+                let id = plain(tokens)?;
+                id == uav && self.members.holds(field, &Token::Text(id.into()))
+            } else if field == self.timestamp {
+                let value = tokens.integer().ok_or(Unclear)?.into();
+                timestamp = Some(value);
+                self.members.holds(field, &Token::Int(value))
+            } else if tokens.takes_null() {
                 kind.nulls |= bit;
+                true
             } else if field == self.errors {
                 kind.errors = tokens.flat_list().ok_or(Unclear)?;
-            } else if is_needed {
-                let token = tokens.token()?;
-                match &token {
-                    _ if !self.members.holds(field, &token) => return Err(Unclear),
-                    Token::Text(id) if field == self.id && id == uav => {}
-                    Token::Int(value) if field == self.timestamp => timestamp = Some(*value),
-                    _ => return Err(Unclear),
-                }
+                true
             } else {
                 self.members.takes(field, tokens)?;
+                true
+            };
+            if !fits {
+                return Err(Unclear);
             }
             Ok(())
         })?;

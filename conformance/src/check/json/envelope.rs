@@ -175,7 +175,7 @@ impl Envelope<'_> {
             ("topic", None) if self.is_published => self.channel = self.known(Which::Topic, tokens)?,
             ("type", None) if !self.is_published => self.channel = self.known(Which::Type, tokens)?,
             ("message", Some(at)) if self.found.is_none() && !self.is_published => {
-                self.message(at, tokens)?
+                self.message(at, tokens)?;
             }
             ("msg", Some(at)) if self.found.is_none() && self.is_published => self.message(at, tokens)?,
             ("op" | "topic" | "type" | "message" | "msg", _) => return Err(Unclear),

@@ -32,14 +32,14 @@ struct Known {
 }
 
 impl Templates {
+    /// Templates that never learn one.
+    pub(super) fn none() -> Self {
+        Self { misses: usize::MAX, ..Self::default() }
+    }
+
     /// The channel of a message that is written as one before it, and what it says of itself. `values` gets what it
     /// says, where its channel wants that.
-    pub(super) fn read(
-        &mut self,
-        text: &[u8],
-        plans: &Plans,
-        values: &mut Vec<u8>,
-    ) -> Option<(usize, Clean)> {
+    pub(super) fn read(&mut self, text: &str, plans: &Plans, values: &mut Vec<u8>) -> Option<(usize, Clean)> {
         // Topics that come regularly come in the same order.
         let guess = self.known.get(self.last)?.next;
         let others = (0..self.known.len()).filter(|at| *at != guess);
@@ -63,8 +63,7 @@ impl Templates {
         if self.known.len() == MAX_TEMPLATES || text.len() > MAX_TEXT || self.misses > MAX_MISSES {
             return;
         }
-        let template =
-            open.defined.and_then(|(id, _)| Template::of(plans, id, text.as_bytes(), open.key, open.kept));
+        let template = open.defined.and_then(|(id, _)| Template::of(plans, id, text, open.key, open.kept));
         let next = self.known.len();
         self.known.extend(template.map(|template| Known { channel, template, next }));
     }

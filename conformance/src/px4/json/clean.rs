@@ -152,7 +152,7 @@ impl<'p> Reading<'p, '_> {
     }
 }
 
-/// Takes the key of a field, most likely of the one that is declared next.
+/// Takes the key of a field, most likely of the next declared field.
 fn next_field(fields: &[FieldPlan], guess: usize, tokens: &mut Tokens<'_>) -> Result<usize, Unclear> {
     if fields.get(guess).is_some_and(|field| tokens.takes_key(&field.name)) {
         return Ok(guess);

@@ -22,7 +22,7 @@ const TELLING: [&str; 5] = ["op", "topic", "type", "msg", "message"];
 /// A clean message of a channel, with all around it.
 #[derive(Debug)]
 pub(crate) struct Template {
-    text: Vec<u8>,
+    text: String,
     steps: Vec<Step>,
     /// Its numbers and bools as they lie in memory; empty where nobody wants them.
     values: Vec<u8>,
@@ -57,7 +57,7 @@ impl Template {
     pub(crate) fn of(
         plans: &Plans,
         id: MessageId,
-        text: &[u8],
+        text: &str,
         key: Option<&str>,
         size: usize,
     ) -> Option<Self> {
@@ -69,7 +69,7 @@ impl Template {
             changes: Vec::new(),
         };
         let mut learner = Learner { plans, template };
-        let mut tokens = Tokens::of_bytes(text);
+        let mut tokens = Tokens::new(text);
         let read = match key {
             None => learner.message(&mut tokens, id, 0, true),
             Some(key) => learner.around(&mut tokens, id, key),
@@ -79,7 +79,7 @@ impl Template {
 
     /// Whether a text is one more like it, and what it says of itself. If so, it is the one that the next is compared
     /// with.
-    pub(crate) fn read(&mut self, plans: &Plans, text: &[u8]) -> Option<Clean> {
+    pub(crate) fn read(&mut self, plans: &Plans, text: &str) -> Option<Clean> {
         self.compare(plans, text)?;
         self.become_next(plans, text);
         Some(Clean { timestamp: self.timestamp, dialects: Dialects::default() })
@@ -91,11 +91,11 @@ impl Template {
     }
 
     /// Finds what differs; none where that isn't values alone, or one of them isn't clean.
-    fn compare(&mut self, plans: &Plans, text: &[u8]) -> Option<()> {
+    fn compare(&mut self, plans: &Plans, text: &str) -> Option<()> {
         self.changes.clear();
         let (mut old, mut new, mut next) = (0, 0, 0);
         loop {
-            let same = common(&self.text[old..], &text[new..]);
+            let same = common(&self.text.as_bytes()[old..], &text.as_bytes()[new..]);
             (old, new) = (old + same, new + same);
             if old == self.text.len() && new == text.len() {
                 return Some(());
@@ -107,7 +107,7 @@ impl Template {
             };
             let step = self.steps.get(next)?;
             let start = new - old.checked_sub(step.start)?;
-            let mut tokens = Tokens::of_bytes(&text[start..]);
+            let mut tokens = Tokens::new(text.get(start..)?);
             let token = tokens.token().ok()?;
             let leaf = Leaf::of(&token)?;
             let bytes = match step.place {
@@ -125,7 +125,7 @@ impl Template {
     }
 
     /// Takes over a text with what differs in it.
-    fn become_next(&mut self, plans: &Plans, text: &[u8]) {
+    fn become_next(&mut self, plans: &Plans, text: &str) {
         let Some(first) = self.changes.first() else { return };
         // What is behind values of another length stands elsewhere.
         if self.text.len() != text.len()
@@ -144,7 +144,7 @@ impl Template {
             }
         }
         self.text.clear();
-        self.text.extend_from_slice(text);
+        self.text.push_str(text);
         for change in &self.changes {
             let Some(place) = self.steps[change.step].place else { continue };
             if place.is_timestamp {

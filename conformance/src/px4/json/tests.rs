@@ -122,7 +122,7 @@ fn a_template_reads_values_as_json_does() {
         "{ \"stamp\": 3, \"m\": {\"raw\":[1,\t5], \"number\":5,\"ratio\" : 5,\"small\":5,\"flag\":true,\
                 \"name\":\"abc\",\"timestamp\":5} }"
             .to_owned();
-    let learnt = |text: &str| Template::of(&plans, id, text.as_bytes(), Some("m"), size);
+    let learnt = |text: &str| Template::of(&plans, id, text, Some("m"), size);
     let mut template = learnt(&good).expect("a usual way of writing");
     let mut taken = 0;
     let numbers = [
@@ -194,7 +194,7 @@ fn a_template_reads_values_as_json_does() {
             );
             let whole = format!("{{ \"stamp\": 3, \"m\": {inner} }}");
             let mut values = vec![0; size];
-            let found = template.read(&plans, whole.as_bytes());
+            let found = template.read(&plans, &whole);
             let clean = plans.read_text(id, &inner, false, &mut values).ok();
             if let Some(found) = found {
                 taken += 1;
@@ -204,7 +204,7 @@ fn a_template_reads_values_as_json_does() {
     }
     assert!(taken > 100, "{taken}");
     let mut template = learnt(&good).expect("a usual way of writing");
-    let mut reads = |text: &str| template.read(&plans, text.as_bytes()).is_some();
+    let mut reads = |text: &str| template.read(&plans, text).is_some();
     assert!(reads(&good.replace("3,", "\"later\",")), "what is around may say anything");
     assert!(!reads(&(good.clone() + " ")), "something follows");
     assert!(
@@ -215,7 +215,7 @@ fn a_template_reads_values_as_json_does() {
     // What says what the message is doesn't differ.
     let of_type = "{\"type\":\"a\",\"m\":".to_owned() + &good["{ \"stamp\": 3, \"m\": ".len()..];
     let mut template = learnt(&of_type).expect("a usual way of writing");
-    assert_eq!(template.read(&plans, of_type.replace("\"a\"", "\"b\"").as_bytes()), None);
+    assert_eq!(template.read(&plans, &of_type.replace("\"a\"", "\"b\"")), None);
 }
 
 proptest! {
@@ -244,7 +244,7 @@ proptest! {
             let first = text.clone();
             // Templates are made of clean messages alone.
             let template = plans.is_clean(id, &first, false).then(|| {
-                Template::of(plans, id, first.as_bytes(), None, size).expect("a usual way of writing")
+                Template::of(plans, id, &first, None, size).expect("a usual way of writing")
             });
             for (place, span, piece) in &changes {
                 let places = pieces(&text);
@@ -264,7 +264,7 @@ proptest! {
             let is_clean = agrees(plans, id, &text)?;
             let Some(mut template) = template else { return Ok(()) };
             // What a template takes for clean, is so, and says the same.
-            let found = template.read(plans, text.as_bytes());
+            let found = template.read(plans, &text);
             prop_assert!(found.is_some() || !is_clean || !changes.is_empty() || typo.is_some(), "{}", text);
             if let Some(found) = found {
                 let mut values = vec![0; size];
@@ -272,7 +272,7 @@ proptest! {
                 prop_assert_eq!(template.values(), values, "{}", text);
             }
             // Whatever came, it goes on.
-            prop_assert!(template.read(plans, first.as_bytes()).is_some(), "{}", text);
+            prop_assert!(template.read(plans, &first).is_some(), "{}", text);
             let mut values = vec![0; size];
             let clean = plans.read_text(id, &first, false, &mut values);
             prop_assert!(clean.is_ok() && template.values() == values, "{}", text);

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use uavspec_codegen::dynamic::{DynamicMessage, Error, MessageType, Types};
 use uavspec_codegen::schema::{Message, Schema};
-use uavspec_conformance::flockwave::body_schema::Shapes;
+use uavspec_conformance::body_schema::Shapes;
 use uavspec_conformance::json::Tree;
 use uavspec_conformance::testee::protocol::PROTOCOL;
 use uavspec_conformance::testee::wire::{from_base64, from_wire, to_base64, to_wire};

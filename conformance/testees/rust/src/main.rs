@@ -15,8 +15,8 @@ use std::path::Path;
 
 use codec::Codec;
 use uavspec_codegen::dynamic::Types;
+use uavspec_conformance::body_schema::Shapes;
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::flockwave::body_schema::Shapes;
 
 fn main() -> io::Result<()> {
     let arguments: Vec<String> = env::args().skip(1).collect();

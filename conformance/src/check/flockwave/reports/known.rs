@@ -110,7 +110,7 @@ impl<'d> Known<'d> {
     pub(super) fn kind(
         &mut self,
         kind: Kind<'_>,
-        (uav, state): (&str, &[u8]),
+        (uav, state): (&str, &str),
         findings: &Findings,
     ) -> Option<(usize, u64)> {
         let is_it = |known: &Entry<(u64, u64, Box<str>)>| {
@@ -127,8 +127,7 @@ impl<'d> Known<'d> {
         Some((self.latest, count))
     }
 
-    fn learn(&mut self, kind: Kind<'_>, uav: &str, state: &[u8]) -> Option<usize> {
-        let state = str::from_utf8(state).ok()?;
+    fn learn(&mut self, kind: Kind<'_>, uav: &str, state: &str) -> Option<usize> {
         if self.kinds.len() == MAX_KNOWN || kind.errors.len() > MAX_TEXT {
             return None;
         }
