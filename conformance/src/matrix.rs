@@ -7,7 +7,8 @@ use std::collections::BTreeSet;
 use crate::check::{CaptureResult, check_capture};
 use crate::definitions::Definitions;
 use crate::model::Rule;
-use crate::rules::sample::{Encoding, Flight, Session};
+use crate::rules::flockwave::sample::Session;
+use crate::rules::sample::{Encoding, Flight};
 use crate::rules::{Mutant, mutants};
 
 /// What came of a mutant.

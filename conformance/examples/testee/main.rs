@@ -18,8 +18,8 @@ use evil::Evil;
 use rude::Rude;
 use serde_json::{Value, json};
 use uavspec_codegen::dynamic::Types;
-use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::body_schema::Shapes;
+use uavspec_conformance::definitions::Definitions;
 
 fn main() -> io::Result<ExitCode> {
     let arguments: Vec<String> = env::args().skip(1).collect();

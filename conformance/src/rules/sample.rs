@@ -9,7 +9,6 @@ mod bag;
 mod encoding;
 mod lines;
 mod log;
-mod session;
 
 use std::collections::BTreeMap;
 
@@ -24,7 +23,6 @@ pub use self::bag::{Bag, BagChannel};
 pub use self::encoding::Encoding;
 pub use self::lines::Lines;
 pub use self::log::{Entry, Log};
-pub use self::session::Session;
 use crate::definitions::Definitions;
 
 /// How many messages a topic has, if it comes regularly: enough for rules that learn its period.

@@ -17,14 +17,11 @@ mod weather;
 
 use uavspec::flockwave::json::Request;
 
-use super::hub::{Answer, Hub, SessionId};
+use super::hub::{Answer, Answering, Hub, SessionId};
 use crate::rules::flockwave::env_24;
 
-/// What answers the requests of a family.
-type Family = fn(&mut Hub, SessionId, Request) -> Answer;
-
 /// The families that the server has, by the first part of their types.
-const FAMILIES: [(&str, Family); 14] = [
+const FAMILIES: [(&str, Answering); 14] = [
     ("ASYNC", asynchronous::answer),
     ("AUTH", authentication::answer),
     ("BCN", beacon::answer),

@@ -13,7 +13,6 @@ use uavspec::flockwave::json::{
 };
 
 use super::Options;
-use super::family;
 use super::message::{envelope, enveloped, refusal, text, value};
 use super::operation::{Operation, Report};
 use super::request::{Incoming, read};
@@ -82,6 +81,9 @@ pub(super) struct Session {
 /// The body of the answer, or why there is none.
 pub(super) type Answer = Result<Response, String>;
 
+/// Answers a request that came on a connection.
+pub(super) type Answering = fn(&mut Hub, SessionId, Request) -> Answer;
+
 /// The middle of the server.
 pub(super) struct Hub {
     pub(super) options: Options,
@@ -99,11 +101,14 @@ pub(super) struct Hub {
     notified: Duration,
     /// UAVs that are lost and yet listed: of a server that has this bug.
     ghosts: Vec<String>,
+    answering: Answering,
 }
 
 impl Hub {
-    pub(super) fn new(options: Options) -> Self {
+    /// A hub that answers requests by this function.
+    pub(super) fn new(options: Options, answer: Answering) -> Self {
         Self {
+            answering: answer,
             world: World::new(&options),
             options,
             adjustment: 0,
@@ -378,7 +383,7 @@ impl Hub {
         if self.has_bug(&env_19::RULE) && self.sessions.get(&id).is_some_and(is_known) {
             return Err("this id was used before".to_owned());
         }
-        family::answer(self, id, request)
+        (self.answering)(self, id, request)
     }
 
     /// Notes an id that was answered.

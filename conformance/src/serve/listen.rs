@@ -14,6 +14,7 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use self::engine::Sessions;
+use super::family;
 use super::hub::{Hub, Manner, SessionId, Sink};
 use super::{Listening, Options, Transport};
 use crate::flockwave::transport::http::is_silence;
@@ -54,7 +55,7 @@ pub(super) struct Shared {
 impl Shared {
     pub(super) fn new(options: Options, listening: &[Listening]) -> Self {
         let bug = options.bug;
-        let mut hub = Hub::new(options);
+        let mut hub = Hub::new(options, family::answer);
         hub.ports =
             listening.iter().rev().map(|place| (place.transport.name(), place.address.port())).collect();
         Self {

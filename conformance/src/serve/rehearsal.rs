@@ -7,6 +7,7 @@ use proptest::prelude::*;
 use serde_json::{Value, json};
 
 use super::Options;
+use super::family;
 use super::hub::{Hub, Manner, SessionId, Sink};
 use crate::model::Rule;
 use crate::rules::flockwave::{
@@ -54,8 +55,10 @@ struct Rehearsal {
 impl Rehearsal {
     fn new(bug: Option<&'static FlockwaveRule>, login: Option<(String, String)>) -> Self {
         let errors = vec![("glider-5".to_owned(), 193)];
-        let mut hub =
-            Hub::new(Options { bug, login, errors, start: 1_750_000_000_000, ..Options::default() });
+        let mut hub = Hub::new(
+            Options { bug, login, errors, start: 1_750_000_000_000, ..Options::default() },
+            family::answer,
+        );
         hub.ports = [("tcp", 5001), ("udp", 5001)].into();
         let heard = Arc::new(Heard::default());
         let session = hub.open(Manner::Standing, Arc::<Heard>::clone(&heard));

@@ -8,8 +8,8 @@ use std::sync::LazyLock;
 use crate::check::{CaptureResult, FlockwaveSummary, Summary, TypeCount, check_capture};
 use crate::definitions::Definitions;
 use crate::report::{CheckedCapture, Settings, Subject, subject_text};
+use crate::rules::flockwave::sample::Session;
 use crate::rules::rule;
-use crate::rules::sample::Session;
 use serde_json::{Value, json};
 
 use support::shared;

@@ -6,8 +6,9 @@ use std::sync::LazyLock;
 
 use crate::check::FlockwaveJudge;
 use crate::definitions::Definitions;
+use crate::rules::flockwave::sample::Session;
 use crate::rules::mutants;
-use crate::rules::sample::{Flight, Session};
+use crate::rules::sample::Flight;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 

@@ -3,8 +3,8 @@
 use crate::check::{CaptureResult, check_capture};
 use crate::definitions::Definitions;
 use crate::model::Rule;
+use crate::rules::flockwave::sample::Session;
 use crate::rules::rule;
-use crate::rules::sample::Session;
 use serde_json::{Value, json};
 
 fn judged(session: &Session) -> CaptureResult {

@@ -7,8 +7,6 @@ use uavspec_codegen::schema::json_type::Direction;
 use uavspec_codegen::source::Span;
 
 use super::defined::{Defined, Object, Tuple};
-use super::{Deviation, Mismatch, check, compile};
-use crate::json::Tree;
 
 /// The shapes of the bodies of all messages of some definitions.
 #[derive(Debug, Default)]
@@ -36,11 +34,6 @@ pub(super) struct Body {
 }
 
 impl Shapes {
-    /// Those of all messages of these definitions.
-    pub fn new(schema: &Schema) -> Self {
-        compile::compile(schema)
-    }
-
     /// The same, for a use beside other definitions: where they are defined isn't told.
     #[must_use]
     pub fn foreign(self) -> Self {
@@ -57,12 +50,6 @@ impl Shapes {
         self.body(type_name, direction).is_some()
     }
 
-    /// What of a body deviates from the shape that its type has for its direction, the first ten thousand places at
-    /// most; none where there is no such shape.
-    pub fn check(&self, type_name: &str, direction: Direction, body: &Tree<'_>) -> Option<Vec<Deviation>> {
-        Some(check::check(self, self.body(type_name, direction)?, body))
-    }
-
     /// The names of all types and bodies, as test vectors have them.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.named.keys().map(String::as_str)
@@ -71,11 +58,6 @@ impl Shapes {
     /// Whether there is a shape of this name.
     pub fn has_shape(&self, name: &str) -> bool {
         self.named.contains_key(name)
-    }
-
-    /// The first deviation of a value from the shape of this name; none where there is no such shape.
-    pub fn mismatch(&self, name: &str, value: &Tree<'_>) -> Option<Option<Mismatch>> {
-        Some(check::first(self, self.named.get(name)?, value))
     }
 
     pub(super) fn body(&self, type_name: &str, direction: Direction) -> Option<&Body> {

@@ -3,12 +3,12 @@
 use std::borrow::Cow;
 use std::collections::HashSet;
 
+use uavspec_codegen::schema::json_type::Direction;
+
 use super::bodies::{Body, Shapes};
 use super::defined::{Defined, Field, List, Object, Text, Tuple};
 use super::{Deviation, Fault, Mismatch, Step, integer};
-use crate::json::Tree;
-use crate::json::base64;
-use crate::json::pointer;
+use crate::json::{Tree, base64, pointer};
 
 /// How many deviations of a body are told: hostile input can have any number.
 const MAX_DEVIATIONS: usize = 10_000;
@@ -42,8 +42,21 @@ pub(super) enum At<'c> {
     Index(usize),
 }
 
+impl Shapes {
+    /// What of a body deviates from the shape that its type has for its direction, the first ten thousand places at
+    /// most; none where there is no such shape.
+    pub fn check(&self, type_name: &str, direction: Direction, body: &Tree<'_>) -> Option<Vec<Deviation>> {
+        Some(check(self, self.body(type_name, direction)?, body))
+    }
+
+    /// The first deviation of a value from the shape of this name; none where there is no such shape.
+    pub fn mismatch(&self, name: &str, value: &Tree<'_>) -> Option<Option<Mismatch>> {
+        Some(first(self, self.named.get(name)?, value))
+    }
+}
+
 /// What of a body deviates from its shape.
-pub(super) fn check<'c>(shapes: &'c Shapes, body: &'c Body, value: &'c Tree<'c>) -> Vec<Deviation> {
+fn check<'c>(shapes: &'c Shapes, body: &'c Body, value: &'c Tree<'c>) -> Vec<Deviation> {
     let mut check = Check {
         shapes,
         body: Some(body),
@@ -61,7 +74,7 @@ pub(super) fn check<'c>(shapes: &'c Shapes, body: &'c Body, value: &'c Tree<'c>)
 }
 
 /// The first deviation of a value from a shape.
-pub(super) fn first<'c>(shapes: &'c Shapes, shape: &'c Defined, value: &'c Tree<'c>) -> Option<Mismatch> {
+fn first<'c>(shapes: &'c Shapes, shape: &'c Defined, value: &'c Tree<'c>) -> Option<Mismatch> {
     let mut check =
         Check { shapes, body: None, path: Vec::new(), seen: Vec::new(), looks: 0, deviations: Vec::new() };
     check.value(shape, value);

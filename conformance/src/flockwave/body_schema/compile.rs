@@ -15,27 +15,29 @@ use super::defined::{Defined, Field, Length, List, Object, Pattern, Test, Text, 
 /// The name of the only format that strings have.
 const BASE64: &str = "base64";
 
-/// The shapes of all messages of some definitions. Of two packages with the same message the first has it.
-pub(super) fn compile(schema: &Schema) -> Shapes {
-    let mut compiler = Compiler { schema, shapes: Shapes::default(), known: HashMap::new() };
-    for message in &schema.json_messages {
-        let mut bodies = [None, None, None];
-        for part in &message.parts {
-            let object = compiler.body(&part.body);
-            let name = format!("{}/{}", schema.packages[message.package].name, part.name);
-            compiler.shapes.named.insert(name, Defined::Object(object));
-            bodies[part.direction as usize] = Some(Body { object, span: part.span });
+impl Shapes {
+    /// The shapes of all messages of some definitions. Of two packages with the same message the first has it.
+    pub fn new(schema: &Schema) -> Self {
+        let mut compiler = Compiler { schema, shapes: Shapes::default(), known: HashMap::new() };
+        for message in &schema.json_messages {
+            let mut bodies = [None, None, None];
+            for part in &message.parts {
+                let object = compiler.body(&part.body);
+                let name = format!("{}/{}", schema.packages[message.package].name, part.name);
+                compiler.shapes.named.insert(name, Defined::Object(object));
+                bodies[part.direction as usize] = Some(Body { object, span: part.span });
+            }
+            compiler.shapes.messages.entry(message.name.clone()).or_insert(bodies);
         }
-        compiler.shapes.messages.entry(message.name.clone()).or_insert(bodies);
-    }
-    for package in &schema.packages {
-        for id in &package.json_types {
-            let shape = compiler.named(*id, &[]);
-            let name = format!("{}/{}", package.name, schema.json_type(*id).name);
-            compiler.shapes.named.insert(name, shape);
+        for package in &schema.packages {
+            for id in &package.json_types {
+                let shape = compiler.named(*id, &[]);
+                let name = format!("{}/{}", package.name, schema.json_type(*id).name);
+                compiler.shapes.named.insert(name, shape);
+            }
         }
+        compiler.shapes
     }
-    compiler.shapes
 }
 
 struct Compiler<'s> {
