@@ -29,9 +29,14 @@ fn rooms_import_lower_floors_only() {
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
+/// Rules name each other where one can't be violated without the other, so their files may form rings.
+const RULES: &str = "rules::flockwave::";
+
 #[test]
 fn no_files_of_a_room_import_each_other_in_a_ring() {
     let levels = Imports::read(Path::new(env!("CARGO_MANIFEST_DIR"))).between_siblings();
-    let found: Vec<String> = levels.iter().flat_map(Imports::cycles).collect();
+    let rings = levels.iter().flat_map(Imports::cycles);
+    let found: Vec<String> =
+        rings.filter(|ring| !ring.split(", ").all(|file| file.starts_with(RULES))).collect();
     assert!(found.is_empty(), "{}", found.join("\n"));
 }

@@ -1,11 +1,9 @@
 //! The command `watch` as scripts use it.
 
-use std::io::{self, BufRead as _, BufReader, BufWriter, Write as _};
+use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::process::Command;
-use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread;
-use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 use uavspec_conformance::serve::{Options, Server, Transport, error};
