@@ -2,7 +2,7 @@
 
 mod flockwave;
 mod json;
-pub mod known;
+pub(crate) mod known;
 mod log;
 mod mcap;
 pub mod parallel;

@@ -1,6 +1,6 @@
 //! What each rule finds in each mutant of each rule: whether they find what they should, and nothing else.
 
-pub mod live;
+pub(crate) mod live;
 
 use std::collections::BTreeSet;
 
@@ -13,7 +13,7 @@ use crate::rules::{Mutant, mutants};
 
 /// What came of a mutant.
 #[derive(Debug)]
-pub struct Row {
+pub(crate) struct Row {
     /// The rule that it has to break.
     pub rule: &'static Rule,
     /// The mutant.
@@ -26,18 +26,18 @@ pub struct Row {
 
 impl Row {
     /// The ids of the rules that it should break.
-    pub fn expected(&self) -> BTreeSet<&'static str> {
+    pub(crate) fn expected(&self) -> BTreeSet<&'static str> {
         self.mutant.also.iter().chain([&self.rule]).map(|rule| rule.id).collect()
     }
 
     /// Whether it broke what it should, and nothing else; or couldn't be made.
-    pub fn is_right(&self) -> bool {
+    pub(crate) fn is_right(&self) -> bool {
         self.broken.as_ref().is_none_or(|broken| *broken == self.expected())
     }
 }
 
 /// The rules that what a flight conforms to finds broken in it, source by source: none, if all is right.
-pub fn conforming(definitions: &Definitions) -> Vec<(&'static str, CaptureResult)> {
+pub(crate) fn conforming(definitions: &Definitions) -> Vec<(&'static str, CaptureResult)> {
     let flight = Flight::new(definitions);
     let flights =
         Encoding::ALL.into_iter().filter_map(|encoding| Some((encoding.name(), encoding.write(&flight)?)));
@@ -47,7 +47,7 @@ pub fn conforming(definitions: &Definitions) -> Vec<(&'static str, CaptureResult
 }
 
 /// Checks all mutants of all rules, made from a flight of some definitions.
-pub fn matrix(definitions: &Definitions) -> Vec<Row> {
+pub(crate) fn matrix(definitions: &Definitions) -> Vec<Row> {
     let flight = Flight::new(definitions);
     let broken = |bytes: Vec<u8>| {
         let result = check_bytes(&bytes, definitions)?;

@@ -3,5 +3,5 @@
 mod address;
 mod connection;
 
-pub use self::address::Address;
+pub(crate) use self::address::Address;
 pub(crate) use self::connection::{Connection, resolve};

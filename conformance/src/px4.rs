@@ -1,8 +1,8 @@
 //! Messages of PX4: the values that they may have, in memory, as CDR and as JSON, and how definitions of them differ.
 
-pub mod comparison;
-pub mod json;
-pub mod memory;
-pub mod values;
+pub(crate) mod comparison;
+pub(crate) mod json;
+pub(crate) mod memory;
+pub(crate) mod values;
 
-pub use self::values::ValueRules;
+pub(crate) use self::values::ValueRules;

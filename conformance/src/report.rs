@@ -10,7 +10,7 @@
 //! comes from the input stands in it as it is; each format escapes it in its own way.
 
 mod capture;
-pub mod catalogue;
+pub(crate) mod catalogue;
 mod conclusion;
 mod html;
 mod json;

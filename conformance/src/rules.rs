@@ -4,8 +4,8 @@
 //! ([`crate::px4`]); rules on the course of things keep a state of their own.
 
 pub mod flockwave;
-pub mod px4;
-pub mod sample;
+pub(crate) mod px4;
+pub(crate) mod sample;
 
 use uavspec_codegen::schema::MessageId;
 use uavspec_codegen::source::Span;
@@ -30,7 +30,7 @@ pub static RULES: [&Rule; flockwave::RULES.len() + px4::RULES.len()] = {
 
 /// A mutant of a rule of either family.
 #[derive(Clone, Debug)]
-pub struct Mutant {
+pub(crate) struct Mutant {
     /// The rule that it violates.
     pub rule: &'static Rule,
     /// The change.
@@ -49,7 +49,7 @@ enum Make {
 impl Mutant {
     /// The captures, made of a flight or a session, each with its title; none if the definitions have nothing that could
     /// be changed so.
-    pub fn captures(&self, flight: &Flight<'_>) -> Vec<(String, Vec<u8>)> {
+    pub(crate) fn captures(&self, flight: &Flight<'_>) -> Vec<(String, Vec<u8>)> {
         match self.make {
             Make::Session(make) => make().map(|bytes| (self.name.to_owned(), bytes)).into_iter().collect(),
             Make::Flight(change) => {
@@ -65,7 +65,7 @@ impl Mutant {
 }
 
 /// The mutants of all rules, in the order of these.
-pub fn mutants() -> impl Iterator<Item = Mutant> {
+pub(crate) fn mutants() -> impl Iterator<Item = Mutant> {
     let sessions = flockwave::RULES.iter().flat_map(|of| {
         of.mutants.iter().map(|flockwave::Mutant { name, make, also }| Mutant {
             rule: &of.rule,
@@ -86,7 +86,7 @@ pub fn mutants() -> impl Iterator<Item = Mutant> {
 }
 
 /// The way in which a rule is checked, in words.
-pub fn checked_by(rule: &Rule) -> &'static str {
+pub(crate) fn checked_by(rule: &Rule) -> &'static str {
     let keeps_state = |check: &flockwave::Check| matches!(check, flockwave::Check::Session(_));
     let flockwave = flockwave::rule(rule.id).map(|of| {
         if of.checks.iter().any(keeps_state) {
@@ -106,7 +106,7 @@ pub fn checked_by(rule: &Rule) -> &'static str {
 const FOLLOWING: &str = "following the records of a source with a small state for each topic";
 
 /// The surroundings of a check: what it is checked by, and where its findings and its coverage are counted.
-pub struct RuleContext<'c> {
+pub(crate) struct RuleContext<'c> {
     /// The rule.
     pub rule: &'static Rule,
     /// The definitions that captures are checked against.
@@ -130,12 +130,12 @@ impl RuleContext<'_> {
     }
 
     /// Counts that the rule had something to check, whatever the result.
-    pub fn covered(&mut self) {
+    pub(crate) fn covered(&mut self) {
         *self.coverage += 1;
     }
 
     /// Reports a violation of the rule.
-    pub fn violation(&mut self, subject: &str, place: Place, detail: impl FnOnce() -> Detail) {
+    pub(crate) fn violation(&mut self, subject: &str, place: Place, detail: impl FnOnce() -> Detail) {
         self.violation_of(subject, place, None, detail);
     }
 

@@ -14,8 +14,8 @@ mod mutants;
 mod report;
 mod reports;
 mod shapes;
+#[allow(dead_code, reason = "the tests of the program use the rest of it")]
 #[path = "../tests/support/mod.rs"]
 mod support;
 mod trials;
 mod ulog;
-mod watch;

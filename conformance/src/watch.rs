@@ -9,16 +9,18 @@
 //! ```
 //!
 //! Nothing here trusts a server: of each message no more is kept than a fleet may need ([`message`]), of fleets no
-//! more than [`UAV_LIMIT`], and no text of a server reaches the terminal as it came.
+//! more than [`UAV_LIMIT`](roster::UAV_LIMIT), and no text of a server reaches the terminal as it came.
 
-pub mod codes;
-pub mod fleet;
-pub mod list;
-pub mod message;
-pub mod screen;
-pub mod session;
-pub mod state;
-pub mod view;
+pub(crate) mod codes;
+pub(crate) mod fleet;
+pub(crate) mod list;
+pub(crate) mod message;
+pub(crate) mod screen;
+pub(crate) mod session;
+pub(crate) mod state;
+#[cfg(test)]
+mod tests;
+pub(crate) mod view;
 
 mod asker;
 mod format;
@@ -26,6 +28,3 @@ mod order;
 mod rate;
 mod roster;
 mod words;
-
-pub use self::order::Order;
-pub use self::roster::{ID_LIMIT, UAV_LIMIT};

@@ -7,6 +7,7 @@ mod known;
 mod probe;
 mod schema;
 mod serve;
+#[allow(dead_code, reason = "the tests of the parts use the rest of it")]
 mod support;
 mod testee;
 mod watch;

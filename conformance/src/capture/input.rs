@@ -13,7 +13,7 @@ use walkdir::WalkDir;
 use self::zstd::Frames;
 
 /// What stands for standard input.
-pub const STANDARD_INPUT: &str = "-";
+pub(crate) const STANDARD_INPUT: &str = "-";
 
 /// How gzip begins (RFC 1952).
 const GZIP: [u8; 2] = [0x1f, 0x8b];
@@ -35,7 +35,7 @@ const WILDCARDS: [char; 3] = ['*', '?', '['];
 ///
 /// An error names the folder or pattern that can't be read or has nothing to judge; of what is no pattern it is of the
 /// kind [`InvalidInput`](io::ErrorKind::InvalidInput).
-pub fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, (PathBuf, io::Error)> {
+pub(crate) fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, (PathBuf, io::Error)> {
     let mut files = Vec::new();
     for path in paths {
         let found = if path.as_os_str() == STANDARD_INPUT {
@@ -101,7 +101,7 @@ fn is_judged(path: &Path) -> bool {
 }
 
 /// The bytes of a file as they are, or of standard input.
-pub fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
+pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
     if path.as_os_str() == STANDARD_INPUT {
         return Ok(Box::new(io::stdin()));
     }
@@ -111,7 +111,7 @@ pub fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
 /// What `input` holds, unpacked where it begins like gzip or zstd. Of what isn't packed, nothing is read ahead but its
 /// first bytes. Members of gzip and frames of zstd may follow each other; what follows them and is neither is an
 /// error when it is read.
-pub fn unpacked(mut input: impl Read + Send + 'static) -> io::Result<Box<dyn Read + Send>> {
+pub(crate) fn unpacked(mut input: impl Read + Send + 'static) -> io::Result<Box<dyn Read + Send>> {
     let mut start = Vec::with_capacity(START);
     input.by_ref().take(START as u64).read_to_end(&mut start)?;
     let (is_gzip, is_zstd) = (start.starts_with(&GZIP), zstd::is_frame(&start));

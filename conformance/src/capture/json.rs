@@ -12,7 +12,7 @@ use crate::json::Frame;
 use crate::model::Extent;
 
 /// The longest value that is read: nothing that is sent as a message comes near it.
-pub const MAX_LENGTH: usize = 16 << 20;
+pub(crate) const MAX_LENGTH: usize = 16 << 20;
 
 /// How much is read at a time.
 const CHUNK: usize = 1 << 16;
@@ -22,7 +22,7 @@ const BOM: &[u8] = b"\xef\xbb\xbf";
 
 /// The text of a value, or something that is none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Item<'r> {
+pub(crate) struct Item<'r> {
     /// The line in which it begins, from 1.
     pub line: u64,
     /// What is there.
@@ -31,7 +31,7 @@ pub struct Item<'r> {
 
 /// What comes from a source of JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Event<'r> {
+pub(crate) enum Event<'r> {
     /// What should be the text of a value.
     Value {
         /// Its bytes.
@@ -45,7 +45,7 @@ pub enum Event<'r> {
 
 /// What can't be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Problem {
+pub(crate) enum Problem {
     /// The source begins with a byte order mark.
     ByteOrderMark,
     /// A value is longer than [`MAX_LENGTH`]; it was skipped.
@@ -63,7 +63,7 @@ pub enum Problem {
 
 impl Problem {
     /// How much of the source can be read that has it.
-    pub fn extent(&self) -> Extent {
+    pub(crate) fn extent(&self) -> Extent {
         match self {
             Self::ByteOrderMark => Extent::Whole,
             Self::Unclosed => Extent::EndsEarly,
@@ -99,7 +99,7 @@ enum Mode {
 
 /// Cuts a source into values.
 #[derive(Debug)]
-pub struct Reader<R> {
+pub(crate) struct Reader<R> {
     input: R,
     buffer: Vec<u8>,
     /// What of the buffer has been lent.
@@ -131,7 +131,7 @@ enum Next {
 
 impl<R: Read> Reader<R> {
     /// Reads from the start.
-    pub fn new(input: R) -> Self {
+    pub(crate) fn new(input: R) -> Self {
         Self {
             input,
             buffer: Vec::new(),
@@ -146,19 +146,19 @@ impl<R: Read> Reader<R> {
     }
 
     /// How many bytes were read.
-    pub fn bytes(&self) -> u64 {
+    pub(crate) fn bytes(&self) -> u64 {
         self.read
     }
 
     /// How many lines there were so far.
-    pub fn lines(&self) -> u64 {
+    pub(crate) fn lines(&self) -> u64 {
         // A line that isn't ended is one too.
         self.line - 1 + u64::from(self.last.is_some_and(|byte| byte != b'\n'))
     }
 
     /// The next value or problem; none at the end.
     #[allow(clippy::should_implement_trait)] // an iterator can't lend
-    pub fn next(&mut self) -> io::Result<Option<Item<'_>>> {
+    pub(crate) fn next(&mut self) -> io::Result<Option<Item<'_>>> {
         let mode = if let Some(mode) = self.mode {
             mode
         } else {

@@ -41,15 +41,15 @@ mod window;
 
 use std::collections::BTreeMap;
 
-pub use self::problem::Problem;
-pub use self::reader::Reader;
+pub(crate) use self::problem::Problem;
+pub(crate) use self::reader::Reader;
 
 /// What a file begins and ends with.
 pub(crate) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 
 /// Something that a reader met.
 #[derive(Debug)]
-pub struct Item<'r> {
+pub(crate) struct Item<'r> {
     /// Where it stands in the file; of what stands in a packed chunk, where the chunk stands.
     pub offset: u64,
     /// What it is.
@@ -58,7 +58,7 @@ pub struct Item<'r> {
 
 /// What a reader meets.
 #[derive(Debug)]
-pub enum Event<'r> {
+pub(crate) enum Event<'r> {
     /// The header of the file.
     Header {
         /// What else holds of the file, such as `ros2`.

@@ -49,9 +49,9 @@ use uavspec_codegen::rewrite::{self, Change};
 use uavspec_codegen::source::{SourceId, Span};
 use uavspec_codegen::{Failure, SourceMap, render};
 
-pub use self::judge::{Checked, Name, Outcome, Scope, Stale, Why};
+pub(crate) use self::judge::{Checked, Name, Outcome, Scope, Stale, Why};
 use self::pattern::Pattern;
-pub use self::run::{excuse_findings, of_findings, of_unread};
+pub(crate) use self::run::{excuse_findings, of_findings, of_unread};
 use crate::model::{Excuse, Reason, Rule};
 
 /// The longest list that is read, in bytes: room for some thousand entries.

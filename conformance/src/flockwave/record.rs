@@ -5,7 +5,7 @@ use crate::model::{Place, Rule};
 
 /// A connection between a client and a server of Flockwave.
 #[derive(Clone, Copy, Debug)]
-pub struct Connection<'c> {
+pub(crate) struct Connection<'c> {
     /// Its number in its source, from 0 in order of appearance.
     pub index: usize,
     /// Its name.
@@ -18,7 +18,7 @@ pub struct Connection<'c> {
 
 /// Which way something goes, seen from the client.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Direction {
+pub(crate) enum Direction {
     /// From the server to the client.
     In,
     /// From the client to the server.
@@ -29,7 +29,7 @@ pub enum Direction {
 
 /// What a client tries a server with: a record that is there to see whether a rule holds.
 #[derive(Clone, Copy, Debug)]
-pub struct Trial<'e> {
+pub(crate) struct Trial<'e> {
     /// The rule.
     pub rule: &'static Rule,
     /// How it is tried: how the record comes about, or what goes before it. May be empty.
@@ -38,7 +38,7 @@ pub struct Trial<'e> {
 
 /// Something that goes over a connection of Flockwave, or happens to it.
 #[derive(Clone, Copy, Debug)]
-pub struct SessionRecord<'e> {
+pub(crate) struct SessionRecord<'e> {
     /// Where it goes.
     pub connection: Connection<'e>,
     /// Which way.

@@ -17,14 +17,14 @@ mod vocabulary;
 use std::collections::BTreeSet;
 
 pub(crate) use self::exchange::seconds;
-pub use self::exchange::{ClockMove, ConnectionId, Exchange, Reference, Role};
+pub(crate) use self::exchange::{ClockMove, ConnectionId, Exchange, Reference, Role};
 use self::ids::Ids;
-pub use self::operation::{Named, Operation, Stage};
+pub(crate) use self::operation::{Named, Operation, Stage};
 use self::remembered::Remembered;
 pub(crate) use self::vocabulary::OPERATIONS;
+pub(crate) use self::vocabulary::parts;
 #[cfg(test)]
 pub(crate) use self::vocabulary::{OPERATION, PARTS};
-pub use self::vocabulary::{Parts, parts};
 use crate::flockwave::body_schema::BodySchemas;
 use crate::flockwave::record::{Direction, SessionRecord};
 use crate::json::Tree;
@@ -51,7 +51,7 @@ const ON_ITS_WAY: f64 = 1.0;
 
 /// A request that was sent.
 #[derive(Clone, Debug)]
-pub struct Asked {
+pub(crate) struct Asked {
     /// Its type, where it says one.
     pub type_name: Option<String>,
     /// What it asks for, where that is a list of strings, all of them kept.
@@ -111,7 +111,7 @@ struct State {
 
 /// All connections of a source.
 #[derive(Debug)]
-pub struct Sessions {
+pub(crate) struct Sessions {
     /// By index.
     states: Vec<State>,
     serials: u64,
@@ -140,7 +140,11 @@ impl Default for Sessions {
 
 impl Sessions {
     /// A record with what it means after all that precedes it, and with the violations of its body schema.
-    pub fn follow<'t>(&mut self, record: &'t SessionRecord<'t>, schemas: BodySchemas<'_>) -> Exchange<'t> {
+    pub(crate) fn follow<'t>(
+        &mut self,
+        record: &'t SessionRecord<'t>,
+        schemas: BodySchemas<'_>,
+    ) -> Exchange<'t> {
         let time = self.at(record);
         let exchange = Exchange::new(record, time);
         let deviations = exchange.deviations_from(schemas);
@@ -176,7 +180,7 @@ impl Sessions {
 
     /// The requests that got no answer until a connection ended, or began anew, with what told that connection from
     /// others. Nothing is known of what follows.
-    pub fn ended(&mut self, connection: usize) -> (u64, Vec<Asked>) {
+    pub(crate) fn ended(&mut self, connection: usize) -> (u64, Vec<Asked>) {
         let serial = self.next_serial();
         let Some(state) = self.states.get_mut(connection) else { return (serial, Vec::new()) };
         let state = std::mem::replace(state, State { serial, ..State::default() });
@@ -197,14 +201,14 @@ impl Sessions {
     }
 
     /// A connection is opened; what had its name before is over.
-    pub fn opened(&mut self, connection: usize) {
+    pub(crate) fn opened(&mut self, connection: usize) {
         let serial = self.next_serial();
         self.grow(connection);
         self.states[connection] = State { serial, is_whole: true, ..State::default() };
     }
 
     /// Something can't be read, and exchanges of any connection may be lost with it.
-    pub fn lose(&mut self) {
+    pub(crate) fn lose(&mut self) {
         self.open.clear();
         self.answered.clear();
         self.operations.clear();
@@ -212,16 +216,6 @@ impl Sessions {
             state.is_whole = false;
             state.clock = None;
         }
-    }
-
-    /// How many connections there are.
-    pub fn len(&self) -> usize {
-        self.states.len()
-    }
-
-    /// Whether there is no connection.
-    pub fn is_empty(&self) -> bool {
-        self.states.is_empty()
     }
 
     /// The same, of one connection. All that is known of it stays behind with its old serial.

@@ -52,7 +52,7 @@ const WAYS: [(Transport, &str); 7] = [
 
 /// How a server is, and how it is reached.
 #[derive(Clone, Copy, Debug)]
-pub struct Case {
+pub(crate) struct Case {
     /// The bug that it has.
     pub bug: Option<&'static FlockwaveRule>,
     /// What it is reached over.
@@ -67,7 +67,7 @@ pub struct Case {
 
 /// What came of probing a server.
 #[derive(Debug)]
-pub struct Row {
+pub(crate) struct Row {
     /// How it was.
     pub case: Case,
     /// The rules that were broken.
@@ -82,7 +82,7 @@ pub struct Row {
 
 impl Case {
     /// A name for people.
-    pub fn name(&self) -> String {
+    pub(crate) fn name(&self) -> String {
         let with = |is: bool, what| if is { what } else { "" };
         let (login, parting) = (with(self.has_login, ", with a login"), with(self.is_parting, ", parting"));
         format!("{}{}{login}{parting}", self.transport.name(), self.rest)
@@ -91,14 +91,14 @@ impl Case {
 
 impl Row {
     /// The rules that it should break.
-    pub fn expected(&self) -> BTreeSet<&'static str> {
+    pub(crate) fn expected(&self) -> BTreeSet<&'static str> {
         let bug = self.case.bug;
         let rules = bug.into_iter().flat_map(|of| of.bug.also.iter().copied().chain([&of.rule]));
         rules.map(|rule| rule.id).collect()
     }
 
     /// What should have been found, and what was.
-    pub fn told(&self) -> String {
+    pub(crate) fn told(&self) -> String {
         let (expected, found) = (list(&self.expected()), list(&self.broken));
         let recorded = match &self.replayed {
             same if *same == self.broken => String::new(),
@@ -109,13 +109,13 @@ impl Row {
     }
 
     /// Whether it broke what it should, and nothing else, live and recorded.
-    pub fn is_right(&self) -> bool {
+    pub(crate) fn is_right(&self) -> bool {
         self.broken == self.expected() && self.replayed == self.broken
     }
 }
 
 /// All cases: a server without a bug over each transport, and each bug over the one that it shows on.
-pub fn cases() -> Vec<Case> {
+pub(crate) fn cases() -> Vec<Case> {
     let plain = |(transport, rest)| Case { bug: None, transport, rest, has_login: false, is_parting: false };
     let tcp = plain((Transport::Tcp, ""));
     let odd = [Case { has_login: true, ..tcp }, Case { is_parting: true, ..tcp }];
@@ -133,7 +133,7 @@ pub fn cases() -> Vec<Case> {
 }
 
 /// Probes a server for each case, and hands on what came of it, in their order.
-pub fn live(cases: &[Case], definitions: &Definitions, mut take: impl FnMut(io::Result<Row>)) {
+pub(crate) fn live(cases: &[Case], definitions: &Definitions, mut take: impl FnMut(io::Result<Row>)) {
     let work = |case: &Case| row(case, definitions);
     parallel::each(cases, NonZeroUsize::new(JOBS), work, |_, row| take(row));
 }

@@ -82,13 +82,13 @@ impl fmt::Display for Differences {
 }
 
 /// Compares a format with the type of the definition, as they lie in memory.
-pub fn compare(format: MessageType<'_>, defined: MessageType<'_>) -> Comparison {
+pub(crate) fn compare(format: MessageType<'_>, defined: MessageType<'_>) -> Comparison {
     compare_in(Order::Memory, format, defined)
 }
 
 /// Compares a type that a source declares with that of the definition, as they follow each other in CDR. ROS 2
 /// knows `char` as `uint8`.
-pub fn compare_declared(declared: MessageType<'_>, defined: MessageType<'_>) -> Comparison {
+pub(crate) fn compare_declared(declared: MessageType<'_>, defined: MessageType<'_>) -> Comparison {
     compare_in(Order::Declared, declared, defined)
 }
 

@@ -16,7 +16,7 @@ mod tests;
 mod value;
 
 pub(crate) use self::clean::Clean;
-pub use self::dialect::{Dialect, Dialects};
-pub use self::explain::Told;
+pub(crate) use self::dialect::Dialects;
+pub(crate) use self::explain::Told;
 pub(crate) use self::template::Template;
-pub use super::values::Plans;
+pub(crate) use super::values::Plans;

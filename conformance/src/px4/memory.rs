@@ -21,7 +21,7 @@ const MAX_STEPS: usize = 4_096;
 
 /// The checks of a format.
 #[derive(Debug)]
-pub struct Plan {
+pub(crate) struct Plan {
     rules: &'static ValueRules,
     steps: Vec<Step>,
     /// The number of steps, those of elements of sequences included.
@@ -99,7 +99,7 @@ struct Compiler<'c> {
 impl Plan {
     /// The plan for payloads laid out as `of`, which are messages of the definition `message`. Without a definition only
     /// the constraints of types are checked. Findings name the topic.
-    pub fn new(of: MessageType<'_>, message: Option<MessageId>, plans: &Plans, topic: &str) -> Self {
+    pub(crate) fn new(of: MessageType<'_>, message: Option<MessageId>, plans: &Plans, topic: &str) -> Self {
         let mut compiler = Compiler { plans, size: 0, coverage: Coverage::default() };
         let mut steps = Vec::new();
         compiler.add(of, message, Within { base: 0, path: "", subject: topic, entries: &[] }, &mut steps);
@@ -107,17 +107,17 @@ impl Plan {
     }
 
     /// The space that it takes, in steps: one for each field that is checked.
-    pub fn steps(&self) -> usize {
+    pub(crate) fn steps(&self) -> usize {
         self.size
     }
 
     /// Checks a payload that has all fields of its format.
-    pub fn check(&self, payload: &[u8], place: Place, findings: &mut Findings) {
+    pub(crate) fn check(&self, payload: &[u8], place: Place, findings: &mut Findings) {
         Run { payload, place, rules: self.rules, findings }.steps(&self.steps, 0, None);
     }
 
     /// Counts what so many messages cover.
-    pub fn count(&self, messages: u64, findings: &mut Findings) {
+    pub(crate) fn count(&self, messages: u64, findings: &mut Findings) {
         self.coverage.count(messages, findings);
     }
 }

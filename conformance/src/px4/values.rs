@@ -13,7 +13,7 @@ use crate::model::{Detail, Findings, Rule};
 
 /// The rules on single values, which the checks of values report violations of.
 #[derive(Debug)]
-pub struct ValueRules {
+pub(crate) struct ValueRules {
     /// A bool is 0 or 1.
     pub bool: &'static Rule,
     /// Text is UTF-8.
@@ -44,7 +44,7 @@ pub(super) enum Encoding {
 
 /// The constraints on the values of all messages of a schema.
 #[derive(Debug)]
-pub struct Plans {
+pub(crate) struct Plans {
     pub(super) rules: &'static ValueRules,
     /// In the order of the schema.
     messages: Vec<MessagePlan>,
@@ -257,7 +257,7 @@ impl Violation<'_> {
 
 impl Plans {
     /// Compiles the constraints of a schema.
-    pub fn new(schema: &Schema, rules: &'static ValueRules) -> Self {
+    pub(crate) fn new(schema: &Schema, rules: &'static ValueRules) -> Self {
         let messages = schema.messages.iter().map(|message| MessagePlan {
             name: message.name.clone(),
             fields: (0..message.fields.len()).map(|index| FieldPlan::new(message, index, schema)).collect(),

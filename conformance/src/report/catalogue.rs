@@ -1,5 +1,6 @@
 //! The rules as they are listed: at a terminal, for programs, and as pages of the documentation.
 
+#[cfg(test)]
 mod pages;
 mod text;
 
@@ -8,8 +9,9 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 use uavspec_codegen::report::rule_url;
 
-pub use self::pages::{CONTENTS, pages};
-pub use self::text::{list as to_text, matrix as matrix_text, rule as rule_text};
+#[cfg(test)]
+pub(crate) use self::pages::{CONTENTS, pages};
+pub(crate) use self::text::{list as to_text, matrix as matrix_text, rule as rule_text};
 use crate::matrix::Row;
 use crate::model::{Level, Rule, Status};
 use crate::rules::{Mutant, checked_by, mutants};
@@ -40,7 +42,7 @@ struct MatrixEntry<'r> {
 }
 
 /// Rules as a JSON list.
-pub fn to_json(rules: &[&'static Rule]) -> String {
+pub(crate) fn to_json(rules: &[&'static Rule]) -> String {
     let entry = |rule: &&'static Rule| Entry {
         id: rule.id,
         level: rule.level,
@@ -57,7 +59,7 @@ pub fn to_json(rules: &[&'static Rule]) -> String {
 }
 
 /// The matrix as a JSON list.
-pub fn matrix_json(rows: &[Row]) -> String {
+pub(crate) fn matrix_json(rows: &[Row]) -> String {
     let entries = rows.iter().map(|row| MatrixEntry {
         rule: row.rule.id,
         mutant: &row.title,

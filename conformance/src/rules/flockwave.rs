@@ -305,21 +305,21 @@ pub struct FlockwaveRule {
     /// What it says.
     pub rule: Rule,
     /// The code that finds violations.
-    pub checks: &'static [Check],
+    pub(crate) checks: &'static [Check],
     /// The violations of body schemas that it reports in place of `FW-ENV-18`.
-    pub covers: &'static [Attribution],
+    pub(crate) covers: &'static [Attribution],
     /// The bug of the reference server that violates it.
-    pub bug: Bug,
+    pub(crate) bug: Bug,
     /// The requests of a probe that show whether a server keeps it. Without a trial it shows in any session, or the
     /// survey of the probe tries it on its way.
     pub(crate) trial: Option<Trial>,
     /// Captures that violate it.
-    pub mutants: &'static [Mutant],
+    pub(crate) mutants: &'static [Mutant],
 }
 
 /// A check of a rule. Its kind says what it sees.
 #[derive(Clone, Copy, Debug)]
-pub enum Check {
+pub(crate) enum Check {
     /// Sees a message of the server alone.
     Message(fn(&Message<'_>, &mut RuleContext<'_>)),
     /// Sees any record that is no status report, with the request and the operations that it belongs to.
@@ -331,7 +331,7 @@ pub enum Check {
 }
 
 /// A check that keeps a state over a session.
-pub trait SessionCheck {
+pub(crate) trait SessionCheck {
     /// Sees a record that is no status report.
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>);
 
@@ -347,7 +347,7 @@ pub trait SessionCheck {
 
 /// A capture that violates a rule: a small change of one that conforms.
 #[derive(Debug)]
-pub struct Mutant {
+pub(crate) struct Mutant {
     /// The change.
     pub name: &'static str,
     /// Makes it.

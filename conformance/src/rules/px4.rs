@@ -42,7 +42,7 @@ pub(crate) use self::{
 };
 
 /// The rules on messages of PX4, by id.
-pub static RULES: [&Px4Rule; 28] = [
+pub(crate) static RULES: [&Px4Rule; 28] = [
     &arr_01::RULE,
     &bool_01::RULE,
     &cdr_01::RULE,
@@ -88,7 +88,7 @@ pub(crate) static VALUES: ValueRules = ValueRules {
 
 /// A rule on messages of PX4.
 #[derive(Debug)]
-pub struct Px4Rule {
+pub(crate) struct Px4Rule {
     /// What it says.
     pub rule: Rule,
     /// Finds violations.
@@ -99,7 +99,7 @@ pub struct Px4Rule {
 
 /// The code of a rule.
 #[derive(Clone, Copy, Debug)]
-pub enum Check {
+pub(crate) enum Check {
     /// The plan of a format checks each value.
     Value,
     /// The reader of a capture finds violations, since nothing can be read there.
@@ -110,7 +110,7 @@ pub enum Check {
 
 /// A small change of a flight or of its capture, which then violates a rule.
 #[derive(Debug)]
-pub struct Mutant {
+pub(crate) struct Mutant {
     /// The change, in words.
     pub name: &'static str,
     /// The change.
@@ -121,7 +121,7 @@ pub struct Mutant {
 
 /// The change that makes a mutant; none if the definitions have nothing that could be changed so.
 #[derive(Clone, Copy, Debug)]
-pub enum Change {
+pub(crate) enum Change {
     /// A change of the flight, which is written in each encoding that shows it.
     Flight(for<'d> fn(&Flight<'d>) -> Option<Flight<'d>>),
     /// A change of the log of a flight.
@@ -166,7 +166,7 @@ impl Change {
 
 /// What a rule wants to know of a channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Interest {
+pub(crate) enum Interest {
     /// No more than that it was opened.
     #[default]
     Nothing,
@@ -177,7 +177,7 @@ pub enum Interest {
 }
 
 /// Follows the records of one capture.
-pub trait Checker {
+pub(crate) trait Checker {
     /// A channel is opened: a topic with its type. Only messages of channels that are of interest come.
     fn opened(&mut self, _channel: &Channel<'_>, _context: &mut RuleContext<'_>) -> Interest {
         Interest::Nothing

@@ -19,20 +19,20 @@ use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::{Element, Field, Form, Message, MessageId, Restriction, Shape};
 use uavspec_runtime::{Number, Rule};
 
-pub use self::bag::{Bag, BagChannel};
-pub use self::encoding::Encoding;
-pub use self::lines::Lines;
-pub use self::log::{Entry, Log};
+pub(crate) use self::bag::Bag;
+pub(crate) use self::encoding::Encoding;
+pub(crate) use self::lines::Lines;
+pub(crate) use self::log::{Entry, Log};
 use crate::definitions::Definitions;
 
 /// How many messages a topic has, if it comes regularly: enough for rules that learn its period.
-pub const ROUNDS: u64 = 48;
+pub(crate) const ROUNDS: u64 = 48;
 
 /// From one round to the next, in µs.
-pub const PERIOD: u64 = 20_000;
+pub(crate) const PERIOD: u64 = 20_000;
 
 /// When the first round is, in µs since system start.
-pub const START: u64 = 1_000_000;
+pub(crate) const START: u64 = 1_000_000;
 
 /// The external components: the id that each gets for its arming checks, and the last round in which it is there.
 const COMPONENTS: [(u64, u64); 2] = [(3, ROUNDS - 1), (5, 31)];
@@ -42,7 +42,7 @@ const REFUSED: u64 = 4;
 
 /// A short flight: all messages of PX4 that the definitions have.
 #[derive(Clone, Debug)]
-pub struct Flight<'d> {
+pub(crate) struct Flight<'d> {
     /// What it keeps to.
     pub definitions: &'d Definitions,
     /// Its topics.
@@ -53,7 +53,7 @@ pub struct Flight<'d> {
 
 /// A topic.
 #[derive(Clone, Debug)]
-pub struct Topic {
+pub(crate) struct Topic {
     /// Its name.
     pub name: String,
     /// The type of its messages.
@@ -62,7 +62,7 @@ pub struct Topic {
 
 /// A message that was published.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sent {
+pub(crate) struct Sent {
     /// Index of its topic.
     pub topic: usize,
     /// What it says, as JSON.
@@ -71,7 +71,7 @@ pub struct Sent {
 
 impl<'d> Flight<'d> {
     /// The flight of some definitions. Messages that don't lie in memory, or have no time, aren't part of it.
-    pub fn new(definitions: &'d Definitions) -> Self {
+    pub(crate) fn new(definitions: &'d Definitions) -> Self {
         let mut topics = Vec::new();
         let mut first = Vec::new();
         let schema = &definitions.schema;
@@ -108,29 +108,29 @@ impl<'d> Flight<'d> {
     }
 
     /// The type of a topic.
-    pub fn type_of(&self, topic: usize) -> MessageType<'d> {
+    pub(crate) fn type_of(&self, topic: usize) -> MessageType<'d> {
         self.definitions.types().get(self.topics[topic].message)
     }
 
     /// A message as it lies in memory; none where its values don't fit its type.
-    pub fn message(&self, sent: &Sent) -> Option<DynamicMessage<'d>> {
+    pub(crate) fn message(&self, sent: &Sent) -> Option<DynamicMessage<'d>> {
         self.type_of(sent.topic).from_json(&sent.value).ok()
     }
 
     /// The topic of a message.
-    pub fn topic(&self, message: &str) -> Option<usize> {
+    pub(crate) fn topic(&self, message: &str) -> Option<usize> {
         let schema = &self.definitions.schema;
         self.topics.iter().position(|topic| schema.message(topic.message).name == message)
     }
 
     /// The index of the last message of a topic.
-    pub fn last_of(&self, topic: usize) -> Option<usize> {
+    pub(crate) fn last_of(&self, topic: usize) -> Option<usize> {
         self.messages.iter().rposition(|sent| sent.topic == topic)
     }
 
     /// Changes a value in the last message of some topic so that it breaks a rule on numbers; of arrays the first
     /// element.
-    pub fn breaking(&self, rule: Rule) -> Option<Self> {
+    pub(crate) fn breaking(&self, rule: Rule) -> Option<Self> {
         let schema = &self.definitions.schema;
         for topic in 0..self.topics.len() {
             let message = schema.message(self.topics[topic].message);
@@ -151,13 +151,13 @@ impl<'d> Flight<'d> {
     }
 
     /// The first topic that has a field like this, and where in a payload the field starts.
-    pub fn place(&self, is_wanted: impl Fn(&Placed<'_>) -> bool) -> Option<(usize, usize)> {
+    pub(crate) fn place(&self, is_wanted: impl Fn(&Placed<'_>) -> bool) -> Option<(usize, usize)> {
         let find = |topic| Some((topic, self.type_of(topic).layout().find(&is_wanted)?.offset));
         (0..self.topics.len()).find_map(find)
     }
 
     /// The first topic that comes regularly and for which something holds.
-    pub fn regular(&self, holds: impl Fn(&Message) -> bool) -> Option<usize> {
+    pub(crate) fn regular(&self, holds: impl Fn(&Message) -> bool) -> Option<usize> {
         let counts = self.counts();
         let is_regular = |topic: &Topic| counts.get(topic.name.as_str()) == Some(&ROUNDS);
         let schema = &self.definitions.schema;
@@ -165,7 +165,7 @@ impl<'d> Flight<'d> {
     }
 
     /// Changes the last message of a topic.
-    pub fn with_last(&self, topic: usize, change: impl FnOnce(&mut Value)) -> Option<Self> {
+    pub(crate) fn with_last(&self, topic: usize, change: impl FnOnce(&mut Value)) -> Option<Self> {
         let last = self.last_of(topic)?;
         let mut changed = self.clone();
         change(&mut changed.messages[last].value);
@@ -173,14 +173,14 @@ impl<'d> Flight<'d> {
     }
 
     /// The index of a reply of an external component, some rounds before the end.
-    pub fn late_reply(&self) -> Option<usize> {
+    pub(crate) fn late_reply(&self) -> Option<usize> {
         let topic = self.topic("ArmingCheckReply")?;
         let time = START + (ROUNDS - REFUSED) * PERIOD;
         self.messages.iter().position(|sent| sent.topic == topic && sent.value["timestamp"] == time)
     }
 
     /// Adds a reply of an external component like the one before it, with a change.
-    pub fn with_reply(&self, change: impl FnOnce(&mut Value)) -> Option<Self> {
+    pub(crate) fn with_reply(&self, change: impl FnOnce(&mut Value)) -> Option<Self> {
         let at = self.late_reply()?;
         let mut changed = self.clone();
         let mut reply = self.messages[at].clone();
@@ -190,7 +190,7 @@ impl<'d> Flight<'d> {
     }
 
     /// Changes the last reply in which an external component refuses to arm.
-    pub fn with_refusal(&self, change: impl FnOnce(&mut Value)) -> Option<Self> {
+    pub(crate) fn with_refusal(&self, change: impl FnOnce(&mut Value)) -> Option<Self> {
         let topic = self.topic("ArmingCheckReply")?;
         let is_refused = |sent: &Sent| sent.topic == topic && sent.value["can_arm_and_run"] == false;
         let last = self.messages.iter().rposition(is_refused)?;
@@ -200,27 +200,27 @@ impl<'d> Flight<'d> {
     }
 
     /// As a log of PX4.
-    pub fn log(&self) -> Log {
+    pub(crate) fn log(&self) -> Log {
         Log::of(self)
     }
 
     /// As MCAP.
-    pub fn bag(&self) -> Bag {
+    pub(crate) fn bag(&self) -> Bag {
         Bag::of(self)
     }
 
     /// As JSON Lines that name the type of each message.
-    pub fn lines(&self) -> Lines {
+    pub(crate) fn lines(&self) -> Lines {
         Lines::typed(self)
     }
 
     /// As JSON Lines of rosbridge.
-    pub fn rosbridge(&self) -> Lines {
+    pub(crate) fn rosbridge(&self) -> Lines {
         Lines::published(self)
     }
 
     /// How many messages each topic has, by its name.
-    pub fn counts(&self) -> BTreeMap<&str, u64> {
+    pub(crate) fn counts(&self) -> BTreeMap<&str, u64> {
         let mut counts = BTreeMap::new();
         for sent in &self.messages {
             *counts.entry(self.topics[sent.topic].name.as_str()).or_default() += 1;

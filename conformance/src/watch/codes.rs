@@ -8,7 +8,7 @@ use crate::definitions::Definitions;
 
 /// A code that the definitions have.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Code {
+pub(crate) struct Code {
     /// What displays show that are short of room.
     pub abbreviation: Option<String>,
     /// What it means.
@@ -17,11 +17,11 @@ pub struct Code {
 
 /// The error codes of some definitions.
 #[derive(Clone, Debug, Default)]
-pub struct Codes(BTreeMap<u32, Code>);
+pub(crate) struct Codes(BTreeMap<u32, Code>);
 
 impl Codes {
     /// The codes of all tables.
-    pub fn of(definitions: &Definitions) -> Self {
+    pub(crate) fn of(definitions: &Definitions) -> Self {
         let tables = definitions.schema.packages.iter().flat_map(|package| &package.error_tables);
         let codes = tables.flat_map(|table| &table.codes).map(|code| {
             let known = Code { abbreviation: code.abbreviation.clone(), meaning: code.description.clone() };
@@ -31,18 +31,18 @@ impl Codes {
     }
 
     /// What is known of a code.
-    pub fn get(&self, code: u32) -> Option<&Code> {
+    pub(crate) fn get(&self, code: u32) -> Option<&Code> {
         self.0.get(&code)
     }
 
     /// The shortest that says which code it is: its abbreviation, or its number.
-    pub fn short(&self, code: u32) -> String {
+    pub(crate) fn short(&self, code: u32) -> String {
         let abbreviation = self.get(code).and_then(|known| known.abbreviation.clone());
         abbreviation.unwrap_or_else(|| code.to_string())
     }
 
     /// Number and abbreviation.
-    pub fn named(&self, code: u32) -> String {
+    pub(crate) fn named(&self, code: u32) -> String {
         match self.get(code).and_then(|known| known.abbreviation.as_deref()) {
             Some(abbreviation) => format!("{code} {abbreviation}"),
             None => code.to_string(),
@@ -50,7 +50,7 @@ impl Codes {
     }
 
     /// What it means, also where nobody knows.
-    pub fn meaning(&self, code: u32) -> &str {
+    pub(crate) fn meaning(&self, code: u32) -> &str {
         self.get(code).map_or("the definitions don't have it", |known| &known.meaning)
     }
 }

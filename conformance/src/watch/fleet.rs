@@ -13,7 +13,7 @@ use super::state::State;
 
 /// A UAV.
 #[derive(Debug, Default)]
-pub struct Uav {
+pub(crate) struct Uav {
     /// What it told last.
     pub state: Option<State>,
     /// Why the server doesn't tell its state.
@@ -24,12 +24,12 @@ pub struct Uav {
 
 impl Uav {
     /// The severity of its gravest error code.
-    pub fn worst(&self) -> Option<Severity> {
+    pub(crate) fn worst(&self) -> Option<Severity> {
         self.codes().first().map(|code| Severity::of(*code))
     }
 
     /// Its error codes, the gravest first.
-    pub fn codes(&self) -> &[u32] {
+    pub(crate) fn codes(&self) -> &[u32] {
         let errors = self.state.as_ref().and_then(|state| state.errors.known());
         errors.map_or(&[], |errors| &errors.codes)
     }
@@ -52,7 +52,7 @@ impl Uav {
 
 /// How it stands with the connection.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Link {
+pub(crate) enum Link {
     /// Nothing has been heard of the server yet.
     Connecting,
     /// The server answers.
@@ -68,7 +68,7 @@ pub enum Link {
 
 /// A fleet.
 #[derive(Debug)]
-pub struct Fleet {
+pub(crate) struct Fleet {
     /// How it stands with the connection.
     pub link: Link,
     /// What the server is, with its version.
@@ -104,7 +104,7 @@ impl Default for Fleet {
 
 impl Fleet {
     /// Takes what happened.
-    pub fn take(&mut self, event: Event, now: Instant) {
+    pub(crate) fn take(&mut self, event: Event, now: Instant) {
         match event {
             Event::Lost { reason, pause } => self.link = Link::Lost { reason, again: now + pause },
             Event::Heard(message) => self.hear(message, now),
@@ -156,34 +156,34 @@ impl Fleet {
     }
 
     /// How many UAVs there are.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.uavs.len()
     }
 
     /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.uavs.len() == 0
     }
 
     /// The UAVs, each with its id.
-    pub fn uavs(&self) -> impl Iterator<Item = (&str, &Uav)> {
+    pub(crate) fn uavs(&self) -> impl Iterator<Item = (&str, &Uav)> {
         self.uavs.iter().map(|(id, member)| (id, &member.value))
     }
 
     /// The UAV with an id.
-    pub fn get(&self, id: &str) -> Option<&Uav> {
+    pub(crate) fn get(&self, id: &str) -> Option<&Uav> {
         self.uavs.get(id).map(|member| &member.value)
     }
 
     /// Whether the server has said which UAVs there are, and told of each how it is, or why it doesn't.
-    pub fn is_complete(&self) -> bool {
+    pub(crate) fn is_complete(&self) -> bool {
         let is_known = |uav: &Uav| uav.state.is_some() || uav.refusal.is_some();
         self.has_list && self.uavs().all(|(_, uav)| is_known(uav))
     }
 
     /// How long ago a UAV was heard of: by its time stamp, where the server tells its own time, or by how long the
     /// server has had nothing new to tell.
-    pub fn age(&self, uav: &Uav, now: Instant) -> Option<Duration> {
+    pub(crate) fn age(&self, uav: &Uav, now: Instant) -> Option<Duration> {
         let since = now.saturating_duration_since(uav.fresh?);
         let timestamp = uav.state.as_ref().and_then(|state| state.timestamp.known());
         let by_clock = self.clock.zip(timestamp).and_then(|((at, time), timestamp)| {
@@ -195,12 +195,12 @@ impl Fleet {
     }
 
     /// How many messages come a second.
-    pub fn rate(&self, now: Instant) -> f64 {
+    pub(crate) fn rate(&self, now: Instant) -> f64 {
         self.rate.per_second(now)
     }
 
     /// How many UAVs there are whose gravest error code has this severity.
-    pub fn count(&self, severity: Severity) -> usize {
+    pub(crate) fn count(&self, severity: Severity) -> usize {
         self.uavs().filter(|(_, uav)| uav.worst() == Some(severity)).count()
     }
 }

@@ -15,7 +15,7 @@ const TITLES: [&str; 11] =
     ["ID", "SEVERITY", "MODE", "VOLT", "CHARGE", "LATITUDE", "LONGITUDE", "AMSL", "AHL", "AGL", "AGE"];
 
 /// The table.
-pub fn table(fleet: &Fleet, codes: &Codes, now: Instant) -> String {
+pub(crate) fn table(fleet: &Fleet, codes: &Codes, now: Instant) -> String {
     let mut uavs: Vec<(&str, &Uav)> = fleet.uavs().collect();
     uavs.sort_by(|one, other| Order::Id.compare(*one, *other));
     let rows: Vec<([String; 11], String)> =

@@ -7,7 +7,7 @@ use crate::json::Tree;
 
 /// A message.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Message {
+pub(crate) struct Message {
     /// The request that it answers.
     pub refs: Option<String>,
     /// What it says.
@@ -16,7 +16,7 @@ pub struct Message {
 
 /// What a message says.
 #[derive(Clone, Debug, PartialEq)]
-pub enum News {
+pub(crate) enum News {
     /// What the server is (SYS-VER), with its version.
     Server(String),
     /// The time by the clock of the server, in milliseconds since 1970 (SYS-TIME).
@@ -39,7 +39,7 @@ pub enum News {
 
 impl Message {
     /// Reads a message.
-    pub fn read(bytes: &[u8]) -> Self {
+    pub(crate) fn read(bytes: &[u8]) -> Self {
         let tree = std::str::from_utf8(bytes).ok().and_then(|text| Tree::read(text).ok());
         let Some(tree @ Tree::Object(_)) = tree else { return Self { refs: None, news: News::Unreadable } };
         let refs = tree.get("refs").and_then(Tree::as_str).filter(|refs| refs.len() <= ID_LIMIT);

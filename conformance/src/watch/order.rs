@@ -6,7 +6,7 @@ use super::fleet::Uav;
 
 /// What comes first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Order {
+pub(crate) enum Order {
     /// By id, with numbers in it in their order: glider-2 before glider-10.
     #[default]
     Id,
@@ -18,7 +18,7 @@ pub enum Order {
 
 impl Order {
     /// Its name.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Id => "id",
             Self::Severity => "severity",
@@ -28,7 +28,7 @@ impl Order {
 
     /// The one after it, in a circle.
     #[must_use]
-    pub fn next(self) -> Self {
+    pub(crate) fn next(self) -> Self {
         match self {
             Self::Id => Self::Severity,
             Self::Severity => Self::Battery,

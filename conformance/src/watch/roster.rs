@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
 
 /// How many UAVs are kept. The largest fleets that have flown are about half of that.
-pub const UAV_LIMIT: usize = 10_000;
+pub(crate) const UAV_LIMIT: usize = 10_000;
 
 /// The longest id that is kept, in bytes. The schema of the protocol allows 64 characters.
-pub const ID_LIMIT: usize = 256;
+pub(crate) const ID_LIMIT: usize = 256;
 
 /// For how long a UAV stays of which the server told by itself, although a list doesn't have it: the list may be older,
 /// and some servers tell of UAVs that they don't list.
@@ -15,7 +15,7 @@ const GRACE: Duration = Duration::from_secs(10);
 
 /// A list of ids.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct List {
+pub(crate) struct List {
     /// The ids.
     pub ids: Vec<String>,
     /// Whether these are all of it, and none had to be left out.

@@ -11,7 +11,7 @@ const FILTER_LIMIT: usize = 64;
 
 /// What fills the screen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Page {
+pub(crate) enum Page {
     /// All UAVs.
     #[default]
     Fleet,
@@ -25,7 +25,7 @@ pub enum Page {
 
 /// Whether to go on after a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Step {
+pub(crate) enum Step {
     /// Go on.
     Stay,
     /// It is over.
@@ -34,7 +34,7 @@ pub enum Step {
 
 /// What a person has made of the screen.
 #[derive(Debug, Default)]
-pub struct Screen {
+pub(crate) struct Screen {
     /// What fills it.
     pub page: Page,
     /// What comes first.
@@ -55,7 +55,7 @@ pub struct Screen {
 
 impl Screen {
     /// The UAVs that are shown, in their order.
-    pub fn rows<'f>(&self, fleet: &'f Fleet) -> Vec<(&'f str, &'f Uav)> {
+    pub(crate) fn rows<'f>(&self, fleet: &'f Fleet) -> Vec<(&'f str, &'f Uav)> {
         let filter = self.filter.to_lowercase();
         let fits = |id: &str| filter.is_empty() || shown_id(id).to_lowercase().contains(&filter);
         let mut rows: Vec<(&str, &Uav)> = fleet.uavs().filter(|(id, _)| fits(id)).collect();
@@ -64,7 +64,7 @@ impl Screen {
     }
 
     /// Sees to it that one of the rows is looked at, and that it is among as many as there is room for; which.
-    pub fn settle(&mut self, rows: &[(&str, &Uav)], height: usize) -> Option<usize> {
+    pub(crate) fn settle(&mut self, rows: &[(&str, &Uav)], height: usize) -> Option<usize> {
         self.height = height;
         let last = rows.len().checked_sub(1)?;
         let selected = self.selected.as_deref();
@@ -79,7 +79,7 @@ impl Screen {
     }
 
     /// Takes a key.
-    pub fn press(&mut self, key: KeyEvent, fleet: &Fleet) -> Step {
+    pub(crate) fn press(&mut self, key: KeyEvent, fleet: &Fleet) -> Step {
         if key.kind == KeyEventKind::Release {
             return Step::Stay;
         }

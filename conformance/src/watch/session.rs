@@ -25,7 +25,7 @@ const LAST_PAUSE: Duration = Duration::from_secs(30);
 
 /// What happens.
 #[derive(Debug)]
-pub enum Event {
+pub(crate) enum Event {
     /// The server said something.
     Heard(Message),
     /// The server is gone, or was never there.
@@ -38,14 +38,14 @@ pub enum Event {
 }
 
 /// A thread that watches a server. Nothing more is asked when this is dropped.
-pub struct Session {
+pub(crate) struct Session {
     _wanted: Sender<()>,
 }
 
 impl Session {
     /// Watches a server. `tell` takes what happens, and says whether anybody wants to know more; while it waits,
     /// nothing more is heard.
-    pub fn start(endpoint: Endpoint, tell: impl FnMut(Event) -> bool + Send + 'static) -> Self {
+    pub(crate) fn start(endpoint: Endpoint, tell: impl FnMut(Event) -> bool + Send + 'static) -> Self {
         let (wanted, end) = channel::<()>();
         let is_over = move |pause| end.recv_timeout(pause) == Err(RecvTimeoutError::Disconnected);
         thread::spawn(move || {

@@ -11,7 +11,7 @@ const OTHER_LIMIT: usize = 8;
 
 /// A value that may be missing, or of a type that it can't be.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub enum Field<T> {
+pub(crate) enum Field<T> {
     /// It isn't there, or says that it isn't known.
     #[default]
     Absent,
@@ -23,7 +23,7 @@ pub enum Field<T> {
 
 impl<T> Field<T> {
     /// The value, where there is a proper one.
-    pub fn known(&self) -> Option<&T> {
+    pub(crate) fn known(&self) -> Option<&T> {
         if let Self::Known(value) = self { Some(value) } else { None }
     }
 
@@ -42,7 +42,7 @@ impl<T> Field<T> {
 
 /// Where a UAV is.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Position {
+pub(crate) struct Position {
     /// In 1e-7 degrees.
     pub latitude: Field<i64>,
     /// In 1e-7 degrees.
@@ -57,7 +57,7 @@ pub struct Position {
 
 /// What satellites tell a UAV.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Gps {
+pub(crate) struct Gps {
     /// The kind of fix, from 0 to 7.
     pub fix: Field<i64>,
     /// How many satellites there are.
@@ -70,7 +70,7 @@ pub struct Gps {
 
 /// What is left in a battery.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Battery {
+pub(crate) struct Battery {
     /// In tenths of volts.
     pub voltage: Field<i64>,
     /// In percent.
@@ -81,7 +81,7 @@ pub struct Battery {
 
 /// The error codes of a UAV.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Errors {
+pub(crate) struct Errors {
     /// The codes, the gravest first.
     pub codes: Vec<u32>,
     /// How many entries are no codes.
@@ -92,7 +92,7 @@ pub struct Errors {
 
 /// What a UAV told of itself.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct State {
+pub(crate) struct State {
     /// What it calls itself.
     pub id: Field<String>,
     /// When it was heard of, in milliseconds since 1970 by the clock of the server.
@@ -129,7 +129,7 @@ pub struct State {
 
 impl State {
     /// Reads a state; none where it is no object.
-    pub fn read(tree: &Tree<'_>) -> Option<Self> {
+    pub(crate) fn read(tree: &Tree<'_>) -> Option<Self> {
         let Tree::Object(members) = tree else { return None };
         let mut state = Self::default();
         // Of a repeated key the first counts, as everywhere in this program.

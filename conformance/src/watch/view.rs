@@ -20,7 +20,7 @@ use super::screen::{Page, Screen};
 
 /// What is drawn.
 #[derive(Debug)]
-pub struct Scene<'s> {
+pub(crate) struct Scene<'s> {
     /// The fleet.
     pub fleet: &'s Fleet,
     /// What its error codes mean.
@@ -46,7 +46,7 @@ const MIDDLE_WIDTH: u16 = 80;
 const NOTED_HEIGHT: u16 = 16;
 
 /// Draws the screen.
-pub fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, screen: &mut Screen) {
+pub(crate) fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, screen: &mut Screen) {
     let area = frame.area();
     let head = head::lines(scene, area.width);
     let head_height = u16::try_from(head.len()).unwrap_or(u16::MAX);

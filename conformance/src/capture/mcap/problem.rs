@@ -8,7 +8,7 @@ use crate::text::Grouped;
 /// What is wrong with a file, beside what its messages say.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Problem {
+pub(crate) enum Problem {
     /// It doesn't begin with the magic.
     NoMagic,
     /// Another record than its header comes first.
@@ -88,7 +88,7 @@ pub enum Problem {
 
 /// What stands where a record should.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Malformed {
+pub(crate) enum Malformed {
     /// A record with an opcode and a length that don't go together.
     Length {
         /// Its opcode.
@@ -117,7 +117,7 @@ pub enum Malformed {
 
 impl Problem {
     /// How much of the file can be read that has it.
-    pub fn extent(&self) -> Extent {
+    pub(crate) fn extent(&self) -> Extent {
         match self {
             Self::CutOff { .. } | Self::NoEnd => Extent::EndsEarly,
             Self::NoHeader

@@ -20,7 +20,7 @@ const LOOKAHEAD: usize = 64 * 1024;
 
 /// Reads a file from its start to its end.
 #[derive(Debug)]
-pub struct Reader<R> {
+pub(crate) struct Reader<R> {
     file: Window<R>,
     stage: Stage,
     /// The chunk in which the cursor is.
@@ -65,13 +65,13 @@ struct Found {
 
 impl<R: Read> Reader<R> {
     /// The longest record that is lent, in bytes.
-    pub const MAX_RECORD: u64 = sound::MAX_RECORD;
+    pub(crate) const MAX_RECORD: u64 = sound::MAX_RECORD;
 
     /// The most bytes of a packed chunk.
-    pub const MAX_PACKED: u64 = 256 << 20;
+    pub(crate) const MAX_PACKED: u64 = 256 << 20;
 
     /// A reader of what `input` holds, from its first byte on.
-    pub fn new(input: R) -> Self {
+    pub(crate) fn new(input: R) -> Self {
         Self {
             file: Window::new(input),
             stage: Stage::Start,
@@ -83,7 +83,7 @@ impl<R: Read> Reader<R> {
     }
 
     /// How many bytes were read.
-    pub fn bytes(&self) -> u64 {
+    pub(crate) fn bytes(&self) -> u64 {
         self.file.offset()
     }
 
@@ -91,7 +91,7 @@ impl<R: Read> Reader<R> {
     ///
     /// An error is one of reading; the reader may be asked again after it.
     #[allow(clippy::should_implement_trait)] // an iterator lends nothing
-    pub fn next(&mut self) -> io::Result<Option<Item<'_>>> {
+    pub(crate) fn next(&mut self) -> io::Result<Option<Item<'_>>> {
         loop {
             if let Some((offset, problem)) = self.problems.pop_front() {
                 return Ok(Some(Item { offset, event: Event::Problem(problem) }));

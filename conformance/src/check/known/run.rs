@@ -6,7 +6,7 @@ use crate::model::{Findings, Rule};
 use crate::rules::RULES;
 
 /// What came of the rules in a file. Of equal findings, messages are looked at that stand for all.
-pub fn of_findings<'r>(file: &'r str, findings: &'r Findings) -> impl Iterator<Item = Checked<'r>> {
+pub(crate) fn of_findings<'r>(file: &'r str, findings: &'r Findings) -> impl Iterator<Item = Checked<'r>> {
     let rules = RULES.iter().map(move |rule| {
         let outcome = if findings.exercised(rule) > 0 { Outcome::Passed } else { Outcome::Idle };
         Checked { name: Name::Rule { rule, subject: "", file }, outcome }
@@ -19,7 +19,7 @@ pub fn of_findings<'r>(file: &'r str, findings: &'r Findings) -> impl Iterator<I
 }
 
 /// A file that couldn't be read: whatever an entry says of it may hold.
-pub fn of_unread(file: &str) -> impl Iterator<Item = Checked<'_>> {
+pub(crate) fn of_unread(file: &str) -> impl Iterator<Item = Checked<'_>> {
     let unread = move |rule: &&'static Rule| Checked {
         name: Name::Rule { rule, subject: "", file },
         outcome: Outcome::NotRun,
@@ -28,7 +28,7 @@ pub fn of_unread(file: &str) -> impl Iterator<Item = Checked<'_>> {
 }
 
 /// Notes at each finding of a file the entry that excuses it.
-pub fn excuse_findings(lists: &Lists, file: &str, findings: &mut Findings) {
+pub(crate) fn excuse_findings(lists: &Lists, file: &str, findings: &mut Findings) {
     findings.excuse(|group| {
         let name = Name::Rule { rule: group.rule, subject: &group.subject, file };
         lists.excuse(name, &group.messages()).cloned()

@@ -2,7 +2,6 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use uavspec_codegen::schema::Schema;
 use uavspec_codegen::schema::json_type::Direction;
 use uavspec_codegen::source::Span;
 

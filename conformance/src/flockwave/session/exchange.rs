@@ -35,7 +35,7 @@ pub enum Role {
 
 /// What the `refs` of a response name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reference {
+pub(crate) enum Reference {
     /// Nobody knows.
     Unclear,
     /// A request that waited for an answer.
@@ -50,7 +50,7 @@ pub enum Reference {
 
 /// How the server's clock has moved against that of the recording, from one answer that tells its time to the next.
 #[derive(Clone, Copy, Debug)]
-pub struct ClockMove {
+pub(crate) struct ClockMove {
     /// By how much at least, in seconds; 0 where it needn't have moved at all.
     pub by: f64,
     /// How long after the answer before, in seconds.
@@ -61,7 +61,7 @@ pub struct ClockMove {
 
 /// The id of a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ConnectionId {
+pub(crate) struct ConnectionId {
     /// Its number in its capture.
     pub index: usize,
     /// Tells it from those that had the same name before.
@@ -70,7 +70,7 @@ pub struct ConnectionId {
 
 /// A record with what it means in its session.
 #[derive(Clone, Debug)]
-pub struct Exchange<'t> {
+pub(crate) struct Exchange<'t> {
     /// The record.
     pub record: &'t SessionRecord<'t>,
     /// What it is.
@@ -149,45 +149,45 @@ impl<'t> Exchange<'t> {
     }
 
     /// Whether it is a message of the server, readable or not.
-    pub fn is_of_server(&self) -> bool {
+    pub(crate) fn is_of_server(&self) -> bool {
         self.record.direction == record::Direction::In && self.role != Role::Unanswered
     }
 
     /// The id of its connection.
-    pub fn connection_id(&self) -> ConnectionId {
+    pub(crate) fn connection_id(&self) -> ConnectionId {
         ConnectionId { index: self.record.connection.index, serial: self.serial }
     }
 
     /// The message, where it is one of the server.
-    pub fn message(&self) -> Option<&'t Tree<'t>> {
+    pub(crate) fn message(&self) -> Option<&'t Tree<'t>> {
         let is_object = |value: &&Tree<'_>| matches!(value, Tree::Object(_));
         self.record.value.filter(is_object).filter(|_| self.is_of_server())
     }
 
     /// The body of a message of the server that is of this type.
-    pub fn body_of(&self, type_name: &str) -> Option<&'t Tree<'t>> {
+    pub(crate) fn body_of(&self, type_name: &str) -> Option<&'t Tree<'t>> {
         self.body.filter(|_| self.is_of_server() && self.type_name == Some(type_name))
     }
 
     /// The body of a response of the server that is of this type.
-    pub fn response(&self, type_name: &str) -> Option<&'t Tree<'t>> {
+    pub(crate) fn response(&self, type_name: &str) -> Option<&'t Tree<'t>> {
         self.body_of(type_name).filter(|_| self.role == Role::Response)
     }
 
     /// The body of a notification that is of this type.
-    pub fn notification(&self, type_name: &str) -> Option<&'t Tree<'t>> {
+    pub(crate) fn notification(&self, type_name: &str) -> Option<&'t Tree<'t>> {
         self.body_of(type_name).filter(|_| self.role == Role::Notification)
     }
 
     /// Whether it has what makes it a message of Flockwave: a version, and a type.
-    pub fn is_sound(&self) -> bool {
+    pub(crate) fn is_sound(&self) -> bool {
         let version = self.record.value.and_then(|message| message.get("$fw.version"));
         version.and_then(Tree::as_str).is_some() && self.type_name.is_some()
     }
 
     /// How a rule is tried with the request that it answers, or that has got no answer, or with the connection that it
     /// tells of.
-    pub fn tried(&self, rule: &Rule) -> Option<&str> {
+    pub(crate) fn tried(&self, rule: &Rule) -> Option<&str> {
         let (of, how) = match &self.asked {
             Some(asked) => asked.trial.as_ref().map(|(rule, how)| (*rule, how.as_str()))?,
             None => self.record.trial.filter(|_| self.role == Role::Event).map(|of| (of.rule, of.how))?,
@@ -196,7 +196,7 @@ impl<'t> Exchange<'t> {
     }
 
     /// Which way it goes, where it is a message.
-    pub fn direction(&self) -> Option<Direction> {
+    pub(crate) fn direction(&self) -> Option<Direction> {
         match self.role {
             Role::Request => Some(Direction::Request),
             Role::Response => Some(Direction::Response),
@@ -212,19 +212,19 @@ impl<'t> Exchange<'t> {
     }
 
     /// A field of the body.
-    pub fn field(&self, name: &str) -> Option<&'t Tree<'t>> {
+    pub(crate) fn field(&self, name: &str) -> Option<&'t Tree<'t>> {
         self.body.and_then(|body| body.get(name))
     }
 
     /// The request that it answers, where it is of this type as well.
-    pub fn asked_same(&self) -> Option<&Asked> {
+    pub(crate) fn asked_same(&self) -> Option<&Asked> {
         self.asked
             .as_ref()
             .filter(|asked| self.type_name.is_some() && asked.type_name.as_deref() == self.type_name)
     }
 
     /// By how much the server's clock is ahead, going by this answer to a request for the time: bounds, in seconds.
-    pub fn clock_reading(&self) -> Option<(f64, f64)> {
+    pub(crate) fn clock_reading(&self) -> Option<(f64, f64)> {
         let said = self.response("SYS-TIME")?.get("timestamp")?;
         // What has a fraction counts seconds, or whatever else.
         let said = seconds(said).filter(|_| matches!(said, Tree::Int(_)))?;
@@ -233,7 +233,7 @@ impl<'t> Exchange<'t> {
     }
 
     /// What findings on it are about: its type.
-    pub fn subject(&self) -> Cow<'t, str> {
+    pub(crate) fn subject(&self) -> Cow<'t, str> {
         match self.type_name {
             Some(name) if name.chars().count() <= MAX_NAME => Cow::Borrowed(name),
             Some(name) => Cow::Owned(name.chars().take(MAX_NAME).chain(['…']).collect()),

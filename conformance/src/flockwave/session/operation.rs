@@ -2,7 +2,7 @@
 
 /// How an operation stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Stage {
+pub(crate) enum Stage {
     /// It goes on.
     #[default]
     Open,
@@ -18,7 +18,7 @@ pub enum Stage {
 
 /// An operation.
 #[derive(Clone, Debug, Default)]
-pub struct Operation {
+pub(crate) struct Operation {
     /// The type of the reply that had its receipt, where that is known.
     pub type_name: Option<String>,
     /// How it stands.
@@ -29,7 +29,7 @@ pub struct Operation {
 
 /// A receipt that a message names.
 #[derive(Clone, Debug)]
-pub struct Named {
+pub(crate) struct Named {
     /// The receipt.
     pub receipt: String,
     /// How the operation stood before, where one was known.
@@ -40,7 +40,7 @@ pub struct Named {
 
 impl Named {
     /// How the operation stood before.
-    pub fn stage(&self) -> Option<Stage> {
+    pub(crate) fn stage(&self) -> Option<Stage> {
         self.before.as_ref().map(|operation| operation.stage)
     }
 }

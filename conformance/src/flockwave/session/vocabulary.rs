@@ -2,7 +2,7 @@
 
 /// How a reply tells about each of several objects that were asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Parts {
+pub(crate) struct Parts {
     /// The field of the request that names them.
     pub asked: &'static str,
     /// The fields of the reply, in exactly one of which each of them stands: maps, or lists.
@@ -63,7 +63,7 @@ pub(crate) const PARTS: [(&str, Parts); 14] = [
 ];
 
 /// Where a reply of this type tells about what was asked for, if it does so piece by piece.
-pub fn parts(type_name: &str) -> Option<Parts> {
+pub(crate) fn parts(type_name: &str) -> Option<Parts> {
     if OPERATIONS.contains(&type_name) {
         return Some(OPERATION);
     }

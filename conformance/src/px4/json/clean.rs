@@ -22,7 +22,8 @@ pub(crate) struct Clean {
 
 impl Plans {
     /// True if a text is a message, and nothing is wrong with it. `is_rosbridge` allows what rosbridge writes.
-    pub fn is_clean(&self, id: MessageId, text: &str, is_rosbridge: bool) -> bool {
+    #[cfg(test)]
+    pub(crate) fn is_clean(&self, id: MessageId, text: &str, is_rosbridge: bool) -> bool {
         self.read_text(id, text, is_rosbridge, &mut []).is_ok()
     }
 

@@ -18,7 +18,7 @@ const MAX_UNKNOWN: usize = 16;
 
 /// A message that is told of.
 #[derive(Clone, Copy, Debug)]
-pub struct Told<'m> {
+pub(crate) struct Told<'m> {
     /// Its type.
     pub id: MessageId,
     /// What findings call it: its topic, or the name of its type.
@@ -33,7 +33,7 @@ pub struct Told<'m> {
 
 impl Plans {
     /// Reports everything that is wrong with a message; the ways of writing that it has are those returned.
-    pub fn explain(&self, told: Told<'_>, tree: &Tree<'_>, findings: &mut Findings) -> Dialects {
+    pub(crate) fn explain(&self, told: Told<'_>, tree: &Tree<'_>, findings: &mut Findings) -> Dialects {
         self.explain_what_counts(told, tree, findings).0
     }
 

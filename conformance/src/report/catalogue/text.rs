@@ -11,7 +11,7 @@ use crate::model::Rule;
 use crate::rules::RULES;
 
 /// All rules, with what lays them down.
-pub fn list() -> String {
+pub(crate) fn list() -> String {
     let mut text = String::new();
     for rule in RULES {
         // Writing to a string can't fail.
@@ -22,7 +22,7 @@ pub fn list() -> String {
 }
 
 /// All that is to be said of a rule.
-pub fn rule(rule: &Rule) -> String {
+pub(crate) fn rule(rule: &Rule) -> String {
     let mut text = format!("{}  {}, {}\n\n{}\n\n", rule.id, rule.level, rule.status, rule.statement);
     let mut line = |label: &str, value: &str| {
         let _ = writeln!(text, "{label:<12} {value}");
@@ -46,7 +46,7 @@ pub fn rule(rule: &Rule) -> String {
 }
 
 /// What each rule found: a line for each mutant, a column for each rule.
-pub fn matrix(rows: &[Row]) -> String {
+pub(crate) fn matrix(rows: &[Row]) -> String {
     let mut text = String::new();
     for (at, rule) in RULES.iter().enumerate() {
         let _ = writeln!(text, "{:>3} {}", at + 1, rule.id);

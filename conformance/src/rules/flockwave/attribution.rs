@@ -9,7 +9,7 @@ use crate::model::Rule;
 
 /// Violations in bodies of some types, at a path, of some kinds.
 #[derive(Debug)]
-pub struct Attribution {
+pub(crate) struct Attribution {
     /// The types of the messages.
     types: &'static [&'static str],
     /// The fields that lead there, with dots between them; `*` is any step, and `**` at the end any number of steps.

@@ -12,7 +12,7 @@ const PROTOCOL: &str = "1.0";
 
 /// A bug of the reference server.
 #[derive(Debug)]
-pub struct Bug {
+pub(crate) struct Bug {
     /// What the server does.
     pub what: &'static str,
     /// The other rules that the server violates then.

@@ -18,7 +18,7 @@ const REPORTS: (u32, f64) = (12, 5.0);
 
 /// A recording, line by line.
 #[derive(Clone, Debug)]
-pub struct Session {
+pub(crate) struct Session {
     /// Its lines.
     pub lines: Vec<Value>,
     connection: &'static str,
@@ -36,7 +36,7 @@ impl Default for Session {
 #[allow(clippy::needless_pass_by_value)] // bodies are written where they are passed
 impl Session {
     /// The whole session.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let mut session = Self::opened();
         session.server();
         session.fleet();
@@ -53,27 +53,27 @@ impl Session {
     }
 
     /// A connection over which nothing has gone yet.
-    pub fn opened() -> Self {
+    pub(crate) fn opened() -> Self {
         let mut session = Self { lines: Vec::new(), connection: "hill", time: BEGIN, asked: 0, said: 0 };
         session.event("connect");
         session
     }
 
     /// The client asks, and the server answers with a body of the same type.
-    pub fn asks(&mut self, request: Value, answer: Value) {
+    pub(crate) fn asks(&mut self, request: Value, answer: Value) {
         let mut answer = answer;
         answer["type"] = request["type"].clone();
         self.asks_other(request, answer);
     }
 
     /// The client asks, and the server answers with this body.
-    pub fn asks_other(&mut self, request: Value, answer: Value) {
+    pub(crate) fn asks_other(&mut self, request: Value, answer: Value) {
         let id = self.sends(request);
         self.answers(&id, json!({ "body": answer }));
     }
 
     /// The client asks; the id of its request.
-    pub fn sends(&mut self, request: Value) -> String {
+    pub(crate) fn sends(&mut self, request: Value) -> String {
         self.asked += 1;
         let id = format!("ask-{}", self.asked);
         self.line("out", json!({ "$fw.version": "1.0", "id": id, "body": request }));
@@ -81,7 +81,7 @@ impl Session {
     }
 
     /// The client asks, to try a rule; the id of its request.
-    pub fn tries(&mut self, rule: &Rule, how: &str, request: Value) -> String {
+    pub(crate) fn tries(&mut self, rule: &Rule, how: &str, request: Value) -> String {
         let id = self.sends(request);
         self.marks_trial(rule, how);
         id
@@ -96,7 +96,7 @@ impl Session {
     }
 
     /// Another connection, over which this is said. Its name begins with its transport.
-    pub fn over(&mut self, connection: &'static str, say: impl FnOnce(&mut Self)) {
+    pub(crate) fn over(&mut self, connection: &'static str, say: impl FnOnce(&mut Self)) {
         let before = std::mem::replace(&mut self.connection, connection);
         let url = match connection {
             _ if connection.starts_with("udp") => "udp://hill:7002",
@@ -110,13 +110,13 @@ impl Session {
     }
 
     /// A connection that is to try a rule doesn't come about.
-    pub fn refused(&mut self, rule: &Rule, how: &str, why: &str) {
+    pub(crate) fn refused(&mut self, rule: &Rule, how: &str, why: &str) {
         self.noted("refused", "why", why);
         self.marks_trial(rule, how);
     }
 
     /// The server sends what is no JSON.
-    pub fn says_raw(&mut self, text: &str) {
+    pub(crate) fn says_raw(&mut self, text: &str) {
         let mut line = self.next("in");
         line["raw"] = text.into();
         self.lines.push(line);
@@ -136,7 +136,7 @@ impl Session {
     }
 
     /// The server answers a request.
-    pub fn answers(&mut self, id: &str, answer: Value) {
+    pub(crate) fn answers(&mut self, id: &str, answer: Value) {
         self.said += 1;
         let mut message = json!({ "$fw.version": "1.0", "id": format!("say-{}", self.said), "refs": id });
         if let (Some(message), Value::Object(answer)) = (message.as_object_mut(), answer) {
@@ -146,21 +146,21 @@ impl Session {
     }
 
     /// The server says something unasked.
-    pub fn tells(&mut self, body: Value) {
+    pub(crate) fn tells(&mut self, body: Value) {
         self.said += 1;
         let id = format!("say-{}", self.said);
         self.line("in", json!({ "$fw.version": "1.0", "id": id, "body": body }));
     }
 
     /// Something happens to the connection.
-    pub fn event(&mut self, name: &str) {
+    pub(crate) fn event(&mut self, name: &str) {
         let mut line = self.next("event");
         line["event"] = name.into();
         self.lines.push(line);
     }
 
     /// Nothing happens for so many seconds.
-    pub fn wait(&mut self, seconds: f64) {
+    pub(crate) fn wait(&mut self, seconds: f64) {
         self.time += seconds;
     }
 
@@ -206,7 +206,7 @@ impl Session {
     }
 
     /// The client logs in.
-    pub fn logs_in(&mut self) {
+    pub(crate) fn logs_in(&mut self) {
         let login = json!({ "type": "AUTH-REQ", "method": "basic", "data": "d2luZDpoaWxs" });
         self.asks_other(login, json!({ "type": "AUTH-RESP", "result": true, "user": "wind" }));
     }
@@ -318,42 +318,42 @@ impl Session {
     }
 
     /// Changes the body of the first response of the server that has this type.
-    pub fn reply(self, type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Self> {
+    pub(crate) fn reply(self, type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Self> {
         self.reply_message(type_name, |message| change(&mut message["body"]))
     }
 
     /// Changes the first response of the server that has this type.
-    pub fn reply_message(self, type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Self> {
+    pub(crate) fn reply_message(self, type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Self> {
         let is_reply = |line: &&mut Value| line["msg"].get("refs").is_some() && is(line, "in", type_name);
         self.change(is_reply, change)
     }
 
     /// Changes the body of the first notification of this type.
-    pub fn notice(self, type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Self> {
+    pub(crate) fn notice(self, type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Self> {
         let is_notice = |line: &&mut Value| line["msg"].get("refs").is_none() && is(line, "in", type_name);
         self.change(is_notice, |message| change(&mut message["body"]))
     }
 
     /// Changes the first request of this type.
-    pub fn request(self, type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Self> {
+    pub(crate) fn request(self, type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Self> {
         self.change(|line| is(line, "out", type_name), change)
     }
 
     /// Changes what the last report says of one glider.
-    pub fn state(mut self, change: impl FnOnce(&mut Value)) -> Option<Self> {
+    pub(crate) fn state(mut self, change: impl FnOnce(&mut Value)) -> Option<Self> {
         let last = self.lines.iter_mut().rfind(|line| is(line, "in", "UAV-INF"))?;
         change(&mut last["msg"]["body"]["status"]["kite"]);
         Some(self)
     }
 
     /// With other error codes in that report.
-    pub fn errors(self, codes: &[i64]) -> Option<Self> {
+    pub(crate) fn errors(self, codes: &[i64]) -> Option<Self> {
         self.state(|kite| kite["errors"] = codes.into())
     }
 
     /// The server says more at the end, before the connection closes.
     #[must_use]
-    pub fn then(mut self, say: impl FnOnce(&mut Self)) -> Self {
+    pub(crate) fn then(mut self, say: impl FnOnce(&mut Self)) -> Self {
         let closing = self.lines.split_off(self.lines.len().saturating_sub(2));
         say(&mut self);
         self.lines.extend(closing);
@@ -361,7 +361,7 @@ impl Session {
     }
 
     /// Leaves out the first message of the server that has this type.
-    pub fn without(mut self, type_name: &str) -> Option<Self> {
+    pub(crate) fn without(mut self, type_name: &str) -> Option<Self> {
         let at = self.lines.iter().position(|line| is(line, "in", type_name))?;
         self.lines.remove(at);
         Some(self)
@@ -378,7 +378,7 @@ impl Session {
     }
 
     /// The bytes of the file.
-    pub fn to_bytes(&self) -> Vec<u8> {
+    pub(crate) fn to_bytes(&self) -> Vec<u8> {
         self.lines.iter().map(|line| format!("{line}\n")).collect::<String>().into_bytes()
     }
 }

@@ -15,7 +15,7 @@ const RULER: &str = "===========================================================
 
 /// A file of MCAP without chunks.
 #[derive(Clone, Debug)]
-pub struct Bag {
+pub(crate) struct Bag {
     /// Its channels; the id of each is its index.
     pub channels: Vec<BagChannel>,
     /// Index of the channel, time in ns, and payload of each message.
@@ -24,7 +24,7 @@ pub struct Bag {
 
 /// A channel with its schema.
 #[derive(Clone, Debug)]
-pub struct BagChannel {
+pub(crate) struct BagChannel {
     /// Its topic.
     pub topic: String,
     /// The name of its type.
@@ -58,13 +58,13 @@ impl Bag {
 
     /// Changes the last payload.
     #[must_use]
-    pub fn with_payload(mut self, change: impl FnOnce(&mut Vec<u8>)) -> Option<Self> {
+    pub(crate) fn with_payload(mut self, change: impl FnOnce(&mut Vec<u8>)) -> Option<Self> {
         change(&mut self.messages.last_mut()?.2);
         Some(self)
     }
 
     /// The bytes of the file.
-    pub fn to_bytes(&self) -> Vec<u8> {
+    pub(crate) fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = MCAP_MAGIC.to_vec();
         record(&mut bytes, 0x01, &[&text("ros2"), &text("uavspec")]);
         for (id, channel) in (0_u16..).zip(&self.channels) {

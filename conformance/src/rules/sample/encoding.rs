@@ -4,7 +4,7 @@ use super::Flight;
 
 /// An encoding of a flight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Encoding {
+pub(crate) enum Encoding {
     /// A log of PX4.
     Ulog,
     /// MCAP with messages as CDR.
@@ -17,10 +17,10 @@ pub enum Encoding {
 
 impl Encoding {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Ulog, Self::Mcap, Self::Lines, Self::Rosbridge];
+    pub(crate) const ALL: [Self; 4] = [Self::Ulog, Self::Mcap, Self::Lines, Self::Rosbridge];
 
     /// Its name.
-    pub const fn name(self) -> &'static str {
+    pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Ulog => "ULog",
             Self::Mcap => "MCAP",
@@ -30,7 +30,7 @@ impl Encoding {
     }
 
     /// The capture of a flight; none if the encoding can't hold one of its messages.
-    pub fn write(self, flight: &Flight<'_>) -> Option<Vec<u8>> {
+    pub(crate) fn write(self, flight: &Flight<'_>) -> Option<Vec<u8>> {
         let is_whole = |written: usize| written == flight.messages.len();
         match self {
             Self::Ulog => Some(flight.log()).filter(|log| is_whole(log.messages())).map(|log| log.to_bytes()),

@@ -6,7 +6,7 @@ use super::Flight;
 
 /// JSON Lines.
 #[derive(Clone, Debug)]
-pub struct Lines {
+pub(crate) struct Lines {
     /// A message each, with what says what it is.
     pub lines: Vec<String>,
 }
@@ -38,14 +38,14 @@ impl Lines {
 
     /// Replaces text in the last line that has it.
     #[must_use]
-    pub fn with_text(mut self, from: &str, to: &str) -> Option<Self> {
+    pub(crate) fn with_text(mut self, from: &str, to: &str) -> Option<Self> {
         let line = self.lines.iter_mut().rfind(|line| line.contains(from))?;
         *line = line.replacen(from, to, 1);
         Some(self)
     }
 
     /// The bytes of the file.
-    pub fn to_bytes(&self) -> Vec<u8> {
+    pub(crate) fn to_bytes(&self) -> Vec<u8> {
         (self.lines.join("\n") + "\n").into_bytes()
     }
 }

@@ -12,14 +12,14 @@ use crate::capture::ULOG_MAGIC;
 
 /// A log of PX4, entry by entry.
 #[derive(Clone, Debug)]
-pub struct Log {
+pub(crate) struct Log {
     /// All that follows its header.
     pub entries: Vec<Entry>,
 }
 
 /// An entry of a log.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Entry {
+pub(crate) enum Entry {
     /// Flag bits: none is set.
     FlagBits,
     /// A key with its type, and its value.
@@ -31,6 +31,7 @@ pub enum Entry {
     /// An id and a payload.
     Data(u16, Vec<u8>),
     /// How long records were lost, in ms.
+    #[cfg_attr(not(test), expect(dead_code, reason = "only tests lose records"))]
     Dropout(u16),
 }
 
@@ -74,7 +75,7 @@ impl Log {
 
     /// Changes the last payload of a topic.
     #[must_use]
-    pub fn with_payload(mut self, topic: usize, change: impl FnOnce(&mut Vec<u8>)) -> Option<Self> {
+    pub(crate) fn with_payload(mut self, topic: usize, change: impl FnOnce(&mut Vec<u8>)) -> Option<Self> {
         let payload = self.entries.iter_mut().rev().find_map(|entry| match entry {
             Entry::Data(id, payload) if usize::from(*id) == topic => Some(payload),
             _ => None,
@@ -84,7 +85,7 @@ impl Log {
     }
 
     /// The fields of the format of a name.
-    pub fn format_mut(&mut self, name: &str) -> Option<&mut String> {
+    pub(crate) fn format_mut(&mut self, name: &str) -> Option<&mut String> {
         self.entries.iter_mut().find_map(|entry| match entry {
             Entry::Format(known, fields) if known == name => Some(fields),
             _ => None,
@@ -92,7 +93,7 @@ impl Log {
     }
 
     /// The bytes of the file.
-    pub fn to_bytes(&self) -> Vec<u8> {
+    pub(crate) fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = [&ULOG_MAGIC[..], &[1], &START.to_le_bytes()].concat();
         for entry in &self.entries {
             let (kind, payload) = entry.to_bytes();

@@ -58,18 +58,18 @@ impl Session {
     }
 
     /// The client asks, to try a rule, and the server answers with this body.
-    pub fn tries_and_hears(&mut self, rule: &Rule, how: &str, request: Value, answer: Value) {
+    pub(crate) fn tries_and_hears(&mut self, rule: &Rule, how: &str, request: Value, answer: Value) {
         let id = self.tries(rule, how, request);
         self.answers(&id, json!({ "body": answer }));
     }
 
     /// The same, of any request.
-    pub fn pings(&mut self, rule: &Rule, how: &str) {
+    pub(crate) fn pings(&mut self, rule: &Rule, how: &str) {
         self.tries_and_hears(rule, how, json!({ "type": "SYS-PING" }), json!({ "type": "ACK-ACK" }));
     }
 
     /// Requests of a rule are all sent before the first of these answers comes: each by the number of its request.
-    pub fn pipelines(&mut self, rule: &Rule, answered: &[usize]) {
+    pub(crate) fn pipelines(&mut self, rule: &Rule, answered: &[usize]) {
         let ids: Vec<String> =
             answered.iter().map(|_| self.tries(rule, "", json!({ "type": "SYS-PING" }))).collect();
         for id in answered.iter().filter_map(|at| ids.get(*at)) {
@@ -78,7 +78,13 @@ impl Session {
     }
 
     /// The client tries a rule with a request whose envelope is another.
-    pub fn tries_with(&mut self, rule: &Rule, how: &str, member: (&str, Value), answer: Option<Value>) {
+    pub(crate) fn tries_with(
+        &mut self,
+        rule: &Rule,
+        how: &str,
+        member: (&str, Value),
+        answer: Option<Value>,
+    ) {
         let id = self.tries(rule, how, json!({ "type": "SYS-PING" }));
         let (key, value) = member;
         let id = if key == "id" { value.as_str().unwrap_or_default().to_owned() } else { id };
@@ -150,7 +156,7 @@ impl Session {
     }
 
     /// A glider is told to do what takes longer than an answer may.
-    pub fn command(&mut self, receipt: &str) {
+    pub(crate) fn command(&mut self, receipt: &str) {
         let command = json!({ "type": "OBJ-CMD", "ids": ["kite"], "command": "flaps" });
         self.asks(command, json!({ "receipt": { "kite": receipt } }));
     }

@@ -8,8 +8,8 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use super::roster::UAV_LIMIT;
 use crate::serve::{Options, Server, Transport, error};
-use crate::watch::UAV_LIMIT;
 use crate::watch::fleet::{Fleet, Link};
 use crate::watch::message::News;
 use crate::watch::session::{Event, Session};
