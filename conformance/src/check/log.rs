@@ -15,7 +15,6 @@ use crate::definitions::Definitions;
 use crate::model::{Channel, Detail, Extent, Findings, Message, Place, Rule};
 use crate::px4::comparison::{Comparison, compare};
 use crate::px4::memory::Plan;
-use crate::px4::values::Plans;
 use crate::rules::px4;
 use crate::text::shown;
 
@@ -177,7 +176,6 @@ struct Open {
 
 struct LogJudge<'d> {
     course: Course<'d>,
-    plans: Plans,
     /// By the id of the data.
     open: Vec<Option<Box<Open>>>,
     /// Topics that were seen to have a `timestamp` or not; the log has a format for each.
@@ -189,8 +187,7 @@ struct LogJudge<'d> {
 impl<'d> LogJudge<'d> {
     fn new(definitions: &'d Definitions) -> Self {
         let (open, timed) = (Vec::new(), BTreeSet::new());
-        let plans = Plans::new(&definitions.schema, &px4::VALUES);
-        Self { course: Course::new(definitions), plans, open, timed, firmware: None, dropouts: 0 }
+        Self { course: Course::new(definitions), open, timed, firmware: None, dropouts: 0 }
     }
 
     fn item(&mut self, item: &Item<'_>) {
@@ -263,7 +260,13 @@ impl<'d> LogJudge<'d> {
                 if self.timed.insert(open.topic.clone()) {
                     check_timestamp(record.of, place, &mut self.course);
                 }
-                empty.insert(Plan::new(record.of, open.definition, &self.plans, &open.topic))
+                empty.insert(Plan::new(
+                    record.of,
+                    open.definition,
+                    &self.course.definitions.schema,
+                    &open.topic,
+                    &px4::VALUES,
+                ))
             }
         };
         plan.check(record.payload, place, &mut self.course.findings);

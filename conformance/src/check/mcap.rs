@@ -104,7 +104,8 @@ struct McapJudge<'d> {
     undeclared: BTreeSet<u16>,
     /// Steps of the plans of all channels.
     steps: usize,
-    plans: Plans,
+    /// Made with the first channel of JSON.
+    plans: Option<Plans>,
     dialects: Dialects,
     /// What the message of JSON says that is read, as it lies in memory.
     values: Vec<u8>,
@@ -120,7 +121,7 @@ impl<'d> McapJudge<'d> {
             channels: BTreeMap::new(),
             undeclared: BTreeSet::new(),
             steps: 0,
-            plans: Plans::new(&definitions.schema, &px4::VALUES),
+            plans: None,
             dialects: Dialects::default(),
             values: Vec::new(),
         }
@@ -162,6 +163,7 @@ impl<'d> McapJudge<'d> {
         (open.standing, open.identity.version) = (Standing::Judged(basis), version);
         self.course.opened(&open.identity.channel());
         if is_json {
+            self.plans.get_or_insert_with(|| Plans::new(&definitions.schema, &px4::VALUES));
             open.reading = Reading::Json(of);
             return self.format(open);
         }
@@ -174,7 +176,7 @@ impl<'d> McapJudge<'d> {
             open.standing = Standing::Judged(Basis::TooMany);
             return;
         }
-        let judge = CdrJudge::new(of, stated, definitions, &self.plans, &open.identity.name);
+        let judge = CdrJudge::new(of, stated, definitions, &open.identity.name);
         self.steps += judge.steps();
         if let Some(lacks) = judge.lacks_timestamp(definitions) {
             let Identity { name, place, .. } = &open.identity;
@@ -268,12 +270,13 @@ impl<'d> McapJudge<'d> {
                 self.course.message(&channel, &Message { timestamp: seen.timestamp, values, place });
             }
             Reading::Json(of) => {
+                let Some(plans) = &self.plans else { return };
                 let told = Told { id: *of, name: channel.topic, place, key: None, is_rosbridge: true };
                 let size =
                     definitions.types().get(*of).size().filter(|_| self.course.wants_values(channel.index));
                 self.values.clear();
                 self.values.resize(size.map_or(0, |size| size.padded), 0);
-                match check_message(&self.plans, told, payload, &mut self.values, &mut self.course.findings) {
+                match check_message(plans, told, payload, &mut self.values, &mut self.course.findings) {
                     Err(problem) => self.course.gap(place, problem),
                     Ok(Clean { timestamp, dialects }) => {
                         self.dialects.absorb(dialects);
@@ -290,7 +293,7 @@ impl<'d> McapJudge<'d> {
     fn finish(mut self, bytes: u64) -> CaptureResult {
         let mut channels = Vec::new();
         for (_, open) in std::mem::take(&mut self.channels) {
-            channels.push(open.close(&self.plans, &mut self.course.findings));
+            channels.push(open.close(self.plans.as_ref(), &mut self.course.findings));
         }
         channels.sort_by(|left, right| left.topic.cmp(&right.topic));
         let summary =

@@ -6,14 +6,17 @@
 
 mod healthy;
 
+use std::collections::HashMap;
+use std::rc::Rc;
+
 use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement, sequence};
-use uavspec_codegen::schema::{MessageId, Restriction, Shape};
+use uavspec_codegen::schema::{MessageId, Restriction, Schema, Shape};
 use uavspec_codegen::source::Span;
 use uavspec_runtime::Scalar;
 
 use self::healthy::{Healthy, integer};
 use super::ValueRules;
-use super::values::{Constraint, Coverage, Element, Encoding, FieldPlan, MessagePlan, Plans};
+use super::values::{Constraint, Coverage, Element, Encoding, FieldPlan, MessagePlan};
 use crate::model::{Findings, Place, hexadecimal};
 
 /// Most steps of a plan: nested arrays of nested arrays could have any number.
@@ -90,7 +93,10 @@ struct Within<'w> {
 
 /// Compiles the steps of a format.
 struct Compiler<'c> {
-    plans: &'c Plans,
+    schema: &'c Schema,
+    rules: &'static ValueRules,
+    /// The constraints of the messages so far.
+    messages: HashMap<MessageId, Rc<MessagePlan>>,
     /// The number of steps so far.
     size: usize,
     coverage: Coverage,
@@ -99,11 +105,18 @@ struct Compiler<'c> {
 impl Plan {
     /// The plan for payloads laid out as `of`, which are messages of the definition `message`. Without a definition only
     /// the constraints of types are checked. Findings name the topic.
-    pub(crate) fn new(of: MessageType<'_>, message: Option<MessageId>, plans: &Plans, topic: &str) -> Self {
-        let mut compiler = Compiler { plans, size: 0, coverage: Coverage::default() };
+    pub(crate) fn new(
+        of: MessageType<'_>,
+        message: Option<MessageId>,
+        schema: &Schema,
+        topic: &str,
+        rules: &'static ValueRules,
+    ) -> Self {
+        let (messages, coverage) = (HashMap::new(), Coverage::default());
+        let mut compiler = Compiler { schema, rules, messages, size: 0, coverage };
         let mut steps = Vec::new();
         compiler.add(of, message, Within { base: 0, path: "", subject: topic, entries: &[] }, &mut steps);
-        Self { rules: plans.rules, steps, size: compiler.size, coverage: compiler.coverage }
+        Self { rules, steps, size: compiler.size, coverage: compiler.coverage }
     }
 
     /// The space that it takes, in steps: one for each field that is checked.
@@ -130,7 +143,11 @@ impl Compiler<'_> {
         within: Within<'_>,
         steps: &mut Vec<Step>,
     ) {
-        let defined = message.map(|id| self.plans.get(id));
+        let defined = message.map(|id| {
+            let plan = || Rc::new(MessagePlan::new(self.schema.message(id), self.schema));
+            Rc::clone(self.messages.entry(id).or_insert_with(plan))
+        });
+        let defined = defined.as_deref();
         for placed in of.layout() {
             if self.size >= MAX_STEPS {
                 return;
@@ -164,7 +181,7 @@ impl Compiler<'_> {
         let PlacedElement::Message(nested) = placed.element else {
             let Some(values) = Values::of(placed, of, field) else { return };
             let count = if matches!(values.element, Element::Text(_)) { 1 } else { count(placed.shape) };
-            for rule in values.constraint().rules(Encoding::Memory, self.plans.rules) {
+            for rule in values.constraint().rules(Encoding::Memory, self.rules) {
                 self.coverage.add(rule, count as u64);
             }
             self.size += 1;

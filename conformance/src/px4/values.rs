@@ -258,13 +258,7 @@ impl Violation<'_> {
 impl Plans {
     /// Compiles the constraints of a schema.
     pub(crate) fn new(schema: &Schema, rules: &'static ValueRules) -> Self {
-        let messages = schema.messages.iter().map(|message| MessagePlan {
-            name: message.name.clone(),
-            fields: (0..message.fields.len()).map(|index| FieldPlan::new(message, index, schema)).collect(),
-            span: message.span,
-            has_text: has_text(message, schema),
-            coverage: Coverage::default(),
-        });
+        let messages = schema.messages.iter().map(|message| MessagePlan::new(message, schema));
         let mut plans = Self { rules, messages: messages.collect() };
         for id in &schema.nested_first {
             plans.messages[id.0 as usize].coverage = plans.coverage(*id);
@@ -295,6 +289,19 @@ impl Plans {
             }
         }
         coverage
+    }
+}
+
+impl MessagePlan {
+    /// Compiles the constraints of a message, without its coverage in JSON.
+    pub(super) fn new(message: &schema::Message, schema: &Schema) -> Self {
+        Self {
+            name: message.name.clone(),
+            fields: (0..message.fields.len()).map(|index| FieldPlan::new(message, index, schema)).collect(),
+            span: message.span,
+            has_text: has_text(message, schema),
+            coverage: Coverage::default(),
+        }
     }
 }
 

@@ -16,7 +16,6 @@ use crate::check::timestamp_offset;
 use crate::definitions::Definitions;
 use crate::model::{Channel, Detail, Findings, Place, Rule, hexadecimal};
 use crate::px4::memory::Plan;
-use crate::px4::values::Plans;
 use crate::rules::px4;
 
 /// The most bytes of a message that was packed by itself: as many as one may have that wasn't.
@@ -64,11 +63,10 @@ impl CdrJudge {
         of: MessageId,
         stated: Option<Rc<Stated>>,
         definitions: &Definitions,
-        plans: &Plans,
         topic: &str,
     ) -> Self {
         let ty = stated.as_ref().map_or_else(|| definitions.types().get(of), |stated| stated.root());
-        let plan = Plan::new(ty, Some(of), plans, topic);
+        let plan = Plan::new(ty, Some(of), &definitions.schema, topic, &px4::VALUES);
         Self {
             of,
             plan,

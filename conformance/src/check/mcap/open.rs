@@ -168,12 +168,12 @@ impl Open {
     }
 
     /// Counts what its messages exercised.
-    pub(super) fn close(self, plans: &Plans, findings: &mut Findings) -> McapChannel {
+    pub(super) fn close(self, plans: Option<&Plans>, findings: &mut Findings) -> McapChannel {
         let mut other_cdr = 0;
-        match self.reading {
-            Reading::Cdr(judge) => other_cdr = judge.close(findings),
-            Reading::Json(of) => plans.count(of, self.judged, findings),
-            Reading::Skipped => {}
+        match (self.reading, plans) {
+            (Reading::Cdr(judge), _) => other_cdr = judge.close(findings),
+            (Reading::Json(of), Some(plans)) => plans.count(of, self.judged, findings),
+            _ => {}
         }
         McapChannel {
             topic: self.topic,
