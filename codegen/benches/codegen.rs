@@ -11,13 +11,12 @@ use divan::Bencher;
 use divan::counter::ItemsCount;
 use tempfile::TempDir;
 use uavspec_codegen::breaking::{Between, breaking};
-use uavspec_codegen::diagnostic::render;
 use uavspec_codegen::emit::{self, OutputFile};
 use uavspec_codegen::lint::{Preset, Settings, lint};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, Schema};
 use uavspec_codegen::translation::Translations;
-use uavspec_codegen::{PackageInput, SourceMap, cli, read};
+use uavspec_codegen::{PackageInput, SourceMap, generate, read, render};
 
 /// How many times over the corpus is read.
 const TIMES: [usize; 3] = [1, 4, 16];
@@ -168,7 +167,7 @@ fn generate_all(bencher: Bencher<'_, '_>, times: usize) {
                 let _ = fs::remove_dir_all(folder.path().join(output));
             }
         })
-        .bench_local_values(|()| cli::generate(folder.path().join("uavspec.toml")).expect("output"));
+        .bench_local_values(|()| generate(folder.path().join("uavspec.toml")).expect("output"));
 }
 
 /// The whole command, where all output is up to date.
@@ -177,6 +176,6 @@ fn generate_unchanged(bencher: Bencher<'_, '_>, times: usize) {
     let messages = corpus(MAIN).unwrap_or_default().len() * times;
     let folder = workspace(times);
     let config = folder.path().join("uavspec.toml");
-    cli::generate(&config).expect("output");
-    bencher.counter(ItemsCount::new(messages)).bench_local(|| cli::generate(&config).expect("output"));
+    generate(&config).expect("output");
+    bencher.counter(ItemsCount::new(messages)).bench_local(|| generate(&config).expect("output"));
 }

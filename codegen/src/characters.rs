@@ -1,7 +1,7 @@
 //! Characters that have no place in a definition or a page: they end lines for other tools, or hide text.
 
 use crate::diagnostic::{Diagnostic, Problem};
-use crate::source::Span;
+use crate::span::Span;
 
 /// Bidirectional controls and characters without width (Unicode 15, UAX #9 and general category Cf).
 /// U+200C and U+200D are left out: scripts need them to join letters.

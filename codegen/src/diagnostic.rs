@@ -1,11 +1,19 @@
 //! What is wrong with a definition, as data. The texts stand in one table, [`Problem`]; how they are
-//! shown is the business of [`render`].
-
-pub mod render;
+//! shown is the business of [`render`](crate::render).
+//!
+//! ```
+//! use uavspec_codegen::{PackageInput, SourceMap, diagnostic::has_errors, msg::Dialect, read, schema::Form};
+//!
+//! let mut sources = SourceMap::default();
+//! let id = sources.add("Wind.msg", "flaot32 speed\n".into()).unwrap();
+//! let (_, diagnostics) = read(&sources, &[PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])]);
+//! assert!(has_errors(&diagnostics));
+//! assert_eq!(diagnostics[0].problem.code(), "unknown-type");
+//! ```
 
 use std::fmt;
 
-use crate::source::Span;
+use crate::span::Span;
 
 /// How grave a finding is. Diagnostics are errors and warnings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -213,8 +221,8 @@ problems! {
         "PX4's own generator doesn't read `{text}` as it stands", "write it as PX4 does";
 
     // Annotations in comments
-    UnknownAnnotation { name: String } = Warning "unknown-annotation"
-        "no annotation is called `@{name}`", "it stays part of the text; known are enum, flags, range, invalid, uncontrolled, frame and count";
+    UnknownAnnotation { name: String, known: String } = Warning "unknown-annotation"
+        "no annotation is called `@{name}`", "it stays part of the text; known are {known}";
     MalformedAnnotation { text: String, form: &'static str } = Warning "malformed-annotation"
         "`{text}` can't be read", "write `{form}`; as it is, it stays part of the text";
     AnnotationNearMiss { found: String, meant: String } = Warning "annotation-near-miss"

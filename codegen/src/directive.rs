@@ -1,6 +1,6 @@
 //! Directives in comments: `uavspec:ignore RULE reason` asks [`lint`](crate::lint) to let a finding stand.
 
-use crate::source::Span;
+use crate::span::Span;
 
 /// What a directive starts with.
 pub(crate) const MARK: &str = "uavspec:ignore";
@@ -21,7 +21,7 @@ pub struct Directive<'s> {
 
 /// The directive in `text`, which stands at `span`, and where in the text the comment starts that is nothing
 /// but the directive. What follows the mark up to the end of the line belongs to it.
-pub fn find(text: &str, span: Span) -> Option<(Directive<'_>, usize)> {
+pub(crate) fn find(text: &str, span: Span) -> Option<(Directive<'_>, usize)> {
     let at = text.find(MARK)?;
     let words = &text[at + MARK.len()..];
     if !words.is_empty() && !words.starts_with([' ', '\t']) {

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use crate::PackageInput;
 use crate::msg::{Dialect, Kind};
+use crate::read::PackageInput;
 use crate::schema::Form;
 use crate::source::{SourceId, SourceMap};
 
@@ -18,7 +18,7 @@ pub struct Example {
 }
 
 /// The definition that catalogues in examples translate.
-pub const TRANSLATED: Example = Example {
+pub(crate) const TRANSLATED: Example = Example {
     path: "Glider.msg",
     text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
            float32 sink      # [m/s] Sink rate\n",

@@ -1,11 +1,19 @@
 //! What rules find in definitions: the form that `lint` and `breaking` share.
 //!
 //! A [`Diagnostic`] says what keeps a text from being read as the specification says; a finding may also be
-//! a matter of care. [`diagnostic::render`](crate::diagnostic::render) shows them to people,
+//! a matter of care. [`render`](crate::render) shows them to people,
 //! [`report`](crate::report) hands them to programs.
+//!
+//! ```
+//! use uavspec_codegen::{diagnostic::Level, finding::Finding, source::Span};
+//!
+//! let mut finding = Finding::new("unit-missing", Level::Warning, Span::default(), "`speed` has no unit");
+//! finding.help("write `[m/s]`");
+//! assert!(finding.fix.is_empty());
+//! ```
 
 use crate::diagnostic::{Diagnostic, Level};
-use crate::source::Span;
+use crate::span::Span;
 
 /// Something that a rule found at a place.
 #[derive(Clone, Debug, PartialEq)]

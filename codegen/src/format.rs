@@ -3,6 +3,7 @@
 //! What a source says stays as it is: each result is read again, and where the model, a comment or a second
 //! run would differ, the source is kept as it was written.
 
+mod aligned;
 mod comment;
 mod meaning;
 mod msg;
@@ -12,10 +13,6 @@ use crate::diagnostic::{Diagnostic, has_errors};
 use crate::msg::{Dialect, Kind};
 use crate::schema::Form;
 use crate::source::{SourceId, SourceMap};
-
-/// Longest declaration or cell, in characters, that others are aligned with. Without a bound one line could
-/// widen all lines of its block, and the text would grow with the square of its length.
-const ALIGNED_WITHIN: usize = 100;
 
 /// A source in its layout.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Reads drone interface specifications in the form their authors write them, and generates from them.
 //!
 //! ```text
-//!  text ──msg, table──▶ syntax tree ──schema::resolve──▶ Schema ──▶ emit (rust, json_schema, docs, vectors, typescript, python)
+//!  text ──msg, table──▶ syntax tree ──resolve──────────▶ Schema ──▶ emit (rust, json_schema, docs, vectors, typescript, python)
 //!                            │                                ├──▶ dynamic (codecs and checks at run time)
 //!                            └──▶ format                      ├──▶ lint ──────┐
 //!                                                             └──▶ breaking ──┴──▶ report
@@ -9,7 +9,7 @@
 //!
 //! A stage can't see the types of the stage before the last. Reading never stops at the first
 //! mistake: every stage returns what it could make out and a list of [`Diagnostic`]s. After
-//! [`schema::resolve`] no name is looked up and no text is parsed. Only [`cli`] touches files.
+//! `resolve` no name is looked up and no text is parsed. Only `load`, `generate` and `cli` touch files.
 //!
 //! # Choices
 //!
@@ -73,139 +73,55 @@ mod characters;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod diagnostic;
-pub mod directive;
+mod directive;
 pub mod dynamic;
 pub mod emit;
-pub mod example;
+mod example;
+#[cfg(feature = "files")]
+mod failure;
 pub mod finding;
 pub mod format;
+// Parts of both are for commands alone.
+#[cfg(feature = "files")]
+#[cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
+mod generate;
 pub mod lint;
+#[cfg(feature = "files")]
+#[cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
+pub mod load;
 pub mod msg;
+#[cfg(feature = "files")]
+mod path;
+mod pattern;
+mod prose;
+mod read;
+pub mod render;
 pub mod report;
+mod resolve;
+#[cfg(feature = "files")]
+pub mod rewrite;
 pub mod schema;
 pub mod source;
-pub mod table;
+mod span;
+mod table;
 pub mod translation;
-pub mod unit;
+mod unit;
 pub mod value;
 
 pub use diagnostic::Diagnostic;
+#[cfg(feature = "files")]
+pub use failure::Failure;
+#[cfg(feature = "files")]
+pub use generate::{Generated, generate};
+pub use read::{PackageInput, read};
 pub use schema::Schema;
 pub use source::{SourceId, SourceMap};
 
-use msg::Kind;
-use schema::{Form, PackageSource};
-use source::Span;
-
-/// The sources of a package, and what is known of it beforehand.
-#[derive(Clone, Debug)]
-pub struct PackageInput {
-    /// Its name: a module, a folder and a part of schema addresses.
-    pub name: String,
-    /// The form of its sources.
-    pub form: Form,
-    /// The name that ROS knows it by; that of the package, where absent, and `px4_msgs` for px4.
-    pub ros_package: Option<String>,
-    /// Where its definitions come from.
-    pub origin: Option<String>,
-    /// Which state of the origin they follow.
-    pub revision: Option<String>,
-    /// Which messages are wanted, with what they refer to; all, where absent.
-    pub select: Option<Vec<(String, Span)>>,
-    /// Its sources.
-    pub sources: Vec<SourceId>,
-}
-
-impl PackageInput {
-    /// A package of which nothing more is known: all its messages are wanted.
-    pub fn new(name: impl Into<String>, form: Form, sources: Vec<SourceId>) -> Self {
-        Self {
-            name: name.into(),
-            form,
-            ros_package: None,
-            origin: None,
-            revision: None,
-            select: None,
-            sources,
-        }
-    }
-}
-
-/// The package in which PX4's messages reach ROS 2.
-const PX4_ROS_PACKAGE: &str = "px4_msgs";
-
-/// Reads packages: the whole way from text to model.
-///
-/// ```
-/// use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
-///
-/// let mut sources = SourceMap::default();
-/// let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Since start\n".into()).unwrap();
-/// let package = PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id]);
-/// let (schema, diagnostics) = read(&sources, &[package]);
-/// assert!(diagnostics.is_empty());
-/// assert_eq!(schema.messages[0].topics, ["wind"]);
-/// assert_eq!(schema.messages[0].fields[0].unit.as_deref(), Some("us"));
-/// ```
-pub fn read(sources: &SourceMap, packages: &[PackageInput]) -> (Schema, Vec<Diagnostic>) {
-    let (parsed, mut diagnostics) = parse_all(sources, packages);
-    let (schema, mut found) = schema::resolve(&parsed);
-    diagnostics.append(&mut found);
-    diagnostics.sort_by_key(|diagnostic| diagnostic.span);
-    (schema, diagnostics)
-}
-
-/// Parses all sources; the packages are sorted by name, as those of the schema will be.
-fn parse_all<'s>(
-    sources: &'s SourceMap,
-    packages: &[PackageInput],
-) -> (Vec<PackageSource<'s>>, Vec<Diagnostic>) {
-    let mut diagnostics = Vec::new();
-    let mut parsed: Vec<PackageSource<'s>> =
-        packages.iter().map(|package| parse(sources, package, &mut diagnostics)).collect();
-    parsed.sort_by(|left, right| left.name.cmp(&right.name));
-    (parsed, diagnostics)
-}
-
-fn parse<'s>(
-    sources: &'s SourceMap,
-    package: &PackageInput,
-    diagnostics: &mut Vec<Diagnostic>,
-) -> PackageSource<'s> {
-    let mut files = Vec::new();
-    let mut pages = Vec::new();
-    for id in &package.sources {
-        match package.form {
-            Form::Table => {
-                let (page, mut found) = table::parse(sources, *id);
-                diagnostics.append(&mut found);
-                pages.push(page);
-            }
-            Form::Msg(dialect) => {
-                let path = sources.path(*id);
-                let Some(kind) = Kind::of(path) else { continue };
-                let (definition, mut found) = msg::parse(sources, *id, kind, dialect);
-                diagnostics.append(&mut found);
-                files.push((stem(path), kind, sources.span(*id), definition));
-            }
-        }
-    }
-    let default_ros_package =
-        if package.form == Form::Msg(msg::Dialect::Px4) { PX4_ROS_PACKAGE } else { &package.name };
-    PackageSource {
-        name: package.name.clone(),
-        form: package.form,
-        ros_package: package.ros_package.clone().unwrap_or_else(|| default_ros_package.to_owned()),
-        origin: package.origin.clone(),
-        revision: package.revision.clone(),
-        select: package.select.clone(),
-        files,
-        pages,
-    }
-}
-
-/// The file name of `path` without its extension.
-fn stem(path: &str) -> &str {
-    let name = path.rsplit(['/', '\\']).next().unwrap_or(path);
-    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
+/// Parsers and examples, for the tests of this crate alone.
+#[doc(hidden)]
+pub mod internal {
+    pub use crate::example::{Example, catalogues, is_catalogue, packages};
+    pub use crate::msg::annotation::Note;
+    pub use crate::msg::parse as parse_definition;
+    pub use crate::table::parse as parse_page;
 }

@@ -8,9 +8,22 @@
 //! A finding is let stand by a comment `# uavspec:ignore RULE reason`: behind a declaration or above one for
 //! that line, in the comment at the head of a file for the whole file. In a page the comment is one of the
 //! page's language, `<!-- uavspec:ignore RULE reason -->`.
+//!
+//! ```
+//! use uavspec_codegen::lint::{Settings, lint};
+//! use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, schema::Form};
+//!
+//! let mut sources = SourceMap::default();
+//! let id = sources.add("Wind.msg", "# Wind\n\nuint64 timestamp  # [us] Time\nfloat32 speed  # Speed\n".into()).unwrap();
+//! let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! let findings = lint(&sources, &packages, &[], &Settings::default());
+//! assert_eq!(findings[0].rule, "unit-missing");
+//! ```
 
 mod fix;
 mod ignore;
+mod rule;
+mod settings;
 mod subject;
 mod topics;
 
@@ -73,18 +86,21 @@ mod unknown_translation;
 mod unknown_unit;
 mod version_type;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 pub use self::fix::apply;
-use self::subject::annotations;
-pub use self::subject::{Subject, Text};
-
+pub(crate) use self::rule::Check;
+use self::rule::Sink;
+pub use self::rule::{Levels, Measured, Preset, Rule};
+pub use self::settings::{Ignore, Settings};
 use crate::diagnostic::{Diagnostic, Level, has_errors};
 pub use crate::example::Example;
-use crate::finding::{Edit, Finding};
-use crate::schema::{self, Form, Package, PackageSource, Schema};
-use crate::source::{SourceId, SourceMap, Span};
-use crate::{PackageInput, parse_all, translation};
+use crate::finding::Finding;
+use crate::read::{PackageInput, parse_all};
+use crate::resolve::{PackageSource, resolve};
+use crate::schema::{Form, Package, Schema};
+use crate::source::{SourceId, SourceMap};
+use crate::translation;
 
 /// Every rule, by id.
 pub const RULES: &[&Rule] = &[
@@ -150,153 +166,6 @@ pub const RULES: &[&Rule] = &[
     &version_type::RULE,
 ];
 
-/// A rule.
-#[derive(Debug)]
-pub struct Rule {
-    /// Its id, which never changes its meaning and is never used again.
-    pub id: &'static str,
-    /// What it demands, and what comes of it where that isn't kept.
-    pub purpose: &'static str,
-    /// How grave a breach is in each preset; none where the preset leaves the rule out.
-    pub levels: Levels,
-    /// A definition that breaks it.
-    pub bad: Example,
-    /// The same definition without that.
-    pub good: Example,
-    /// What it finds in real definitions, where that was counted.
-    pub measured: Option<Measured>,
-    /// What finds it.
-    pub check: Check,
-}
-
-/// The level of a rule in each preset.
-#[derive(Clone, Copy, Debug)]
-pub struct Levels {
-    /// In [`Preset::Px4`].
-    pub px4: Option<Level>,
-    /// In [`Preset::Strict`].
-    pub strict: Option<Level>,
-}
-
-impl Levels {
-    /// The same level in both presets.
-    pub const fn both(level: Level) -> Self {
-        Self { px4: Some(level), strict: Some(level) }
-    }
-
-    /// Left out by all presets but the strict one.
-    pub const fn strict(level: Level) -> Self {
-        Self { px4: None, strict: Some(level) }
-    }
-
-    /// The level in a preset.
-    pub fn of(self, preset: Preset) -> Option<Level> {
-        match preset {
-            Preset::Px4 => self.px4,
-            Preset::Strict => self.strict,
-        }
-    }
-}
-
-/// What a rule finds in the definitions of PX4 (`px4_msgs` main at a4a9864), and how much of it is right.
-#[derive(Clone, Copy, Debug)]
-pub struct Measured {
-    /// How many findings there are.
-    pub findings: usize,
-    /// How many of them were looked at, taken by chance: all, or thirty.
-    pub sample: usize,
-    /// How many of those are right: whoever knows the definitions would change them.
-    pub right: usize,
-    /// A word on the others; may be empty.
-    pub remark: &'static str,
-}
-
-/// What finds breaches of a rule.
-#[derive(Clone, Copy, Debug)]
-pub enum Check {
-    /// The readers report it under the same id; this mends it, where it can.
-    Reader(fn(&Diagnostic, &SourceMap) -> Vec<Edit>),
-    /// Looks at each source as text.
-    Text(fn(&Text<'_>, &mut Sink<'_>)),
-    /// Looks at each message, parts of services and actions too.
-    Message(fn(&Subject<'_>, &mut Sink<'_>)),
-    /// Looks at the error codes of each package.
-    ErrorCodes(fn(&Package, &SourceMap, &mut Sink<'_>)),
-    /// Looks at everything at once.
-    Schema(fn(&Schema, &mut Sink<'_>)),
-    /// The ignores themselves.
-    Ignores,
-}
-
-/// For rules of the readers that take a person to mend.
-pub(crate) fn no_fix(_: &Diagnostic, _: &SourceMap) -> Vec<Edit> {
-    Vec::new()
-}
-
-/// Takes what a rule finds.
-#[derive(Debug)]
-pub struct Sink<'f> {
-    rule: &'static str,
-    findings: &'f mut Vec<Finding>,
-}
-
-impl Sink<'_> {
-    /// Reports a breach. The level is set for all findings of a rule afterwards.
-    pub fn report(
-        &mut self,
-        span: Span,
-        message: impl Into<String>,
-        help: impl Into<String>,
-    ) -> &mut Finding {
-        let mut finding = Finding::new(self.rule, Level::Note, span, message);
-        finding.help(help);
-        let at = self.findings.len();
-        self.findings.push(finding);
-        &mut self.findings[at]
-    }
-}
-
-/// Sets of levels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Preset {
-    /// What PX4's documentation standard asks, and whatever makes readers go wrong.
-    #[default]
-    Px4,
-    /// All rules but that on PX4's own list of units.
-    Strict,
-}
-
-/// Which rules apply, how grave they are, and what is let stand.
-#[derive(Clone, Debug, Default)]
-pub struct Settings {
-    /// The levels to start from.
-    pub preset: Preset,
-    /// Other levels for single rules, by id; none turns the rule off.
-    pub levels: BTreeMap<String, Option<Level>>,
-    /// What is let stand by configuration.
-    pub ignores: Vec<Ignore>,
-}
-
-impl Settings {
-    /// The level of a rule; none where it is off.
-    pub fn level(&self, rule: &Rule) -> Option<Level> {
-        self.levels.get(rule.id).copied().unwrap_or_else(|| rule.levels.of(self.preset))
-    }
-}
-
-/// A request of the configuration to let findings of a rule stand.
-#[derive(Clone, Debug)]
-pub struct Ignore {
-    /// The rule.
-    pub rule: String,
-    /// In which sources; in all, where absent.
-    pub sources: Option<BTreeSet<SourceId>>,
-    /// Why.
-    pub reason: String,
-    /// Where it is asked for.
-    pub span: Span,
-}
-
 /// The rule of an id.
 pub fn rule(id: &str) -> Option<&'static Rule> {
     RULES.binary_search_by_key(&id, |rule| rule.id).ok().map(|at| RULES[at])
@@ -313,7 +182,7 @@ pub fn lint(
     settings: &Settings,
 ) -> Vec<Finding> {
     let (parsed, mut diagnostics) = parse_all(sources, packages);
-    let (schema, mut resolved) = schema::resolve(&parsed);
+    let (schema, mut resolved) = resolve(&parsed);
     diagnostics.append(&mut resolved);
     // Translations of what can't be read would seem to name nothing.
     if !has_errors(&diagnostics) {
@@ -328,7 +197,7 @@ pub fn lint(
         finding.level == Level::Error && rule(finding.rule).is_none()
             || wanted.contains(&sources.source_of(finding.span))
     });
-    ignore::apply(sources, &parsed, settings, &wanted, &mut findings);
+    ignore::apply(sources, &parsed, (RULES, settings), &wanted, &mut findings);
     findings.sort_by(|left, right| {
         (left.span, left.rule, &left.message).cmp(&(right.span, right.rule, &right.message))
     });
@@ -381,8 +250,7 @@ impl Linter<'_> {
                     let packages = self.schema.packages.iter().filter(of_tables);
                     packages.for_each(|package| check(package, self.sources, &mut sink));
                 }
-                Check::Schema(check) if !has_errors(diagnostics) => check(self.schema, &mut sink),
-                Check::Schema(_) | Check::Reader(_) | Check::Ignores => {}
+                Check::Reader(_) | Check::Ignores => {}
             }
             findings[first..].iter_mut().for_each(|finding| finding.level = level);
         }

@@ -2,83 +2,27 @@
 //!
 //! Parsing goes line by line and never stops: a line that makes no sense gives a diagnostic and the
 //! next one is read. The tree keeps everything that is written, comments and blank lines included.
+//!
+//! ```
+//! use uavspec_codegen::msg::{Dialect, Kind};
+//!
+//! assert_eq!(Kind::of("srv/Tow.srv"), Some(Kind::Service));
+//! assert_eq!(Kind::Service.part_suffixes(), ["_Request", "_Response"]);
+//! assert_eq!(Dialect::Ros2.name(), "ros2");
+//! ```
 
-pub mod annotation;
-pub mod ast;
-pub mod literal;
+pub(crate) mod annotation;
+pub(crate) mod ast;
+pub mod attribute;
+mod kind;
+mod literal;
 mod parser;
-pub(crate) use parser::is_separator;
-
-use std::fmt;
+pub(crate) use self::kind::is_identifier;
+pub use self::kind::{Dialect, Kind};
+pub(crate) use self::parser::is_separator;
 
 use crate::diagnostic::Diagnostic;
 use crate::source::{SourceId, SourceMap};
-
-/// Which of the two readings of `.msg` applies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Dialect {
-    /// PX4's uORB messages: fixed size, topics, versions, queue lengths.
-    Px4,
-    /// ROS 2 interfaces: also strings, sequences, defaults, other packages.
-    Ros2,
-}
-
-impl Dialect {
-    /// Its name in `uavspec.toml`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Px4 => "px4",
-            Self::Ros2 => "ros2",
-        }
-    }
-}
-
-impl fmt::Display for Dialect {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.pad(self.name())
-    }
-}
-
-/// What a file defines, by its extension.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Kind {
-    /// `.msg`: one part.
-    Message,
-    /// `.srv`: request and response.
-    Service,
-    /// `.action`: goal, result and feedback.
-    Action,
-}
-
-impl Kind {
-    /// The kind of the file at `path`, by its extension.
-    pub fn of(path: &str) -> Option<Self> {
-        match path.rsplit_once('.')?.1 {
-            "msg" => Some(Self::Message),
-            "srv" => Some(Self::Service),
-            "action" => Some(Self::Action),
-            _ => None,
-        }
-    }
-
-    /// Name of the folder that ROS packages keep such files in, and their extension.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Message => "msg",
-            Self::Service => "srv",
-            Self::Action => "action",
-        }
-    }
-
-    /// Suffixes of the names of its parts, in order, as ROS forms them.
-    pub fn part_suffixes(self) -> &'static [&'static str] {
-        match self {
-            Self::Message => &[""],
-            Self::Service => &["_Request", "_Response"],
-            Self::Action => &["_Goal", "_Result", "_Feedback"],
-        }
-    }
-}
 
 /// Parses the source `id`. The tree holds all that could be read.
 pub fn parse(
@@ -88,10 +32,4 @@ pub fn parse(
     dialect: Dialect,
 ) -> (ast::Definition<'_>, Vec<Diagnostic>) {
     parser::parse(sources.text(id), sources.span(id), kind, dialect)
-}
-
-/// Whether `text` can be the name of anything: letters, digits and `_`, with a letter first.
-pub(crate) fn is_identifier(text: &str) -> bool {
-    text.starts_with(|c: char| c.is_ascii_alphabetic())
-        && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
 }

@@ -3,340 +3,39 @@
 //! Nothing here can fail for a reason that a user could mend, and nothing is looked up by name:
 //! messages refer to each other by [`MessageId`]. Everything is ordered, so what is emitted from a
 //! schema doesn't depend on the order in which files were read.
+//!
+//! ```
+//! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//! # let mut sources = SourceMap::default();
+//! # let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n".into()).unwrap();
+//! # let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! # let (schema, diagnostics) = read(&sources, &packages);
+//! let message = &schema.messages[0];
+//! assert_eq!((message.name.as_str(), message.topics[0].as_str()), ("Wind", "wind"));
+//! assert_eq!(message.uorb.as_ref().map(|layout| layout.size), Some(16));
+//! ```
 
 pub(crate) mod constraint;
 pub(crate) mod documentation;
 pub(crate) mod enumeration;
-pub mod error_codes;
+pub(crate) mod error_codes;
 pub mod fingerprint;
+mod id;
 pub mod json_type;
-pub mod layout;
-pub(crate) mod pattern;
-pub(crate) mod resolve;
-
-use uavspec_runtime::Scalar;
+pub(crate) mod layout;
+mod model;
+mod range;
 
 pub use self::constraint::Restriction;
 pub use self::documentation::Docs;
 pub use self::enumeration::{Enum, EnumRef, Member};
 pub use self::error_codes::{ErrorCode, ErrorTable};
+pub use self::id::MessageId;
 pub use self::json_type::{JsonMessage, JsonMessageId, JsonType, JsonTypeId};
-pub use self::layout::{Slot, UorbLayout};
-pub use self::resolve::{PackageSource, resolve};
+pub use self::model::{
+    CdrSize, Constant, Element, Field, Form, Interface, Message, Package, Parameter, Schema, Slot, Type,
+    UorbLayout, shape_text,
+};
+pub use self::range::{Range, Special};
 pub use crate::msg::ast::Shape;
 pub use crate::msg::{Dialect, Kind};
-use crate::source::Span;
-use crate::value::Value;
-
-/// All packages of a run.
-#[derive(Debug, Default)]
-pub struct Schema {
-    /// The packages, by name.
-    pub packages: Vec<Package>,
-    /// All messages, those that are parts of services and actions too, by package and name.
-    pub messages: Vec<Message>,
-    /// All messages, each after those that it holds.
-    pub nested_first: Vec<MessageId>,
-    /// All types of pages, by package and name.
-    pub json_types: Vec<JsonType>,
-    /// All messages of pages, by package and name.
-    pub json_messages: Vec<JsonMessage>,
-}
-
-impl Schema {
-    /// The message that `id` names.
-    pub fn message(&self, id: MessageId) -> &Message {
-        &self.messages[id.0 as usize]
-    }
-
-    /// The package that a message belongs to.
-    pub fn package_of(&self, message: &Message) -> &Package {
-        &self.packages[message.package]
-    }
-
-    /// The enum that `reference` names.
-    pub fn enumeration(&self, reference: EnumRef) -> &Enum {
-        &self.message(reference.message).enums[reference.index]
-    }
-
-    /// The type of a field as a `.msg` file of that field's package writes it.
-    pub fn type_text(&self, message: &Message, ty: Type) -> String {
-        let element = match ty.element {
-            Element::Scalar(scalar) => scalar.name().to_owned(),
-            Element::String { wide, bound } => {
-                let name = if wide { "wstring" } else { "string" };
-                bound.map_or_else(|| name.to_owned(), |bound| format!("{name}<={bound}"))
-            }
-            Element::Message(id) => {
-                let target = self.message(id);
-                if target.package == message.package {
-                    target.name.clone()
-                } else {
-                    format!("{}/{}", self.package_of(target).name, target.name)
-                }
-            }
-        };
-        element + &shape_text(ty.shape)
-    }
-}
-
-/// The brackets of an array type.
-pub fn shape_text(shape: Shape) -> String {
-    match shape {
-        Shape::Single => String::new(),
-        Shape::Array(length) => format!("[{length}]"),
-        Shape::Bounded(bound) => format!("[<={bound}]"),
-        Shape::Sequence => "[]".to_owned(),
-    }
-}
-
-/// Definitions that belong together, in one form.
-#[derive(Debug)]
-pub struct Package {
-    /// Its name.
-    pub name: String,
-    /// The form of its definitions.
-    pub form: Form,
-    /// The name that ROS knows it by, which type hashes contain.
-    pub ros_package: String,
-    /// Where its definitions come from.
-    pub origin: Option<String>,
-    /// Which state of the origin they follow.
-    pub revision: Option<String>,
-    /// Its messages, by name.
-    pub messages: Vec<MessageId>,
-    /// Its services and actions, by kind and name.
-    pub interfaces: Vec<Interface>,
-    /// Its error-code tables, by their first code.
-    pub error_tables: Vec<ErrorTable>,
-    /// The types that its pages define, by name.
-    pub json_types: Vec<JsonTypeId>,
-    /// The messages that its pages define, by name.
-    pub json_messages: Vec<JsonMessageId>,
-}
-
-impl Package {
-    /// Whether it defines nothing.
-    pub fn is_empty(&self) -> bool {
-        self.messages.is_empty()
-            && self.interfaces.is_empty()
-            && self.error_tables.is_empty()
-            && self.json_types.is_empty()
-            && self.json_messages.is_empty()
-    }
-}
-
-/// In what form definitions are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Form {
-    /// `.msg` files and their relatives.
-    Msg(Dialect),
-    /// Pages with specification tables.
-    Table,
-}
-
-impl Form {
-    /// Its name in `uavspec.toml` and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Msg(dialect) => dialect.name(),
-            Self::Table => "table",
-        }
-    }
-}
-
-/// A service or an action.
-#[derive(Debug)]
-pub struct Interface {
-    /// Its name.
-    pub name: String,
-    /// Service or action.
-    pub kind: Kind,
-    /// Its parts in order: request and response; or goal, result and feedback.
-    pub parts: Vec<MessageId>,
-    /// Its ROS type hash, where it has one.
-    pub type_hash: Option<String>,
-    /// Its whole file.
-    pub span: Span,
-}
-
-/// Names a message of a [`Schema`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct MessageId(pub u32);
-
-/// A message, or a part of a service or action.
-#[derive(Debug)]
-pub struct Message {
-    /// Index of its package.
-    pub package: usize,
-    /// What kind of file defines it.
-    pub kind: Kind,
-    /// Its name; of a part, with the suffix that ROS gives it.
-    pub name: String,
-    /// Its file, or its part of it.
-    pub span: Span,
-    /// What the header comment says.
-    pub docs: Docs,
-    /// Topics that carry it (PX4), in the order in which they are listed.
-    pub topics: Vec<String>,
-    /// `MESSAGE_VERSION` (PX4).
-    pub version: Option<u32>,
-    /// `ORB_QUEUE_LENGTH` (PX4).
-    pub queue_length: Option<u32>,
-    /// Its fields, in declared order.
-    pub fields: Vec<Field>,
-    /// Its constants, in declared order.
-    pub constants: Vec<Constant>,
-    /// Its enums, in the order of the fields that use them.
-    pub enums: Vec<Enum>,
-    /// Its groups, in declared order.
-    pub groups: Vec<Docs>,
-    /// Its memory layout in uORB, where its size is fixed.
-    pub uorb: Option<UorbLayout>,
-    /// Size of its CDR form.
-    pub cdr: CdrSize,
-    /// PX4's hash of its fields.
-    pub hash: u32,
-    /// Its ROS type hash (RIHS01).
-    pub type_hash: String,
-}
-
-/// Size of a message in CDR, in bytes, with the encapsulation header.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct CdrSize {
-    /// The least that a value takes.
-    pub least: u64,
-    /// Whether all values take that.
-    pub is_fixed: bool,
-}
-
-/// A type.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Type {
-    /// The element.
-    pub element: Element,
-    /// How many of them.
-    pub shape: Shape,
-}
-
-/// Type of a field, or of the elements of an array.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Element {
-    /// A number, a `bool`, a `byte` or a `char`.
-    Scalar(Scalar),
-    /// A string.
-    String {
-        /// Whether it is a `wstring`.
-        wide: bool,
-        /// Greatest length in characters.
-        bound: Option<u32>,
-    },
-    /// A message.
-    Message(MessageId),
-}
-
-/// A field.
-#[derive(Debug)]
-pub struct Field {
-    /// Its name.
-    pub name: String,
-    /// Its type.
-    pub ty: Type,
-    /// Its default (ROS 2).
-    pub default: Option<Value>,
-    /// What its comment says, annotations taken out.
-    pub description: String,
-    /// Index of its group in [`Message::groups`].
-    pub group: Option<usize>,
-    /// Its unit: one of [`crate::unit::UNITS`], or as written.
-    pub unit: Option<String>,
-    /// Its bounds.
-    pub range: Option<Range>,
-    /// The value that says that there is no data.
-    pub invalid: Option<Special>,
-    /// The value that says that a set point doesn't apply.
-    pub uncontrolled: Option<Special>,
-    /// Its coordinate frame.
-    pub frame: Option<String>,
-    /// The prefixes of the constants that it holds, as written.
-    pub enum_prefixes: Vec<String>,
-    /// The enum that these give.
-    pub enumeration: Option<EnumRef>,
-    /// Index of the array field whose entries in use it counts.
-    pub counts: Option<usize>,
-    /// Its declaration.
-    pub span: Span,
-}
-
-impl Field {
-    /// Whether PX4 reads it as text: `char[N]`.
-    pub fn is_text(&self, dialect: Dialect) -> bool {
-        dialect == Dialect::Px4
-            && self.ty.element == Element::Scalar(Scalar::Char)
-            && matches!(self.ty.shape, Shape::Array(_))
-    }
-}
-
-/// Inclusive bounds; an absent one is none.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Range {
-    /// Least value.
-    pub low: Option<Value>,
-    /// Greatest value.
-    pub high: Option<Value>,
-}
-
-/// A value with a meaning of its own.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Special {
-    /// The value; none where it is an empty string or array.
-    pub value: Option<Value>,
-    /// When it applies, in words; may be empty.
-    pub text: String,
-}
-
-/// A constant.
-#[derive(Debug)]
-pub struct Constant {
-    /// Its name.
-    pub name: String,
-    /// Its type.
-    pub ty: Element,
-    /// Its value, which its type holds.
-    pub value: Value,
-    /// What its comment says.
-    pub description: String,
-    /// Parameters of a command: seven, or none.
-    pub parameters: Vec<Parameter>,
-    /// Index of its group in [`Message::groups`].
-    pub group: Option<usize>,
-    /// Its declaration.
-    pub span: Span,
-}
-
-/// What descriptions say of a parameter that means nothing.
-const UNUSED: [&str; 6] = ["", "-", "empty", "reserved", "unused", "n/a"];
-
-/// A parameter of a command.
-#[derive(Debug)]
-pub struct Parameter {
-    /// Its unit.
-    pub unit: Option<String>,
-    /// Its bounds.
-    pub range: Option<Range>,
-    /// The value that says that it is left out.
-    pub invalid: Option<Special>,
-    /// The prefixes of the constants that it holds.
-    pub enum_prefixes: Vec<String>,
-    /// What is said of it.
-    pub description: String,
-}
-
-impl Parameter {
-    /// Whether it means nothing: commands have seven parameters, however few they need.
-    pub fn is_unused(&self) -> bool {
-        let text = self.description.trim().trim_end_matches('.').to_ascii_lowercase();
-        let says_nothing = self.range.is_none() && self.invalid.is_none() && self.enum_prefixes.is_empty();
-        says_nothing && UNUSED.contains(&text.as_str())
-    }
-}

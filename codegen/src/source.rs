@@ -1,43 +1,25 @@
 //! Texts with names, and places in them. Strings come in; files don't.
+//!
+//! ```
+//! use uavspec_codegen::source::{Position, SourceMap};
+//!
+//! let mut sources = SourceMap::default();
+//! let id = sources.add("Wind.msg", "float32 speed\nfloat32 gust\n".into()).unwrap();
+//! let gust = sources.span(id).part(22..26);
+//! assert_eq!(sources.slice(gust), "gust");
+//! assert_eq!(sources.position(gust), Position { line: 2, column: 9 });
+//! ```
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::OnceLock;
 
 use crate::diagnostic::{Diagnostic, Problem};
+pub use crate::span::Span;
+use crate::span::offset;
 
 /// The longest text that is read, in bytes. The longest definition known has under 60 kB.
 const MAX_SOURCE_LEN: usize = 4 << 20;
-
-/// A range of bytes in one of the sources of a [`SourceMap`].
-///
-/// Eight bytes: positions count through all sources of the map, one after the other.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Span {
-    /// Position of the first byte.
-    pub start: u32,
-    /// Position after the last byte.
-    pub end: u32,
-}
-
-impl Span {
-    /// The span from the start of `self` to the end of `other`.
-    #[must_use]
-    pub fn to(self, other: Self) -> Self {
-        Self { start: self.start, end: other.end }
-    }
-
-    /// The part of this span that `range`, counted from its start, names.
-    #[must_use]
-    pub fn part(self, range: Range<usize>) -> Self {
-        Self { start: self.start + offset(range.start), end: self.start + offset(range.end) }
-    }
-}
-
-/// Lossless where [`MAX_SOURCE_LEN`] holds; elsewhere it only moves a caret.
-fn offset(position: usize) -> u32 {
-    u32::try_from(position).unwrap_or(u32::MAX)
-}
 
 /// Names one source of a [`SourceMap`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -174,6 +156,12 @@ impl SourceMap {
         let end = (span.end.saturating_sub(source.start) as usize).clamp(start, source.text.len());
         (&source.text, start..end)
     }
+}
+
+/// The file name of `path` without its extension.
+pub(crate) fn stem(path: &str) -> &str {
+    let name = path.rsplit(['/', '\\']).next().unwrap_or(path);
+    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 /// A unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Unit {
+pub(crate) struct Unit {
     /// The one spelling.
     pub symbol: &'static str,
     /// In words, in the plural.
@@ -12,17 +12,17 @@ pub struct Unit {
 }
 
 /// The symbol that says of a number that it has no unit.
-pub const NONE: &str = "-";
+pub(crate) const NONE: &str = "-";
 
 /// The unit that `spelling` means.
-pub fn lookup(spelling: &str) -> Option<&'static Unit> {
+pub(crate) fn lookup(spelling: &str) -> Option<&'static Unit> {
     UNITS.iter().find(|unit| unit.symbol == spelling || unit.aliases.contains(&spelling))
 }
 
 macro_rules! units {
     ($($symbol:literal $name:literal $([$($alias:literal)*])?;)*) => {
         /// All units, dimension by dimension.
-        pub const UNITS: &[Unit] = &[$(Unit { symbol: $symbol, name: $name, aliases: &[$($($alias),*)?] },)*];
+        pub(crate) const UNITS: &[Unit] = &[$(Unit { symbol: $symbol, name: $name, aliases: &[$($($alias),*)?] },)*];
     };
 }
 

@@ -1,4 +1,11 @@
 //! Typed values of constants, defaults and bounds.
+//!
+//! ```
+//! use uavspec_codegen::value::Value;
+//!
+//! assert_eq!(Value::Float(0.5).to_string(), "0.5");
+//! assert_eq!(Value::Int(3).as_f64(), Some(3.0));
+//! ```
 
 use std::fmt::{self, Write as _};
 

@@ -12,12 +12,12 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 use uavspec_codegen::breaking::{Between, RULES, Rule, breaking};
-use uavspec_codegen::diagnostic::{Level, Problem, has_errors, render};
-use uavspec_codegen::example::{Example, packages};
+use uavspec_codegen::diagnostic::{Level, Problem, has_errors};
 use uavspec_codegen::finding::Finding;
+use uavspec_codegen::internal::{Example, packages};
 use uavspec_codegen::lint;
 use uavspec_codegen::schema::Schema;
-use uavspec_codegen::{SourceMap, read};
+use uavspec_codegen::{SourceMap, read, render};
 
 use support::{differs, files_below, shared};
 

@@ -7,11 +7,11 @@ use std::collections::BTreeMap;
 use std::fs;
 
 use serde_json::{Value as Json, json};
-use uavspec_codegen::diagnostic::{has_errors, render};
+use uavspec_codegen::diagnostic::has_errors;
 use uavspec_codegen::emit::inspect;
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::Form;
-use uavspec_codegen::{PackageInput, SourceMap, read};
+use uavspec_codegen::{PackageInput, SourceMap, read, render};
 
 /// Where we say something else than PX4's generator, and why. A deviation that is none fails the test.
 const PX4_DEVIATIONS: &[(&str, &str)] = &[

@@ -12,11 +12,11 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use uavspec_codegen::diagnostic::{Level, Problem, has_errors, render};
-use uavspec_codegen::example::is_catalogue;
+use uavspec_codegen::diagnostic::{Level, Problem, has_errors};
+use uavspec_codegen::internal::is_catalogue;
 use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::Form;
-use uavspec_codegen::{Diagnostic, PackageInput, SourceMap, read, translation};
+use uavspec_codegen::{Diagnostic, PackageInput, SourceMap, read, render, translation};
 
 use support::{differs, files_below, package};
 

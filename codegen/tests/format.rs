@@ -15,7 +15,7 @@ use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::Form;
 
 use support::layout::{check_files, laid_out};
-use support::{files_below, shared};
+use support::{extent, files_below, shared};
 
 fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/format")
@@ -73,7 +73,7 @@ fn texts(files: Vec<PathBuf>) -> Vec<(String, String)> {
     files.into_iter().filter_map(text).collect()
 }
 
-/// Every folder of the corpus that is a package, and how it is written.
+/// Every folder of the corpus that is a package, and how it is written. A quick run omits the older releases of PX4.
 fn packages(corpus: &Path) -> Vec<(PathBuf, Dialect)> {
     let below = |path: &str, dialect| {
         let entries = fs::read_dir(corpus.join(path)).expect("a folder of the corpus");
@@ -83,7 +83,8 @@ fn packages(corpus: &Path) -> Vec<(PathBuf, Dialect)> {
     let changes = below("breaking", Dialect::Px4).into_iter();
     let changes = changes.flat_map(|(folder, dialect)| ["old", "new"].map(|at| (folder.join(at), dialect)));
     let mut packages: Vec<_> = changes.collect();
-    packages.extend(below("px4", Dialect::Px4));
+    let is_wanted = |folder: &Path| extent(true, folder.ends_with("main"));
+    packages.extend(below("px4", Dialect::Px4).into_iter().filter(|(folder, _)| is_wanted(folder)));
     packages.extend(below("ros2", Dialect::Ros2));
     packages
 }
@@ -97,7 +98,7 @@ fn definitions_of_the_corpus_say_the_same_as_before() {
         let laid_out = check_files(Form::Msg(dialect), &files).unwrap_or_else(|problem| panic!("{problem}"));
         count += laid_out;
     }
-    assert!(count > 900, "{count} files");
+    assert!(count > extent(900, 400), "{count} files");
 }
 
 #[test]

@@ -11,13 +11,6 @@ use uavspec_codegen::schema::Form;
 
 use support::layout::{check_files, laid_out};
 
-/// So many times the usual number of cases, which `PROPTEST_CASES` sets. No file of failures is kept: a
-/// failure becomes a fixture.
-fn config(times: u32) -> ProptestConfig {
-    let usual = ProptestConfig::default();
-    ProptestConfig { failure_persistence: None, cases: usual.cases * times, ..usual }
-}
-
 /// White space that may stand between words.
 const BLANKS: &[&str] = &[" ", "  ", "\t", " \t ", "     "];
 
@@ -217,7 +210,7 @@ fn check_definition(dialect: Dialect, path: &str, text: &str) -> Result<(), Test
 }
 
 proptest! {
-    #![proptest_config(config(4))]
+    #![proptest_config(support::usual(4))]
 
     #[test]
     fn px4_definitions_say_the_same_as_before((path, text) in definition(Dialect::Px4)) {
@@ -349,7 +342,7 @@ fn check_page(path: &str, text: &str) -> Result<(), TestCaseError> {
 }
 
 proptest! {
-    #![proptest_config(config(4))]
+    #![proptest_config(support::usual(4))]
 
     #[test]
     fn markdown_says_the_same_as_before(text in page(PAGE_LINES)) {

@@ -8,12 +8,12 @@ use std::fs;
 use jsonschema::error::ValidationErrorKind;
 use jsonschema::{Registry, Resource, Validator};
 use serde_json::{Value as Json, json};
-use uavspec_codegen::diagnostic::{has_errors, render};
+use uavspec_codegen::diagnostic::has_errors;
 use uavspec_codegen::emit::OutputFile;
 use uavspec_codegen::emit::json_schema::{DEFAULT_BASE, Options, emit};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, Schema};
-use uavspec_codegen::{Diagnostic, SourceMap, read};
+use uavspec_codegen::{Diagnostic, SourceMap, read, render};
 
 const PX4: Form = Form::Msg(Dialect::Px4);
 const ROS2: Form = Form::Msg(Dialect::Ros2);

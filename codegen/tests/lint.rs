@@ -14,13 +14,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
-use uavspec_codegen::diagnostic::{Level, Problem, render};
-use uavspec_codegen::example::{Example, catalogues, is_catalogue, packages};
+use uavspec_codegen::diagnostic::{Level, Problem};
 use uavspec_codegen::finding::Finding;
-use uavspec_codegen::lint::{Check, Preset, RULES, Rule, Settings, apply, lint, rule};
+use uavspec_codegen::internal::{Example, catalogues, is_catalogue, packages};
+use uavspec_codegen::lint::{Preset, RULES, Rule, Settings, apply, lint, rule};
 use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::Form;
-use uavspec_codegen::{PackageInput, SourceMap, read};
+use uavspec_codegen::{PackageInput, SourceMap, read, render};
 
 use support::{differs, files_below, package, shared};
 
@@ -130,7 +130,7 @@ fn each_further_case_says_what_is_expected() {
 fn each_warning_of_the_readers_is_a_rule_and_no_error_is() {
     assert_eq!(Problem::CODES.len(), Problem::LEVELS.len());
     for (code, level) in Problem::CODES.iter().zip(Problem::LEVELS) {
-        let is_rule = rule(code).map(|rule| matches!(rule.check, Check::Reader(_)));
+        let is_rule = rule(code).map(|rule| rule.is_of_readers());
         let expected = (*level != Level::Error).then_some(true);
         assert_eq!(is_rule, expected, "{code}");
     }
@@ -348,7 +348,7 @@ fn odd_definitions() -> impl Strategy<Value = String> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 1_000, ..ProptestConfig::default() })]
+    #![proptest_config(support::config(1_000))]
 
     #[test]
     fn mending_odd_definitions_changes_nothing_that_is_said(text in odd_definitions()) {

@@ -1,17 +1,21 @@
-//! The tests of the generator, in one program: each file is a module.
+//! The tests of the generator, in one program; each file is a module.
 
+mod attributes;
 mod bindings;
 mod breaking;
 mod dynamic;
 mod edge;
+mod emitters;
 mod fixtures;
 mod format;
 mod format_properties;
 mod hostile;
+mod imports;
 mod json_schema;
 mod json_types;
 mod lint;
 mod oracle;
+mod origin;
 mod properties;
 mod support;
 mod type_pages;

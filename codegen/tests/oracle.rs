@@ -7,8 +7,9 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::{Value as Json, json};
-use uavspec_codegen::diagnostic::{has_errors, render};
+use uavspec_codegen::diagnostic::has_errors;
 use uavspec_codegen::emit::inspect;
+use uavspec_codegen::render;
 use uavspec_codegen::schema::{Form, Schema};
 
 fn oracle(path: &Path) -> Json {

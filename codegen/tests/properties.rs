@@ -9,20 +9,13 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
 use serde_json::Value as Json;
-use uavspec_codegen::diagnostic::{Diagnostic, has_errors, render};
+use uavspec_codegen::diagnostic::{Diagnostic, has_errors};
 use uavspec_codegen::emit::{self, inspect};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Element, ErrorTable, Form, Message, Schema, Shape, Type};
 use uavspec_codegen::source::Span;
 use uavspec_codegen::translation::Translations;
-use uavspec_codegen::{SourceMap, read};
-
-/// So many times the usual number of cases, which `PROPTEST_CASES` sets. No file of failures is kept: a
-/// failure becomes a test of its own.
-fn config(times: u32) -> ProptestConfig {
-    let usual = ProptestConfig::default();
-    ProptestConfig { failure_persistence: None, cases: usual.cases * times, ..usual }
-}
+use uavspec_codegen::{SourceMap, read, render};
 
 /// Pieces of the language, whole and broken, and what is near to them.
 const PIECES: &[&str] = &[
@@ -244,7 +237,7 @@ fn check_output(schema: &Schema, sources: &SourceMap) -> Result<(), TestCaseErro
 }
 
 proptest! {
-    #![proptest_config(config(4))]
+    #![proptest_config(support::usual(4))]
 
     #[test]
     fn any_definition_is_read_or_refused(text in text(PIECES), other in text(PIECES)) {
@@ -501,7 +494,7 @@ fn check_message(dialect: Dialect, declarations: &[Declaration], text: &str) -> 
 }
 
 proptest! {
-    #![proptest_config(config(1))]
+    #![proptest_config(support::usual(1))]
 
     #[test]
     fn px4_messages_are_read_as_they_were_printed((declarations, text) in message(Dialect::Px4)) {
@@ -577,7 +570,7 @@ fn printed(page: &[(usize, Vec<PageRow>)]) -> [(&'static str, String); 3] {
 }
 
 proptest! {
-    #![proptest_config(config(1))]
+    #![proptest_config(support::usual(1))]
 
     #[test]
     fn pages_say_the_same_in_each_form(page in page()) {

@@ -10,10 +10,9 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
 use serde_json::{Value as Json, json};
-use uavspec_codegen::diagnostic::render;
 use uavspec_codegen::emit::{inspect, json_schema, vectors};
 use uavspec_codegen::schema::Form;
-use uavspec_codegen::{Schema, SourceMap};
+use uavspec_codegen::{Schema, SourceMap, render};
 
 /// A field or element.
 #[derive(Clone, Debug)]
@@ -138,12 +137,8 @@ fn read_page(text: &str) -> (SourceMap, Schema) {
     (sources, schema)
 }
 
-fn config() -> ProptestConfig {
-    ProptestConfig { failure_persistence: None, cases: 64, ..ProptestConfig::default() }
-}
-
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(support::config(64))]
 
     #[test]
     fn what_is_read_is_what_was_meant(types in types()) {

@@ -26,7 +26,7 @@ use std::time::{Duration, Instant};
 
 use serde::de::IgnoredAny;
 use serde_json::{Value, json};
-use uavspec_conformance::check::{FlockwaveJudge, judge, judge_json_thoroughly, parallel};
+use uavspec_conformance::check::{FlockwaveJudge, check_capture, check_json_thoroughly, parallel};
 use uavspec_conformance::definitions::Definitions;
 
 /// How many lines of JSON there are.
@@ -161,11 +161,11 @@ fn json() {
     let schema: Value = serde_json::from_str(SCHEMA).expect("JSON");
     let validator = jsonschema::validator_for(&schema).expect("a schema");
     let uavspec = || {
-        let judgement = judge(text.as_bytes(), of, &definitions).expect("memory");
+        let judgement = check_capture(text.as_bytes(), of, &definitions).expect("memory");
         assert_eq!((judgement.judged, judgement.damage.len()), (LINES as u64, 0));
     };
     let thorough = || {
-        let judgement = judge_json_thoroughly(text.as_bytes(), of, &definitions);
+        let judgement = check_json_thoroughly(text.as_bytes(), of, &definitions);
         assert_eq!((judgement.judged, judgement.damage.len()), (LINES as u64, 0));
     };
     let skip = || {
@@ -225,7 +225,7 @@ fn flockwave() {
         let text = reports(each);
         let lines = (STATES / each) as u64;
         let uavspec = || {
-            let judgement = judge(text.as_bytes(), None, &definitions).expect("memory");
+            let judgement = check_capture(text.as_bytes(), None, &definitions).expect("memory");
             let findings = judgement.findings.groups().count();
             assert_eq!((judgement.judged, judgement.damage.len(), findings), (lines, 0, 0));
         };
@@ -258,7 +258,7 @@ fn flockwave() {
 
 fn logs(corpus: &Path) {
     let definitions = Definitions::load(&corpus.join("px4/main")).expect("definitions");
-    let judged = |bytes: &[u8]| judge(bytes, None, &definitions).expect("memory").judged;
+    let judged = |bytes: &[u8]| check_capture(bytes, None, &definitions).expect("memory").judged;
     for name in LOGS {
         let path = corpus.join(format!("ulog/{name}.ulg"));
         let bytes = fs::read(&path).expect("a log");

@@ -1,8 +1,8 @@
 //! What is judged: logs and captures, read as they come, in bounded memory.
 
-pub mod input;
-pub mod json;
-pub mod mcap;
+pub(crate) mod input;
+pub(crate) mod json;
+pub(crate) mod mcap;
 pub mod ulog;
 
 /// What MCAP begins with.

@@ -1,4 +1,4 @@
-//! Judges a source: its records go to the plans of their formats and to the rules.
+//! Checks a capture: its records go to the plans of their formats and to the rules.
 
 mod flockwave;
 mod json;
@@ -6,122 +6,135 @@ pub mod known;
 mod log;
 mod mcap;
 pub mod parallel;
+mod summary;
 mod topic;
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::io::{self, Read};
 
+use serde::Serialize;
 use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
 use uavspec_codegen::schema::{MessageId, Shape};
 use uavspec_codegen::source::Span;
 use uavspec_runtime::Scalar;
 
-pub use self::flockwave::{FlockwaveJudge, FlockwaveSource, TypeCount};
-pub use self::json::{JsonSource, judge_json, judge_json_thoroughly};
-pub use self::log::{LogSource, judge_ulog};
-pub use self::mcap::{Basis, McapChannel, McapSource, Standing, judge_mcap};
-use crate::capture::{ENCRYPTED_MAGIC, MCAP_MAGIC, ULOG_MAGIC};
+use self::flockwave::Listeners;
+pub use self::flockwave::{FlockwaveJudge, FlockwaveSummary, TypeCount};
+pub use self::json::{JsonSummary, check_json, check_json_thoroughly};
+pub use self::log::{LogSummary, check_ulog};
+pub use self::mcap::{Basis, McapChannel, McapSummary, Standing, check_mcap};
+pub use self::summary::{Describe, Line, List, MAX_LISTED, Totals};
+use crate::capture::MCAP_MAGIC;
 use crate::definitions::Definitions;
-use crate::flockwave::record::{Connection, Direction, Exchange};
-use crate::flockwave::session::{Conversations, Turn};
+use crate::flockwave::record::{Connection, Direction, SessionRecord};
+use crate::flockwave::session::{Exchange, Sessions};
 use crate::model::{Channel, Extent, Findings, Message, Place, Rule};
-use crate::rules::flockwave::EachExchange;
 use crate::rules::px4::Interest;
-use crate::rules::{Judged, flockwave as session_rules, px4};
+use crate::rules::{RuleContext, px4};
 use crate::text::Grouped;
 
-/// What is said of an encrypted log.
-const ENCRYPTED: &str = "an encrypted log of PX4 (.ulge): decrypt it first, with its key, as \
-    https://docs.px4.io/main/en/dev_log/log_encryption tells";
+/// The number of first bytes by which the kind of a capture is detected.
+const START: usize = MCAP_MAGIC.len();
 
-/// So many bytes of a magic tell what a source is that ends there.
+/// The number of bytes of a magic that are enough if the capture ends there.
 const MIN_MAGIC: usize = 4;
 
 /// How many kinds of damage are kept.
 const MAX_DAMAGE: usize = 100;
 
-/// What a source is, and what came of it.
+/// A kind of capture: a row of [`KINDS`].
+struct Kind {
+    /// The name of the format.
+    name: &'static str,
+    /// True if a capture of this kind can start with these bytes.
+    detect: fn(&[u8]) -> bool,
+    /// Checks a capture of this kind, as far as it can be read.
+    check: fn(&mut dyn Read, Option<MessageId>, &Definitions) -> io::Result<CaptureResult>,
+}
+
+/// All kinds of captures, in the order in which they are detected.
+static KINDS: [Kind; 4] = [log::ENCRYPTED, log::KIND, mcap::KIND, json::KIND];
+
+/// The summary of a capture: a variant for each kind. Sessions are detected by their first object.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub enum Summary {
+    /// A log of PX4.
+    #[serde(rename = "ulog")]
+    Log(LogSummary),
+    /// Messages as JSON.
+    Json(JsonSummary),
+    /// MCAP.
+    Mcap(McapSummary),
+    /// A recorded session of Flockwave; its messages are those of the server.
+    Flockwave(FlockwaveSummary),
+}
+
+impl Summary {
+    /// The parts that reports for people print.
+    pub fn describe(&self) -> &dyn Describe {
+        match self {
+            Self::Log(summary) => summary,
+            Self::Json(summary) => summary,
+            Self::Mcap(summary) => summary,
+            Self::Flockwave(summary) => summary,
+        }
+    }
+}
+
+/// The result of checking a capture.
 #[derive(Debug)]
-pub struct Judgement {
-    /// What it says of itself.
-    pub source: Source,
-    /// How many bytes were read.
+pub struct CaptureResult {
+    /// The summary of the capture.
+    pub summary: Summary,
+    /// The number of bytes that were read.
     pub bytes: u64,
-    /// From its first to its last timestamp, in µs.
+    /// The time from its first to its last timestamp, in µs.
     pub duration: u64,
-    /// How many messages it has.
+    /// The number of messages.
     pub records: u64,
-    /// How many of them have a type, can be read as it, and were judged.
+    /// The number of messages that were checked: they have a type and can be read as it.
     pub judged: u64,
-    /// What can't be read, and where first, in that order.
+    /// The corrupt parts, each with its first location, in that order.
     pub damage: Vec<(Place, String)>,
-    /// How much more of that there is.
+    /// The number of further corrupt parts.
     pub more_damage: u64,
-    /// How much of it could be read.
+    /// The extent to which the capture could be read.
     pub extent: Extent,
-    /// What breaks rules.
+    /// All violations.
     pub findings: Findings,
 }
 
-/// What kinds of sources say of themselves.
-#[derive(Debug)]
-pub enum Source {
-    /// A log of PX4.
-    Log(LogSource),
-    /// Messages as JSON.
-    Json(JsonSource),
-    /// A file of MCAP.
-    Mcap(McapSource),
-    /// Recorded conversations of Flockwave.
-    Flockwave(FlockwaveSource),
-}
-
-/// Judges a source of any kind, which is seen by how it begins: a log of PX4, MCAP, or else JSON
-/// (recorded conversations of Flockwave among it). Where `of` names
-/// a message, the JSON is messages of that type and nothing around them.
+/// Checks a capture of any kind. The kind is detected from the first bytes. If `of` names a message, JSON is messages
+/// of that type and nothing around them.
 ///
-/// An error is one of reading its first bytes, or says that the source is encrypted, or nothing that can be judged. What
-/// is wrong with it later on, and that it can't be read any further, is part of the judgement.
-pub fn judge(
+/// # Errors
+/// Reading the first bytes fails, the capture is encrypted, or it is of no known kind. Whatever is wrong later on, and
+/// that a capture can't be read any further, is part of the result.
+pub fn check_capture(
     mut input: impl Read,
     of: Option<MessageId>,
     definitions: &Definitions,
-) -> io::Result<Judgement> {
+) -> io::Result<CaptureResult> {
     let mut start = Vec::new();
-    input.by_ref().take(MCAP_MAGIC.len() as u64).read_to_end(&mut start)?;
-    if start.starts_with(&ENCRYPTED_MAGIC) {
-        return Err(io::Error::new(io::ErrorKind::Unsupported, ENCRYPTED));
-    }
-    let (is_log, is_mcap) = (is_begun(&start, &ULOG_MAGIC), is_begun(&start, &MCAP_MAGIC));
-    if !is_log && !is_mcap && is_binary(&start) {
+    input.by_ref().take(START as u64).read_to_end(&mut start)?;
+    let Some(kind) = KINDS.iter().find(|kind| (kind.detect)(&start)) else {
         let bytes: Vec<String> = start.iter().map(|byte| format!("{byte:02x}")).collect();
-        let text = format!("byte 0: no ULog, no MCAP and no JSON: it begins with {}", bytes.join(" "));
+        let mut names: Vec<String> = KINDS.iter().map(|kind| format!("no {}", kind.name)).collect();
+        names.dedup();
+        let last = names.pop().unwrap_or_default();
+        let names = names.join(", ");
+        let text = format!("byte 0: {names} and {last}: it begins with {}", bytes.join(" "));
         return Err(io::Error::new(io::ErrorKind::InvalidData, text));
-    }
-    let whole = io::Cursor::new(start).chain(input);
-    Ok(match (is_log, is_mcap) {
-        (true, _) => judge_ulog(whole, definitions),
-        (_, true) => judge_mcap(whole, definitions),
-        _ => judge_json(whole, of, definitions),
-    })
+    };
+    (kind.check)(&mut io::Cursor::new(start).chain(input), of, definitions)
 }
 
-/// Whether a source begins with a magic, or ends within it so late that it can hardly be anything else.
+/// True if a capture starts with a magic, or ends within it so late that it can hardly be anything else.
 fn is_begun(start: &[u8], magic: &[u8]) -> bool {
     start.starts_with(magic) || start.len() >= MIN_MAGIC && magic.starts_with(start)
-}
-
-/// Whether a source begins neither as JSON nor as any text does. One byte that is wrong may be damage.
-fn is_binary(start: &[u8]) -> bool {
-    let text = String::from_utf8_lossy(start);
-    if text.trim_start_matches('\u{feff}').trim_start().starts_with(['{', '[']) {
-        return false;
-    }
-    let is_foreign = |character: &char| {
-        *character == char::REPLACEMENT_CHARACTER || character.is_control() && !character.is_whitespace()
-    };
-    text.chars().filter(is_foreign).count() > 1
 }
 
 /// What all kinds of sources have in common: messages that come on channels, and the rules that follow them.
@@ -130,13 +143,11 @@ struct Course<'d> {
     findings: Findings,
     /// The rules on messages.
     followers: Vec<Follower<dyn px4::Checker>>,
-    /// The rules on sessions.
-    listeners: Vec<Follower<dyn session_rules::Checker>>,
-    /// Indices of the listeners that don't judge reports on UAVs by what these say alone.
-    around: Vec<usize>,
+    /// The checks of the rules on sessions.
+    listeners: Listeners<'d>,
     /// By the index of a channel.
     channels: Vec<Followed>,
-    conversations: Conversations,
+    sessions: Sessions,
     records: u64,
     judged: u64,
     first: Option<u64>,
@@ -158,7 +169,7 @@ struct Told {
 struct Follower<C: ?Sized> {
     rule: &'static Rule,
     checker: Box<C>,
-    exercised: u64,
+    coverage: u64,
 }
 
 /// Who follows a channel.
@@ -175,40 +186,26 @@ impl<C: ?Sized> Follower<C> {
         &mut self,
         definitions: &Definitions,
         findings: &mut Findings,
-        what: impl FnOnce(&mut C, &mut Judged<'_>) -> T,
+        what: impl FnOnce(&mut C, &mut RuleContext<'_>) -> T,
     ) -> T {
-        let Self { rule, checker, exercised } = self;
-        what(&mut **checker, &mut Judged { rule, definitions, findings, exercised })
+        let Self { rule, checker, coverage } = self;
+        what(&mut **checker, &mut RuleContext { rule, definitions, findings, coverage })
     }
 }
 
 impl<'d> Course<'d> {
     fn new(definitions: &'d Definitions) -> Self {
         let followers = px4::RULES.iter().filter_map(|rule| match rule.check {
-            px4::Check::State(start) => Some(Follower { rule: &rule.rule, checker: start(), exercised: 0 }),
+            px4::Check::State(start) => Some(Follower { rule: &rule.rule, checker: start(), coverage: 0 }),
             px4::Check::Value | px4::Check::Source => None,
         });
-        let listeners = session_rules::RULES.iter().map(|rule| {
-            let checker: Box<dyn session_rules::Checker> = match rule.check {
-                session_rules::Check::State(start) => start(),
-                session_rules::Check::Exchange(judge) | session_rules::Check::Context(judge) => {
-                    Box::new(EachExchange(judge))
-                }
-            };
-            Follower { rule: &rule.rule, checker, exercised: 0 }
-        });
-        let looks_around =
-            |rule: &session_rules::FlockwaveRule| !matches!(rule.check, session_rules::Check::Exchange(_));
-        let around =
-            (0..session_rules::RULES.len()).filter(|at| looks_around(session_rules::RULES[*at])).collect();
         Self {
             definitions,
             findings: Findings::default(),
             followers: followers.collect(),
-            listeners: listeners.collect(),
-            around,
+            listeners: Listeners::new(definitions),
             channels: Vec::new(),
-            conversations: Conversations::default(),
+            sessions: Sessions::default(),
             records: 0,
             judged: 0,
             first: None,
@@ -228,8 +225,8 @@ impl<'d> Course<'d> {
     fn opened(&mut self, channel: &Channel<'_>) {
         let mut followed = Followed::default();
         for (at, follower) in self.followers.iter_mut().enumerate() {
-            let opened = |checker: &mut (dyn px4::Checker + 'static), judged: &mut Judged<'_>| {
-                checker.opened(channel, judged)
+            let opened = |checker: &mut (dyn px4::Checker + 'static), context: &mut RuleContext<'_>| {
+                checker.opened(channel, context)
             };
             let interest = follower.judge(self.definitions, &mut self.findings, opened);
             if interest > Interest::Nothing {
@@ -259,8 +256,8 @@ impl<'d> Course<'d> {
         self.judged += 1;
         self.pass(message.timestamp);
         for at in &self.channels[channel.index].by {
-            let message = |checker: &mut (dyn px4::Checker + 'static), judged: &mut Judged<'_>| {
-                checker.message(channel, message, judged);
+            let message = |checker: &mut (dyn px4::Checker + 'static), context: &mut RuleContext<'_>| {
+                checker.message(channel, message, context);
             };
             self.followers[*at].judge(self.definitions, &mut self.findings, message);
         }
@@ -281,26 +278,22 @@ impl<'d> Course<'d> {
     }
 
     /// Something goes over a connection, or happens to it.
-    fn exchanged(&mut self, exchange: &Exchange<'_>) {
-        let turn = self.conversations.follow(exchange, self.definitions);
-        self.tell(&turn);
+    fn exchanged(&mut self, record: &SessionRecord<'_>) {
+        let exchange = self.sessions.follow(record, self.definitions.body_schemas());
+        self.tell(&exchange);
     }
 
     /// The same, of a report on UAVs that rules have judged already which go by what it says alone.
-    fn reported(&mut self, exchange: &Exchange<'_>) {
-        let turn = self.conversations.follow_told(exchange);
-        for at in &self.around {
-            self.listeners[*at].judge(self.definitions, &mut self.findings, |checker, judged| {
-                checker.exchanged(&turn, judged);
-            });
-        }
+    fn reported(&mut self, record: &SessionRecord<'_>) {
+        let exchange = self.sessions.follow_checked(record);
+        self.listeners.checked_report(&exchange, &mut self.findings);
     }
 
     /// A connection, or all that is known of it, comes to its end, and perhaps it is known why.
     fn disconnected(&mut self, connection: Connection<'_>, why: Option<&str>) {
-        let (serial, unanswered) = self.conversations.ended(connection.index);
+        let (serial, unanswered) = self.sessions.ended(connection.index);
         for asked in unanswered {
-            let exchange = Exchange {
+            let record = SessionRecord {
                 connection,
                 direction: Direction::Event,
                 time: None,
@@ -310,16 +303,12 @@ impl<'d> Course<'d> {
                 note: why,
                 place: asked.place,
             };
-            self.tell(&Turn::unanswered(&exchange, serial, asked));
+            self.tell(&Exchange::unanswered(&record, serial, asked));
         }
     }
 
-    fn tell(&mut self, turn: &Turn<'_>) {
-        for follower in &mut self.listeners {
-            follower.judge(self.definitions, &mut self.findings, |checker, judged| {
-                checker.exchanged(turn, judged);
-            });
-        }
+    fn tell(&mut self, exchange: &Exchange<'_>) {
+        self.listeners.record(exchange, &mut self.findings);
     }
 
     fn dropout(&mut self, milliseconds: u16, place: Place) {
@@ -336,7 +325,7 @@ impl<'d> Course<'d> {
     /// The same, where nobody knows of which channel it is.
     fn lost_any(&mut self, place: Place) {
         self.followers.iter_mut().for_each(|follower| follower.checker.damage(place));
-        self.listeners.iter_mut().for_each(|listener| listener.checker.damage(place));
+        self.listeners.damage(place);
     }
 
     /// Where the definition of a topic is, if it has one.
@@ -354,7 +343,7 @@ impl<'d> Course<'d> {
     fn damage(&mut self, place: Place, text: String, extent: Extent) {
         self.extent = self.extent.max(extent);
         self.lost_any(place);
-        self.conversations.lose();
+        self.sessions.lose();
         let number = self.damage.len();
         match self.damage.entry(text) {
             Entry::Occupied(mut known) => known.get_mut().times += 1,
@@ -371,23 +360,20 @@ impl<'d> Course<'d> {
         self.damage(place, format!("what follows can't be read: {error}"), Extent::BrokenOff);
     }
 
-    fn finish(mut self, bytes: u64, source: Source) -> Judgement {
+    fn finish(mut self, bytes: u64, summary: Summary) -> CaptureResult {
         for follower in &mut self.followers {
-            follower.judge(self.definitions, &mut self.findings, |checker, judged| checker.end(judged));
-            self.findings.exercise(follower.rule, follower.exercised);
+            follower.judge(self.definitions, &mut self.findings, px4::Checker::end);
+            self.findings.exercise(follower.rule, follower.coverage);
         }
-        for listener in &mut self.listeners {
-            listener.judge(self.definitions, &mut self.findings, |checker, judged| checker.end(judged));
-            self.findings.exercise(listener.rule, listener.exercised);
-        }
+        self.listeners.end(&mut self.findings);
         let mut damage: Vec<(String, Told)> = self.damage.into_iter().collect();
         damage.sort_by_key(|(_, told)| told.number);
         let told = |(text, told): (String, Told)| match told.times {
             1 => (told.place, text),
             times => (told.place, format!("{text} ({} times)", Grouped(times))),
         };
-        Judgement {
-            source,
+        CaptureResult {
+            summary,
             bytes,
             duration: self.first.map_or(0, |first| self.last - first),
             records: self.records,

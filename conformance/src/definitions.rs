@@ -5,17 +5,15 @@ use std::fmt;
 use std::path::Path;
 use std::sync::OnceLock;
 
-use uavspec_codegen::cli::{Failure, read_definitions};
 use uavspec_codegen::dynamic::Types;
+use uavspec_codegen::load::read_definitions;
 use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::schema::json_type::Direction;
 use uavspec_codegen::schema::{Form, MessageId, Schema};
 use uavspec_codegen::source::Span;
-use uavspec_codegen::{PackageInput, SourceMap, read};
+use uavspec_codegen::{Failure, PackageInput, SourceMap, read};
 use uavspec_definitions::{Dir, FLOCKWAVE, PX4};
 
-use crate::flockwave::body_schema::{Deviation, Schemas, Shapes};
-use crate::json::Tree;
+use crate::flockwave::body_schema::{BodySchemas, Schemas, Shapes};
 
 /// Definitions, with what is looked up in them for each record.
 #[derive(Debug)]
@@ -130,24 +128,9 @@ impl Definitions {
         })
     }
 
-    /// Whether something says what messages of Flockwave of this type have to be.
-    pub fn is_message_known(&self, type_name: &str) -> bool {
-        self.shapes().has(type_name) || self.schemas.has(type_name)
-    }
-
-    /// What of the body of a message of Flockwave deviates from the shape that its type has for its direction; none
-    /// where nothing says what that is.
-    pub fn deviations(
-        &self,
-        type_name: &str,
-        direction: Direction,
-        body: &Tree<'_>,
-    ) -> Option<Vec<Deviation>> {
-        if self.shapes().has(type_name) {
-            self.shapes().check(type_name, direction, body)
-        } else {
-            self.schemas.check(type_name, direction, body)
-        }
+    /// The body schemas of the messages of Flockwave.
+    pub fn body_schemas(&self) -> BodySchemas<'_> {
+        BodySchemas { shapes: self.shapes(), schemas: &self.schemas }
     }
 
     /// Where something is defined.
@@ -161,7 +144,39 @@ impl Definitions {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
+    use uavspec_codegen::schema::JsonMessage;
+    use uavspec_codegen::schema::json_type::{Direction, JsonPart};
+
     use super::*;
+    use crate::flockwave::session::{OPERATION, OPERATIONS, PARTS, parts};
+
+    /// The fields of a body.
+    fn fields(message: &JsonMessage, direction: Direction) -> BTreeSet<&str> {
+        let part = message.parts.iter().find(|part| part.direction == direction);
+        part.into_iter().flat_map(JsonPart::fields).map(|field| field.name.as_str()).collect()
+    }
+
+    #[test]
+    fn parts_of_replies_are_those_of_the_definitions() {
+        let definitions = Definitions::built_in();
+        let messages = &definitions.schema.json_messages;
+        for message in messages {
+            let told = fields(message, Direction::Response);
+            let is_operation = OPERATION.told.iter().all(|part| told.contains(part));
+            // A log is of one UAV, and its receipt stands alone.
+            let is_operation = is_operation && message.name != "LOG-DATA";
+            assert_eq!(OPERATIONS.contains(&message.name.as_str()), is_operation, "{}", message.name);
+            if let Some(parts) = parts(&message.name) {
+                assert!(fields(message, Direction::Request).contains(parts.asked), "{}", message.name);
+                assert_eq!(told, parts.told.iter().copied().collect(), "{}", message.name);
+            }
+        }
+        let names: BTreeSet<&str> = messages.iter().map(|message| message.name.as_str()).collect();
+        assert!(PARTS.iter().all(|(name, _)| names.contains(name)));
+        assert!(OPERATIONS.iter().all(|name| names.contains(name)));
+    }
 
     #[test]
     fn what_the_program_carries_along_is_whole() {

@@ -16,16 +16,20 @@ pub mod app;
 pub mod capture;
 pub mod check;
 pub mod definitions;
-pub mod flockwave;
-pub mod json;
-pub mod matrix;
+mod flockwave;
+mod json;
+mod matrix;
 pub mod model;
-pub mod net;
+mod net;
 pub mod probe;
-pub mod px4;
+mod px4;
 pub mod report;
 pub mod rules;
 pub mod serve;
 pub mod testee;
-pub mod text;
-pub mod watch;
+#[cfg(test)]
+mod tests;
+mod text;
+mod watch;
+
+pub use flockwave::transport;

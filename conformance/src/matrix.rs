@@ -4,10 +4,10 @@ pub mod live;
 
 use std::collections::BTreeSet;
 
-use crate::check::{Judgement, judge};
+use crate::check::{CaptureResult, check_capture};
 use crate::definitions::Definitions;
 use crate::model::Rule;
-use crate::rules::sample::{Conversation, Flight};
+use crate::rules::sample::{Encoding, Flight, Session};
 use crate::rules::{Mutant, mutants};
 
 /// What came of a mutant.
@@ -17,6 +17,8 @@ pub struct Row {
     pub rule: &'static Rule,
     /// The mutant.
     pub mutant: Mutant,
+    /// The change, and the encoding of the capture if there are several.
+    pub title: String,
     /// The ids of the rules that it broke; none where the definitions have nothing to change so.
     pub broken: Option<BTreeSet<&'static str>>,
 }
@@ -24,7 +26,7 @@ pub struct Row {
 impl Row {
     /// The ids of the rules that it should break.
     pub fn expected(&self) -> BTreeSet<&'static str> {
-        self.mutant.also.iter().copied().chain([self.rule.id]).collect()
+        self.mutant.also.iter().chain([&self.rule]).map(|rule| rule.id).collect()
     }
 
     /// Whether it broke what it should, and nothing else; or couldn't be made.
@@ -34,28 +36,29 @@ impl Row {
 }
 
 /// The rules that what a flight conforms to finds broken in it, source by source: none, if all is right.
-pub fn conforming(definitions: &Definitions) -> Vec<(&'static str, Judgement)> {
+pub fn conforming(definitions: &Definitions) -> Vec<(&'static str, CaptureResult)> {
     let flight = Flight::new(definitions);
-    let sources = [
-        ("log", flight.log().to_bytes()),
-        ("MCAP", flight.bag().to_bytes()),
-        ("JSON Lines", flight.lines().to_bytes()),
-        ("rosbridge", flight.rosbridge().to_bytes()),
-        ("Flockwave", Conversation::new().to_bytes()),
-    ];
-    let judged = sources.into_iter().map(|(name, bytes)| (name, judge_bytes(&bytes, definitions)));
+    let flights =
+        Encoding::ALL.into_iter().filter_map(|encoding| Some((encoding.name(), encoding.write(&flight)?)));
+    let sources = flights.chain([("Flockwave", Session::new().to_bytes())]);
+    let judged = sources.map(|(name, bytes)| (name, check_bytes(&bytes, definitions)));
     judged.filter_map(|(name, judgement)| Some((name, judgement?))).collect()
 }
 
-/// Judges all mutants of all rules, made from a flight of some definitions.
+/// Checks all mutants of all rules, made from a flight of some definitions.
 pub fn matrix(definitions: &Definitions) -> Vec<Row> {
     let flight = Flight::new(definitions);
-    let row = |mutant: Mutant| {
-        let judged = mutant.make(&flight).and_then(|bytes| judge_bytes(&bytes, definitions));
-        let broken = judged.map(|judged| judged.findings.groups().map(|group| group.rule.id).collect());
-        Row { rule: mutant.rule, mutant, broken }
+    let broken = |bytes: Vec<u8>| {
+        let result = check_bytes(&bytes, definitions)?;
+        Some(result.findings.groups().map(|group| group.rule.id).collect())
     };
-    mutants().map(row).collect()
+    let rows = |mutant: Mutant| {
+        let row = |title, broken| Row { rule: mutant.rule, mutant: mutant.clone(), title, broken };
+        let captures = mutant.captures(&flight).into_iter();
+        let rows: Vec<Row> = captures.map(|(title, bytes)| row(title, broken(bytes))).collect();
+        if rows.is_empty() { vec![row(mutant.name.to_owned(), None)] } else { rows }
+    };
+    mutants().flat_map(rows).collect()
 }
 
 /// Ids of rules, in words.
@@ -65,6 +68,6 @@ pub(crate) fn list<'i>(ids: impl IntoIterator<Item = &'i &'static str>) -> Strin
 }
 
 /// Bytes can always be read.
-fn judge_bytes(bytes: &[u8], definitions: &Definitions) -> Option<Judgement> {
-    judge(bytes, None, definitions).ok()
+fn check_bytes(bytes: &[u8], definitions: &Definitions) -> Option<CaptureResult> {
+    check_capture(bytes, None, definitions).ok()
 }

@@ -14,11 +14,9 @@
 //! Nothing here waits without a limit; a server that is silent, floods, or dies is told of in the findings and notes.
 
 mod commands;
-mod malformed;
 mod session;
 mod survey;
 mod tape;
-mod trials;
 
 use std::io::{self, Write};
 use std::thread;
@@ -27,13 +25,15 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use self::session::Session;
-use self::tape::{Tape, Trial};
-use self::trials::{Attempt, Step};
-use crate::check::Judgement;
+use self::tape::Tape;
+use crate::check::CaptureResult;
 use crate::definitions::Definitions;
+use crate::flockwave::record::Trial;
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::json::base64;
-use crate::rules::rule;
+use crate::model::Rule;
+use crate::rules::flockwave::trial::{self, Attempt, Request, Sent, Step};
+use crate::rules::flockwave::{FlockwaveRule, env_07, sio_01, udp_02};
 
 /// How long a probe may take that only asks, but for listening.
 const LIMIT: Duration = Duration::from_secs(45);
@@ -87,7 +87,7 @@ impl Options {
 #[derive(Debug)]
 pub struct Probed {
     /// What was found in all that went over the wire.
-    pub judgement: Judgement,
+    pub result: CaptureResult,
     /// What happened on the way, in order.
     pub notes: Vec<String>,
     /// Why not all could be asked.
@@ -105,7 +105,7 @@ pub fn probe<'d>(
     record: Option<Box<dyn Write + 'd>>,
     told: &dyn Fn(usize, usize),
 ) -> Probed {
-    let attempts = trials::all(endpoint);
+    let attempts = trial::attempts(endpoint);
     let commands = if options.uavs.is_empty() { 0 } else { commands::STEPS };
     let mut probe = Probe {
         endpoint,
@@ -128,8 +128,8 @@ pub fn probe<'d>(
         probe.survey();
         probe.leave();
         probe.reset_steps(survey::STEPS + commands);
-        for attempt in &attempts {
-            if probe.failure.is_some() || !probe.attempt(attempt) {
+        for (rule, attempt) in &attempts {
+            if probe.failure.is_some() || !probe.attempt(rule, attempt) {
                 break;
             }
         }
@@ -180,11 +180,11 @@ impl Probe<'_, '_> {
             }
         }
         let tried = match self.endpoint {
-            Endpoint::Udp(_) => "FW-UDP-02",
-            Endpoint::SocketIo { .. } => "FW-SIO-01",
-            Endpoint::Tcp(_) | Endpoint::Http { .. } => "FW-ENV-07",
+            Endpoint::Udp(_) => &udp_02::RULE,
+            Endpoint::SocketIo { .. } => &sio_01::RULE,
+            Endpoint::Tcp(_) | Endpoint::Http { .. } => &env_07::RULE,
         };
-        let trial = rule(tried).map(|rule| Trial { rule, how: "" });
+        let trial = Some(Trial { rule: &tried.rule, how: "" });
         let until = until.max(Instant::now() + PATIENCE);
         let answer = self.post(&json!({ "type": "SYS-VER" }), trial, until);
         if answer.is_none() {
@@ -196,7 +196,7 @@ impl Probe<'_, '_> {
     fn finish(mut self) -> Probed {
         self.leave();
         let (judgement, unrecorded) = self.tape.finish();
-        Probed { judgement, notes: self.notes, failure: self.failure, unrecorded }
+        Probed { result: judgement, notes: self.notes, failure: self.failure, unrecorded }
     }
 
     /// A new connection.
@@ -269,19 +269,33 @@ impl Probe<'_, '_> {
     /// Asks on the connection of the survey, and waits for the answer. That it comes at all is judged as well.
     #[allow(clippy::needless_pass_by_value)] // bodies are written where they are passed
     fn ask(&mut self, body: Value) -> Option<Value> {
-        self.ask_trying("FW-ENV-07", "", body)
+        self.ask_trying(&env_07::RULE, body)
     }
 
-    /// The same, to try a rule.
+    /// Asks on the connection of the survey to try a rule, and waits for the answer.
     #[allow(clippy::needless_pass_by_value)] // as above
-    fn ask_trying(&mut self, id: &str, how: &str, body: Value) -> Option<Value> {
-        let trial = rule(id).map(|rule| Trial { rule, how });
+    fn ask_trying(&mut self, of: &'static FlockwaveRule, body: Value) -> Option<Value> {
+        self.request(&of.rule, Request::new("", body))
+    }
+
+    /// Makes a request that tries a rule, and waits for the answer.
+    fn request(&mut self, rule: &'static Rule, request: Request) -> Option<Value> {
         self.step();
         if self.is_late() || !self.standing() {
             return None;
         }
-        let asked = Instant::now();
-        let answer = self.post(&body, trial, asked + self.patience());
+        let Request { how, body, member, is_repeated } = request;
+        let (id, asked) = (self.next_id(), Instant::now());
+        let until = asked + self.patience();
+        let mut message = json!({ "$fw.version": "1.0", "id": id });
+        if let Some((key, value)) = member {
+            message[key] = value;
+        }
+        message["body"] = body;
+        if is_repeated {
+            self.post_message(&id, &message, Some(plain()), until)?;
+        }
+        let answer = self.post_message(&id, &message, Some(Trial { rule, how }), until);
         match answer {
             Some(_) => self.slowest = self.slowest.max(asked.elapsed()),
             None => self.silences += 1,
@@ -319,15 +333,15 @@ impl Probe<'_, '_> {
         let data = base64::encode(format!("{name}:{password}").as_bytes());
         let until = Instant::now() + PATIENCE;
         let answer =
-            self.post(&json!({ "type": "AUTH-REQ", "method": "basic", "data": data }), plain(), until);
+            self.post(&json!({ "type": "AUTH-REQ", "method": "basic", "data": data }), Some(plain()), until);
         if answer.is_none_or(|answer| answer["body"]["result"] != true) {
             self.note("the login failed".to_owned());
         }
     }
 
     /// Makes an attempt on a connection of its own; whether the next one can be made.
-    fn attempt(&mut self, attempt: &Attempt) -> bool {
-        let Attempt { rule, how, endpoint, steps } = attempt;
+    fn attempt(&mut self, rule: &'static Rule, attempt: &Attempt) -> bool {
+        let Attempt { how, endpoint, steps } = attempt;
         if self.is_late() {
             let (done, all) = self.steps;
             self.fail(format!("the time was over: {} trials were not made", all - done));
@@ -437,8 +451,13 @@ impl Probe<'_, '_> {
 }
 
 /// What every request tries: that it has an answer.
-fn plain() -> Option<Trial<'static>> {
-    rule("FW-ENV-07").map(|rule| Trial { rule, how: "" })
+fn plain() -> Trial<'static> {
+    Trial { rule: &env_07::RULE.rule, how: "" }
+}
+
+/// The trial of a message. One that can't be answered tries nothing by itself.
+fn tries<'t>(sent: &Sent, trial: Trial<'t>) -> Option<Trial<'t>> {
+    sent.id().is_some().then_some(trial)
 }
 
 fn perform(session: &mut Session, tape: &mut Tape<'_>, step: &Step, trial: Trial<'_>) {
@@ -447,24 +466,24 @@ fn perform(session: &mut Session, tape: &mut Tape<'_>, step: &Step, trial: Trial
         return;
     }
     match step {
-        Step::Send(said) => session.send(tape, &said.text, said.id(), said.tries(trial)),
+        Step::Send(sent) => session.send(tape, &sent.text, sent.id(), tries(sent, trial)),
         Step::Together(all) if !session.is_stream() => {
-            for said in all {
-                session.send(tape, &said.text, said.id(), said.tries(trial));
+            for sent in all {
+                session.send(tape, &sent.text, sent.id(), tries(sent, trial));
             }
         }
         Step::Together(all) => {
             let mut bytes = Vec::new();
-            for said in all {
-                session.note(tape, &said.text, said.id(), said.tries(trial));
-                bytes.extend_from_slice(&said.text);
+            for sent in all {
+                session.note(tape, &sent.text, sent.id(), tries(sent, trial));
+                bytes.extend_from_slice(&sent.text);
                 bytes.push(b'\n');
             }
             session.send_raw(tape, &bytes);
         }
-        Step::Pieces(said, count, pause) => {
-            session.note(tape, &said.text, said.id(), said.tries(trial));
-            let line = [&said.text[..], b"\n"].concat();
+        Step::Pieces(sent, count, pause) => {
+            session.note(tape, &sent.text, sent.id(), tries(sent, trial));
+            let line = [&sent.text[..], b"\n"].concat();
             for (at, piece) in line.chunks(line.len().div_ceil(*count)).enumerate() {
                 if at > 0 {
                     thread::sleep(*pause);

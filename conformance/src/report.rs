@@ -1,7 +1,7 @@
 //! What came of a run: one value, from which everything is rendered that is said of it.
 //!
 //! ```text
-//!  judgements of `check` ──source──┐
+//!  results of `check`    ──capture─┐
 //!                                  ├──▶ Report ──▶ text, JSON, JUnit, SARIF, HTML, Markdown
 //!  outcome of `test` ─────testee───┘
 //! ```
@@ -9,6 +9,7 @@
 //! The JSON form is the value itself, so that nothing can be said elsewhere that programs don't get. Whatever
 //! comes from the input stands in it as it is; each format escapes it in its own way.
 
+mod capture;
 pub mod catalogue;
 mod conclusion;
 mod html;
@@ -19,16 +20,16 @@ mod markdown;
 mod sarif;
 #[cfg(test)]
 mod schema;
-mod source;
 mod testee;
 mod text;
 
 use serde::Serialize;
 
+pub use self::capture::{CheckedCapture, Settings};
 pub use self::conclusion::{Conclusion, Outcome};
 pub use self::kind::Kind;
-pub use self::source::{Judged, Settings};
 pub use self::text::subject as subject_text;
+use crate::check::{Summary, Totals};
 use crate::definitions::Definitions;
 use crate::model::{Excuse, Extent, Level, Place, Reason, Rule, Status};
 use crate::rules::RULES;
@@ -165,166 +166,23 @@ pub struct Subject {
     pub elapsed: u128,
 }
 
-/// What a subject is, and what it says of itself.
+/// What a subject is, and its summary.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(tag = "kind", rename_all = "lowercase")]
+#[serde(untagged)]
 pub enum About {
-    /// A log of PX4.
-    Ulog(Ulog),
-    /// Messages as JSON.
-    Json(Json),
-    /// MCAP.
-    Mcap(Mcap),
-    /// Recorded conversations of Flockwave; its messages are those of the server.
-    Flockwave(Flockwave),
-    /// A codec or validator that was asked.
+    /// A capture.
+    Capture(Summary),
+    /// A codec or validator under test.
     Testee(Testee),
 }
 
-/// What a log says of itself.
-#[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct Ulog {
-    /// The firmware, such as its version.
-    pub firmware: Option<String>,
-    /// How many dropouts the log tells of.
-    pub dropouts: u64,
-    /// The formats of its topics beside the definitions, by name.
-    pub formats: Vec<Format>,
-}
-
-/// The format of a topic beside its definition.
-#[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct Format {
-    /// The topic.
-    pub topic: String,
-    /// How the two stand to each other.
-    pub result: FormatResult,
-    /// What differs; empty where nothing does.
-    pub message: String,
-}
-
-/// How a format stands to the definition.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(rename_all = "lowercase")]
-pub enum FormatResult {
-    /// The same fields of the same types at the same places.
-    Equal,
-    /// Something differs.
-    Differs,
-    /// No definition is known for it.
-    Undefined,
-}
-
-/// What JSON says of itself.
-#[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct Json {
-    /// How many lines it has.
-    pub lines: u64,
-    /// How many types its messages have.
-    pub types: u64,
-    /// How many messages of rosbridge say something else than that a message is published.
-    pub skipped: u64,
-    /// The topics or types without a definition, by name.
-    pub undefined: Vec<String>,
-    /// How it differs from the published schemas in ways that are let pass.
-    pub dialects: Vec<String>,
-}
-
-/// What a file of MCAP says of itself.
-#[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct Mcap {
-    /// What else holds of it, such as `ros2`.
-    pub profile: String,
-    /// What wrote it.
-    pub library: String,
-    /// Its channels, by topic.
-    pub channels: Vec<McapChannel>,
-    /// How its JSON differs from the published schemas in ways that are let pass.
-    pub dialects: Vec<String>,
-}
-
-/// A channel of MCAP, with what it was judged by.
-#[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct McapChannel {
-    /// The topic.
-    pub topic: String,
-    /// How its messages are written, such as `cdr`.
-    pub encoding: String,
-    /// The name of its schema.
-    pub schema: Option<String>,
-    /// In what its schema is written, such as `ros2msg`.
-    pub schema_encoding: Option<String>,
-    /// How many messages it has.
-    pub messages: u64,
-    /// How many of them are CDR that isn't judged: parameter lists, or version 2.
-    pub other_cdr: u64,
-    /// How its schema stands to the definition.
-    pub result: ChannelResult,
-    /// What differs, or why nothing could be compared; may be empty.
-    pub message: String,
-}
-
-/// How the schema of a channel stands to the definition.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(rename_all = "lowercase")]
-pub enum ChannelResult {
-    /// The same fields of the same types in the same order.
-    Equal,
-    /// Something differs.
-    Differs,
-    /// There is no schema that could be compared: its name, or the topic, says what it is.
-    #[serde(rename = "by name")]
-    ByName,
-    /// No definition is known for it.
-    Undefined,
-    /// Its messages are neither CDR nor JSON.
-    Unsupported,
-}
-
-/// What a recording of Flockwave says of itself.
-#[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct Flockwave {
-    /// How many connections it tells apart.
-    pub connections: u64,
-    /// How many requests there are.
-    pub requests: u64,
-    /// How many responses there are.
-    pub responses: u64,
-    /// How many notifications there are.
-    pub notifications: u64,
-    /// The types of its messages, by name.
-    pub types: Vec<FlockwaveType>,
-    /// The types that the definitions don't have, nor a schema: nothing says what such messages have to be. By name.
-    pub unsupported: Vec<FlockwaveType>,
-    /// How many messages are of more types than are told apart.
-    pub uncounted: u64,
-}
-
-/// A type of messages of Flockwave.
-#[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct FlockwaveType {
-    /// Its name, such as `UAV-INF`.
-    pub name: String,
-    /// How many messages of it clients sent.
-    pub from_client: u64,
-    /// How many messages of it the server sent.
-    pub from_server: u64,
-}
-
-/// Who was asked, and what it answered.
+/// A codec or validator under test, and its answers.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Testee {
+    /// The kind of the subject.
+    pub kind: TesteeKind,
     /// What it calls its version; empty where it says none.
     pub version: String,
     /// How many cases came to what.
@@ -342,6 +200,16 @@ pub struct Testee {
     pub restarts: u32,
     /// Why the run ended early.
     pub gave_up: Option<String>,
+}
+
+/// The kind of a subject that is a testee.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum TesteeKind {
+    /// A codec or validator under test.
+    #[default]
+    Testee,
 }
 
 /// How many cases came to what.
@@ -686,6 +554,16 @@ impl CaseVerdict {
 }
 
 impl Subject {
+    /// The counts that all captures have in common.
+    fn totals(&self) -> Totals {
+        Totals { records: self.records, duration_us: self.duration_us }
+    }
+
+    /// True if it is a testee, and no capture.
+    fn is_testee(&self) -> bool {
+        matches!(self.about, About::Testee(_))
+    }
+
     /// How many of its rules came to a verdict.
     pub fn count(&self, verdict: Verdict) -> usize {
         self.rules.iter().filter(|rule| rule.verdict == verdict).count()

@@ -29,29 +29,37 @@ pub static RULES: [&Rule; flockwave::RULES.len() + px4::RULES.len()] = {
 };
 
 /// A mutant of a rule of either family.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Mutant {
     /// The rule that it violates.
     pub rule: &'static Rule,
     /// The change.
     pub name: &'static str,
-    /// The ids of other rules that it violates too.
-    pub also: &'static [&'static str],
+    /// Other rules that it violates too.
+    pub also: Vec<&'static Rule>,
     make: Make,
 }
 
 #[derive(Clone, Copy, Debug)]
 enum Make {
     Session(fn() -> Option<Vec<u8>>),
-    Flight(fn(&Flight<'_>) -> Option<Vec<u8>>),
+    Flight(px4::Change),
 }
 
 impl Mutant {
-    /// The capture, made of a flight or a session; none if the definitions have nothing that could be changed so.
-    pub fn make(&self, flight: &Flight<'_>) -> Option<Vec<u8>> {
+    /// The captures, made of a flight or a session, each with its title; none if the definitions have nothing that could
+    /// be changed so.
+    pub fn captures(&self, flight: &Flight<'_>) -> Vec<(String, Vec<u8>)> {
         match self.make {
-            Make::Session(make) => make(),
-            Make::Flight(make) => make(flight),
+            Make::Session(make) => make().map(|bytes| (self.name.to_owned(), bytes)).into_iter().collect(),
+            Make::Flight(change) => {
+                let title = |encoding: sample::Encoding| format!("{} ({})", self.name, encoding.name());
+                change
+                    .captures(flight)
+                    .into_iter()
+                    .map(|(encoding, bytes)| (title(encoding), bytes))
+                    .collect()
+            }
         }
     }
 }
@@ -62,16 +70,16 @@ pub fn mutants() -> impl Iterator<Item = Mutant> {
         of.mutants.iter().map(|flockwave::Mutant { name, make, also }| Mutant {
             rule: &of.rule,
             name,
-            also,
+            also: also.to_vec(),
             make: Make::Session(*make),
         })
     });
     let flights = px4::RULES.iter().flat_map(|of| {
-        of.mutants.iter().map(|px4::Mutant { name, make, also }| Mutant {
+        of.mutants.iter().map(|px4::Mutant { name, change, also }| Mutant {
             rule: &of.rule,
             name,
-            also,
-            make: Make::Flight(*make),
+            also: also.iter().map(|also| &also.rule).collect(),
+            make: Make::Flight(*change),
         })
     });
     sessions.chain(flights)
@@ -79,11 +87,13 @@ pub fn mutants() -> impl Iterator<Item = Mutant> {
 
 /// The way in which a rule is checked, in words.
 pub fn checked_by(rule: &Rule) -> &'static str {
-    let flockwave = flockwave::RULES.iter().find(|of| of.rule.id == rule.id).map(|of| match of.check {
-        flockwave::Check::Exchange(_) | flockwave::Check::Context(_) => {
+    let keeps_state = |check: &flockwave::Check| matches!(check, flockwave::Check::Session(_));
+    let flockwave = flockwave::rule(rule.id).map(|of| {
+        if of.checks.iter().any(keeps_state) {
+            FOLLOWING
+        } else {
             "message by message, with what went over the connection before"
         }
-        flockwave::Check::State(_) => FOLLOWING,
     });
     let px4 = px4::RULES.iter().find(|of| of.rule.id == rule.id).map(|of| match of.check {
         px4::Check::Value => "value by value, by a plan that is made once for each format",
@@ -95,42 +105,42 @@ pub fn checked_by(rule: &Rule) -> &'static str {
 
 const FOLLOWING: &str = "following the records of a source with a small state for each topic";
 
-/// Where a rule puts what it finds.
-pub struct Judged<'j> {
+/// The surroundings of a check: what it is checked by, and where its findings and its coverage are counted.
+pub struct RuleContext<'c> {
     /// The rule.
     pub rule: &'static Rule,
-    /// What it is judged by.
-    pub definitions: &'j Definitions,
-    /// All findings.
-    pub findings: &'j mut Findings,
-    /// How often it was exercised.
-    pub exercised: &'j mut u64,
+    /// The definitions that captures are checked against.
+    pub definitions: &'c Definitions,
+    /// All findings of the run.
+    pub findings: &'c mut Findings,
+    /// The number of times that the rule had something to check.
+    pub coverage: &'c mut u64,
 }
 
-impl Judged<'_> {
-    /// Where a definition says what its messages are.
+impl RuleContext<'_> {
+    /// The line where a definition starts.
     pub(crate) fn defined(&self, definition: Option<MessageId>) -> Option<Span> {
         definition.map(|id| self.definitions.schema.message(id).span)
     }
 
-    /// Where a definition has this field.
+    /// The line where a definition has this field.
     pub(crate) fn field(&self, definition: Option<MessageId>, name: &str) -> Option<Span> {
         let fields = &self.definitions.schema.message(definition?).fields;
         fields.iter().find(|field| field.name == name).map(|field| field.span)
     }
 
-    /// Something was looked at, whatever came of it.
-    pub fn exercise(&mut self) {
-        *self.exercised += 1;
+    /// Counts that the rule had something to check, whatever the result.
+    pub fn covered(&mut self) {
+        *self.coverage += 1;
     }
 
-    /// Something breaks the rule.
-    pub fn report(&mut self, subject: &str, place: Place, detail: impl FnOnce() -> Detail) {
-        self.findings.report(self.rule, subject, place, None, detail);
+    /// Reports a violation of the rule.
+    pub fn violation(&mut self, subject: &str, place: Place, detail: impl FnOnce() -> Detail) {
+        self.violation_of(subject, place, None, detail);
     }
 
-    /// Something breaks the rule, which a definition has at this place.
-    pub(crate) fn report_defined(
+    /// Reports a violation of what a definition says at this line.
+    pub(crate) fn violation_of(
         &mut self,
         subject: &str,
         place: Place,

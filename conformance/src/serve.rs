@@ -7,11 +7,10 @@
 //! ```
 //!
 //! It keeps to the specification, so that authors of clients have something to try them against, and so that this
-//! program can be tried on it: without a bug nothing is to be found, and with a [bug](bug()) that rule.
+//! program can be tried on it: without a bug nothing is to be found, and with the bug of a rule that rule.
 //!
 //! The hub knows neither sockets nor the time of day: the same calls give the same messages.
 
-mod bug;
 mod error_code;
 mod family;
 mod hub;
@@ -33,8 +32,8 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-pub use self::bug::{Bug, bug, bugs};
 use self::listen::Shared;
+use crate::rules::flockwave::FlockwaveRule;
 
 /// The transports, by the names that the protocol's reference server has for them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -97,8 +96,8 @@ pub struct Options {
     pub stay: Option<Duration>,
     /// Name and password without which nobody is served.
     pub login: Option<(String, String)>,
-    /// The rule that is to be broken.
-    pub bug: Option<&'static Bug>,
+    /// The rule whose bug the server has.
+    pub bug: Option<&'static FlockwaveRule>,
     /// The time of the server at the start, in milliseconds since 1970.
     pub start: u64,
 }

@@ -13,6 +13,7 @@ pub mod file;
 pub mod known;
 mod link;
 pub mod lint;
+pub mod options;
 pub mod outcome;
 mod process;
 pub mod protocol;

@@ -1,25 +1,12 @@
-//! The tests of `uavspec`, in one program: each file is a module.
+//! The tests of the program `uavspec` and of what its library offers, in one program; each file is a module. Tests of
+//! the parts are in `src/tests/`.
 
-mod browser;
-mod catalogue;
-mod check;
 mod cli;
-mod damage;
-mod ext;
-mod flockwave;
-mod json;
+mod imports;
 mod known;
-mod live_matrix;
-mod mcap;
-mod mutants;
 mod probe;
-mod report;
-mod reports;
 mod schema;
 mod serve;
-mod shapes;
 mod support;
 mod testee;
-mod trials;
-mod ulog;
 mod watch;

@@ -11,11 +11,12 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
-use uavspec_conformance::check::judge;
+use uavspec_conformance::check::check_capture;
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::flockwave::transport::endpoint::Endpoint;
 use uavspec_conformance::probe::{Options, Probed, probe};
-use uavspec_conformance::serve::{self, Server, Transport, bug};
+use uavspec_conformance::rules::flockwave;
+use uavspec_conformance::serve::{self, Server, Transport};
+use uavspec_conformance::transport::endpoint::Endpoint;
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 
@@ -50,19 +51,19 @@ fn probed(url: &str, options: &Options) -> Probed {
     assert!(began.elapsed() < options.limit + options.observe + SLACK, "it is over in time");
     assert!(probed.unrecorded.is_none());
     let recording = tape.0.lock().unwrap_or_else(PoisonError::into_inner).clone();
-    let replayed = judge(&*recording, None, &DEFINITIONS).expect("bytes can be read");
-    let of = |judgement: &uavspec_conformance::check::Judgement| -> Vec<String> {
+    let replayed = check_capture(&*recording, None, &DEFINITIONS).expect("bytes can be read");
+    let of = |judgement: &uavspec_conformance::check::CaptureResult| -> Vec<String> {
         judgement.findings.groups().map(|group| format!("{group:?}")).collect()
     };
-    assert_eq!(of(&replayed), of(&probed.judgement));
-    assert_eq!(probed.judgement.damage, vec![], "the recording is what recordings are");
+    assert_eq!(of(&replayed), of(&probed.result));
+    assert_eq!(probed.result.damage, vec![], "the recording is what recordings are");
     probed
 }
 
 /// How often each rule is broken.
 fn broken(probed: &Probed) -> BTreeMap<&'static str, u64> {
     let mut counts = BTreeMap::new();
-    for group in probed.judgement.findings.groups() {
+    for group in probed.result.findings.groups() {
         *counts.entry(group.rule.id).or_default() += group.count;
     }
     counts
@@ -118,7 +119,7 @@ fn nobody_at_home_is_told() {
     let free = TcpListener::bind("127.0.0.1:0").expect("a free port").local_addr().expect("an address");
     let probed = probed(&format!("tcp://{free}"), &brief());
     assert!(probed.failure.expect("a reason").starts_with("no connection"));
-    assert_eq!(probed.judgement.judged, 0);
+    assert_eq!(probed.result.judged, 0);
 }
 
 #[test]
@@ -196,7 +197,7 @@ fn a_server_that_dies_in_the_middle_is_told() {
     });
     let probed = probed(&url, &brief());
     assert!(probed.failure.expect("a reason").starts_with("it can't be reached any more"));
-    let told = probed.judgement.findings.groups().flat_map(|group| &group.examples);
+    let told = probed.result.findings.groups().flat_map(|group| &group.examples);
     let lost = told.filter(|(_, detail)| detail.message.ends_with("; the server closed the connection"));
     assert_eq!(lost.count(), 1, "a request without an answer");
 }
@@ -224,7 +225,7 @@ fn a_server_that_closes_now_and_then_is_asked_to_the_end() {
 
 /// The first word of each finding of a rule on trials: how it was tried, and how often that failed.
 fn trials(probed: &Probed) -> Vec<(&'static str, String, u64)> {
-    let groups = probed.judgement.findings.groups();
+    let groups = probed.result.findings.groups();
     groups.map(|group| (group.rule.id, group.subject.clone(), group.count)).collect()
 }
 
@@ -294,7 +295,7 @@ fn uavspec(arguments: &[&str]) -> (Option<i32>, String, String) {
 #[test]
 fn the_command_says_what_came_of_it_and_records_it() {
     let place = SocketAddr::from(([127, 0, 0, 1], 0));
-    let bug = bug("FW-SYS-VER-02");
+    let bug = flockwave::rule("FW-SYS-VER-02");
     let options = serve::Options { bug, ..serve::Options::default() };
     let server = Server::start(options, &[(Transport::Tcp, place)]).expect("it starts");
     let url = server.listening()[0].to_string();

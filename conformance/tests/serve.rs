@@ -12,9 +12,10 @@ use std::time::{Duration, Instant};
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use serde_json::{Value, json};
-use uavspec_conformance::flockwave::transport::MESSAGE_LIMIT;
-use uavspec_conformance::flockwave::transport::client::{Client, Heard, connect};
-use uavspec_conformance::serve::{Options, Server, Transport, bug};
+use uavspec_conformance::rules::flockwave;
+use uavspec_conformance::serve::{Options, Server, Transport};
+use uavspec_conformance::transport::MESSAGE_LIMIT;
+use uavspec_conformance::transport::client::{Client, Heard, connect};
 
 /// How long something may take that has to happen.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -42,7 +43,7 @@ fn serve(options: Options) -> Server {
 
 /// A server that breaks a rule, and that tells often of the fleet.
 fn broken(rule: &str) -> Server {
-    serve(Options { bug: Some(bug(rule).expect("a bug")), rate: 20.0, ..Options::default() })
+    serve(Options { bug: Some(flockwave::rule(rule).expect("a rule")), rate: 20.0, ..Options::default() })
 }
 
 fn address(server: &Server, transport: Transport) -> SocketAddr {

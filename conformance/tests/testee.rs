@@ -18,8 +18,8 @@ use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::testee::case::{Case, Want, cases};
 use uavspec_conformance::testee::outcome::{Outcome, Verdict};
 use uavspec_conformance::testee::protocol::{Format, Op};
-use uavspec_conformance::testee::run::{Options, run};
 use uavspec_conformance::testee::target::Target;
+use uavspec_conformance::testee::{options::Options, run::run};
 use uavspec_runtime::Scalar;
 
 struct Suite {
@@ -42,7 +42,8 @@ fn testee() -> &'static Path {
     static TESTEE: OnceLock<PathBuf> = OnceLock::new();
     TESTEE.get_or_init(|| {
         let mut cargo = Command::new(env!("CARGO"));
-        cargo.args(["build", "--quiet", "--package", env!("CARGO_PKG_NAME"), "--example", "testee"]);
+        // With `--workspace`, dependencies have the features that `cargo test --workspace` has compiled them with.
+        cargo.args(["build", "--quiet", "--workspace", "--example", "testee"]);
         cargo.args(["--message-format", "json"]).current_dir(env!("CARGO_MANIFEST_DIR"));
         let built = cargo.stderr(Stdio::inherit()).output().expect("cargo runs");
         let printed = String::from_utf8(built.stdout).expect("UTF-8");

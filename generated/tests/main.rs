@@ -1,4 +1,4 @@
-//! The tests of the generated types, in one program: each file is a module.
+//! The tests of the generated types, in one program; each file is a module.
 
 mod readme;
 mod schemas;

@@ -24,8 +24,7 @@ pub(crate) struct Arguments {
 /// for who only generates.
 pub(crate) fn run(arguments: Arguments) -> Result<bool, String> {
     let root = repository();
-    uavspec_codegen::cli::generate(root.join("definitions/uavspec.toml"))
-        .map_err(|failure| told(&failure))?;
+    uavspec_codegen::generate(root.join("definitions/uavspec.toml")).map_err(|failure| told(&failure))?;
     let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
     command.args(["run", "--quiet", "--locked", "--manifest-path"]).arg(root.join("xtask/site/Cargo.toml"));

@@ -13,7 +13,7 @@ use std::ffi::OsString;
 use std::process::{self, ExitCode};
 
 use clap::{Parser, Subcommand};
-use uavspec_codegen::cli::Failure;
+use uavspec_codegen::Failure;
 
 /// The chores of this repository.
 #[derive(Parser)]

@@ -49,7 +49,7 @@ impl Crate {
             "[output]\nrust = {{ path = \"src\", root = \"lib.rs\" }}\njson_schema = \"schemas\"\n{packages}"
         );
         self.write("uavspec.toml", &config);
-        uavspec_codegen::cli::generate(self.folder.join("uavspec.toml"))
+        uavspec_codegen::generate(self.folder.join("uavspec.toml"))
             .unwrap_or_else(|failure| panic!("{failure}"));
     }
 
@@ -114,9 +114,9 @@ fn messages_of_fixed_size_need_no_allocator() {
 
 const PX4: &str = "\n[[package]]\nname = \"px4\"\ndialect = \"px4\"\n";
 
-#[test]
-fn names_that_fight_the_language() {
-    let package = Crate::new("fighting-names");
+/// A crate generated from definitions whose names are keywords, or items that generated code uses.
+fn fighting_names(name: &str) -> Crate {
+    let package = Crate::new(name);
     package.write(
         "a/Words.msg",
         "uint8 type # [@enum SELF]\nuint8 self\nuint8 super\nuint8 crate\nuint8 gen\nuint8 Abc\nuint8 aBC\nuint8 fn\n\
@@ -127,9 +127,34 @@ fn names_that_fight_the_language() {
         "uint8 mode # [@enum MODE]\nuint8 MODE_A = 0\nuint8 NAME = 1\nuint8 VERSION = 2\nuint8 SIZE = 3\n",
     );
     package.write("a/Option.msg", "Some some\nString string\nVec[2] vec\nDefault[40] default\n");
-    for name in ["Some", "None", "String", "Vec", "Default", "Self", "Srv", "Box", "Result", "Message"] {
+    for name in [
+        "Some",
+        "None",
+        "String",
+        "Vec",
+        "Default",
+        "Self",
+        "Srv",
+        "Box",
+        "Result",
+        "Message",
+        "Definition",
+        "Text",
+        "Core",
+        "UavspecRuntime",
+    ] {
         package.write(&format!("a/{name}.msg"), "uint64 timestamp\n");
     }
+    // Enums with the names of imports and of types that the macros of the runtime use.
+    package.write(
+        "a/Enums.msg",
+        "uint8 a # [@enum OPTION]\nuint8 OPTION_A = 0\nuint8 b # [@enum SOME]\nuint8 SOME_A = 0\n\
+         uint8 c # [@enum DEFINITION]\nuint8 DEFINITION_A = 0\nuint8 d # [@enum CONSTRAINT]\nuint8 CONSTRAINT_A = 0\n\
+         Definition definition\nText text\nUavspecRuntime runtime\nbool yes\n",
+    );
+    package.write("b/msg/String.msg", "string text\n");
+    package.write("b/msg/Vec.msg", "string[] texts [\"x\"]\n");
+    package.write("b/msg/Strings.msg", "string text\nstring[] texts [\"x\"]\nString string\nVec[] vec\n");
     package.write("a/lower_case.msg", "Option option\nchar[7] text\nchar letter\nchar[300] long\n");
     package.write("a/Empty.msg", "");
     package.write(
@@ -152,12 +177,25 @@ fn names_that_fight_the_language() {
     );
     package.generate(&format!(
         "{PX4}include = [\"a/*\"]\n\n[[package]]\nname = \"b_msgs\"\ndialect = \"ros2\"\ninclude = [\"b/**/*\"]\n\n\
-         [[package]]\nname = \"type\"\ndialect = \"px4\"\ninclude = [\"a/Empty.msg\"]\n"
+         [[package]]\nname = \"type\"\ndialect = \"px4\"\ninclude = [\"a/Empty.msg\"]\n\n[[package]]\nname = \"core\"\ndialect = \"px4\"\ninclude = [\"a/Some.msg\"]\n\n\
+         [[package]]\nname = \"uavspec_runtime\"\ndialect = \"px4\"\ninclude = [\"a/Empty.msg\"]\n"
     ));
-    package.compiles();
+    package
 }
 
 #[test]
+fn names_that_fight_the_language() {
+    fighting_names("fighting-names").cargo(&["check"]);
+}
+
+#[test]
+#[ignore = "takes long"]
+fn names_that_fight_the_language_have_no_warning_with_any_features() {
+    fighting_names("fighting-names-linted").compiles();
+}
+
+#[test]
+#[ignore = "takes long"]
 fn all_of_the_corpus() {
     let Some(corpus) = shared("corpus") else { return };
     let package = Crate::new("whole-corpus");

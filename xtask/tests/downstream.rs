@@ -39,6 +39,7 @@ fn cargo(folder: &Path, arguments: &[&str]) {
 }
 
 #[test]
+#[ignore = "takes long"]
 fn the_workspace_of_the_readme_works() {
     let parent = tempfile::tempdir().expect("a temporary folder");
     let folder = parent.path().join("workspace");

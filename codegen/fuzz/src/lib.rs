@@ -1,12 +1,12 @@
 //! What the fuzz targets share: any bytes as a package, read, rendered and emitted.
 
-use uavspec_codegen::diagnostic::{has_errors, render};
+use uavspec_codegen::diagnostic::has_errors;
 use uavspec_codegen::emit::{self, inspect};
 use uavspec_codegen::format::{Formatted, format};
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::source::Span;
 use uavspec_codegen::translation::Translations;
-use uavspec_codegen::{PackageInput, SourceMap, read};
+use uavspec_codegen::{PackageInput, SourceMap, read, render};
 
 /// Parts the bytes of one input into several files. It is no byte of UTF-8.
 pub const FILE_SEPARATOR: u8 = 0xff;

@@ -1,9 +1,11 @@
 //! `array-length-changed`: an array or a string of another length.
 
 use super::field_added::uorb;
+use super::message::Pair;
 use super::message::both;
-use super::{Category, Check, Example, Pair, Rule, Sink};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::schema::{Element, Field, Shape};
 
 pub(super) const RULE: Rule = Rule {

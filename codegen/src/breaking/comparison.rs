@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::Between;
+use super::message::Between;
 use super::message::{Pair, PairOf};
 use super::order::likeness;
 use super::signature::Signatures;
@@ -15,7 +15,7 @@ const MAX_COMPARISONS: usize = 1_000_000;
 
 /// Two sets of definitions, matched.
 #[derive(Debug)]
-pub struct Comparison<'a> {
+pub(crate) struct Comparison<'a> {
     /// Messages that are in both sets, parts of services and actions too.
     pub pairs: Vec<Pair<'a>>,
     /// Messages, services and actions that are in one set only, or called otherwise in the other.
@@ -26,7 +26,7 @@ pub struct Comparison<'a> {
 
 /// A message, a service or an action that is in one set only, or called otherwise in the other.
 #[derive(Debug)]
-pub enum MessageChange<'a> {
+pub(crate) enum MessageChange<'a> {
     /// Only in the old set.
     Removed(Named<'a>),
     /// Only in the new set.
@@ -37,7 +37,7 @@ pub enum MessageChange<'a> {
 
 /// A message, a service or an action.
 #[derive(Clone, Copy, Debug)]
-pub struct Named<'a> {
+pub(crate) struct Named<'a> {
     /// What it is.
     pub kind: Kind,
     /// Its name.
@@ -48,7 +48,7 @@ pub struct Named<'a> {
 
 /// An error code of two sets, or of one.
 #[derive(Clone, Copy, Debug)]
-pub enum CodeChange<'a> {
+pub(crate) enum CodeChange<'a> {
     /// Only in the old set.
     Removed(&'a ErrorCode),
     /// Only in the new set.
@@ -63,7 +63,7 @@ pub enum CodeChange<'a> {
 
 impl<'a> Comparison<'a> {
     /// Matches two sets.
-    pub fn new(old: &'a Schema, new: &'a Schema, between: Between) -> Self {
+    pub(crate) fn new(old: &'a Schema, new: &'a Schema, between: Between) -> Self {
         let mut matcher = Matcher { old, new, twins: Vec::new(), changes: Vec::new(), codes: Vec::new() };
         for (before, after) in packages(old, new) {
             matcher.messages(before, after);

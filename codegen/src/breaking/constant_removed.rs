@@ -1,7 +1,9 @@
 //! `constant-removed`: a constant that is gone.
 
-use super::{Category, Check, ConstantChange, Example, Pair, Rule, Sink};
+use super::message::{ConstantChange, Pair};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::finding::Sides;
 
 pub(super) const RULE: Rule = Rule {

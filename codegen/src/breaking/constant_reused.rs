@@ -1,8 +1,10 @@
 //! `constant-reused`: a value that stands for something else.
 
 use super::message::both;
-use super::{Category, Check, ConstantChange, Example, Pair, Rule, Sink};
+use super::message::{ConstantChange, Pair};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "constant-reused",

@@ -1,8 +1,10 @@
 //! `constant-value-changed`: a constant of another value.
 
 use super::message::both;
-use super::{Category, Check, ConstantChange, Example, Pair, Rule, Sink};
+use super::message::{ConstantChange, Pair};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::schema::Constant;
 
 pub(super) const RULE: Rule = Rule {

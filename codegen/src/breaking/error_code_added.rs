@@ -1,8 +1,10 @@
 //! `error-code-added`: an error code that is new.
 
+use super::comparison::CodeChange;
 use super::error_code_removed::name;
-use super::{Category, Check, CodeChange, Example, Rule, Sink};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::finding::Sides;
 
 pub(super) const RULE: Rule = Rule {

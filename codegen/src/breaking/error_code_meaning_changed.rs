@@ -1,10 +1,12 @@
 //! `error-code-meaning-changed`: an error code that is described otherwise.
 
+use super::comparison::CodeChange;
 use super::comparison::common_words;
 use super::error_code_removed::name;
 use super::message::both;
-use super::{Category, Check, CodeChange, Example, Rule, Sink};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "error-code-meaning-changed",

@@ -1,7 +1,9 @@
 //! `error-code-removed`: an error code that is gone.
 
-use super::{Category, Check, CodeChange, Example, Rule, Sink};
+use super::comparison::CodeChange;
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::finding::Sides;
 use crate::schema::ErrorCode;
 

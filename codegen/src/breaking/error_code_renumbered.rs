@@ -1,9 +1,11 @@
 //! `error-code-renumbered`: an error code of another number.
 
+use super::comparison::CodeChange;
 use super::error_code_removed::name;
 use super::message::both;
-use super::{Category, Check, CodeChange, Example, Rule, Sink};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "error-code-renumbered",

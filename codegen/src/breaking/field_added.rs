@@ -1,7 +1,9 @@
 //! `field-added`: a field that is new.
 
-use super::{Category, Check, Example, FieldChange, Pair, Rule, Sink};
+use super::message::{FieldChange, Pair};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::finding::Sides;
 use crate::schema::Message;
 

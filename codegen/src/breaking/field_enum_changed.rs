@@ -1,8 +1,10 @@
 //! `field-enum-changed`: a field that holds other constants.
 
+use super::message::Pair;
 use super::message::both;
-use super::{Category, Check, Example, Pair, Rule, Sink};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::schema::{Field, Schema};
 
 pub(super) const RULE: Rule = Rule {

@@ -1,8 +1,11 @@
 //! `field-frame-changed`: a field in another coordinate frame.
 
+use super::message::Pair;
 use super::message::both;
-use super::{Category, Check, Example, Pair, Rule, Sink};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
+use crate::msg::attribute::FRAME;
 use crate::schema::Field;
 
 pub(super) const RULE: Rule = Rule {
@@ -28,7 +31,7 @@ pub(super) const RULE: Rule = Rule {
 };
 
 fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
-    let (Some(before), Some(now)) = (&old.frame, &new.frame) else { return };
+    let (Some(before), Some(now)) = (old.attribute(&FRAME), new.attribute(&FRAME)) else { return };
     if before == now {
         return;
     }

@@ -1,8 +1,10 @@
 //! `field-invalid-changed`: a field that says otherwise that it has no data.
 
+use super::message::Pair;
 use super::message::both;
-use super::{Category, Check, Example, Pair, Rule, Sink};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::schema::{Field, Special};
 use crate::value::Value;
 

@@ -1,8 +1,10 @@
 //! `field-moved`: a field at another place among the others.
 
+use super::message::Pair;
 use super::message::{Kept, both};
-use super::{Category, Check, Example, Pair, Rule, Sink};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::schema::Element;
 
 pub(super) const RULE: Rule = Rule {

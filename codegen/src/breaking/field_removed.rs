@@ -1,8 +1,10 @@
 //! `field-removed`: a field that is gone.
 
 use super::field_added::uorb;
-use super::{Category, Check, Example, FieldChange, Pair, Rule, Sink};
+use super::message::{FieldChange, Pair};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::finding::Sides;
 
 pub(super) const RULE: Rule = Rule {

@@ -1,8 +1,10 @@
 //! `field-unit-changed`: a field in another unit.
 
+use super::message::Pair;
 use super::message::both;
-use super::{Category, Check, Example, Pair, Rule, Sink};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::schema::Field;
 
 pub(super) const RULE: Rule = Rule {

@@ -2,12 +2,22 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
+use super::order;
 use super::order::{MAX_COMPARISONS, align, likeness};
 use super::signature::OfSet;
-use super::{Between, order};
 use crate::finding::Sides;
 use crate::schema::{Constant, Dialect, Element, Field, Form, Kind, Message, MessageId, Schema, Type};
 use crate::source::Span;
+
+/// Between which states versions of messages are judged.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Between {
+    /// Between commits a changed message has a version that is one higher.
+    #[default]
+    Commits,
+    /// Between releases it may be higher by more: the message may have changed several times.
+    Releases,
+}
 
 /// Constants that PX4 knows by name, with rules of their own.
 pub(super) const VERSION: &str = "MESSAGE_VERSION";
@@ -18,7 +28,7 @@ const ALIKE: f64 = 0.5;
 
 /// A message that is in both sets.
 #[derive(Debug)]
-pub struct Pair<'a> {
+pub(crate) struct Pair<'a> {
     /// The set that it was in.
     pub old_schema: &'a Schema,
     /// The set that it is in.
@@ -37,7 +47,7 @@ pub struct Pair<'a> {
 
 /// A field of two sets, or of one, by index.
 #[derive(Clone, Copy, Debug)]
-pub enum FieldChange {
+pub(crate) enum FieldChange {
     /// In both.
     Kept(Kept),
     /// Only in the old set.
@@ -48,7 +58,7 @@ pub enum FieldChange {
 
 /// A field that is in both sets, under whatever name.
 #[derive(Clone, Copy, Debug)]
-pub struct Kept {
+pub(crate) struct Kept {
     /// Its index in the old message.
     pub old: usize,
     /// Its index in the new one.
@@ -61,7 +71,7 @@ pub struct Kept {
 
 /// What became of that which a field holds, in whatever number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Held {
+pub(crate) enum Held {
     /// It is the same.
     Same,
     /// It is the same message, but that has other bytes.
@@ -77,7 +87,7 @@ pub enum Held {
 
 /// A constant of two sets, or of one.
 #[derive(Clone, Copy, Debug)]
-pub enum ConstantChange<'a> {
+pub(crate) enum ConstantChange<'a> {
     /// Only in the old set.
     Removed(&'a Constant),
     /// Only in the new set.
@@ -92,7 +102,7 @@ pub enum ConstantChange<'a> {
 
 impl<'a> Pair<'a> {
     /// The fields that are in both sets.
-    pub fn kept(&self) -> impl Iterator<Item = &Kept> {
+    pub(crate) fn kept(&self) -> impl Iterator<Item = &Kept> {
         self.fields.iter().filter_map(|change| match change {
             FieldChange::Kept(kept) => Some(kept),
             FieldChange::Removed(_) | FieldChange::Added(_) => None,
@@ -100,12 +110,12 @@ impl<'a> Pair<'a> {
     }
 
     /// The fields that are in both sets, as they were and as they are.
-    pub fn fields(&self) -> impl Iterator<Item = (&'a Field, &'a Field)> {
+    pub(crate) fn fields(&self) -> impl Iterator<Item = (&'a Field, &'a Field)> {
         self.kept().map(|kept| (&self.old.fields[kept.old], &self.new.fields[kept.new]))
     }
 
     /// Whether anything changed that PX4 asks a new version for: names, types, lengths or order of fields.
-    pub fn has_changed_fields(&self) -> bool {
+    pub(crate) fn has_changed_fields(&self) -> bool {
         let is_changed = |change: &FieldChange| match change {
             FieldChange::Removed(_) | FieldChange::Added(_) => true,
             FieldChange::Kept(kept) => {
@@ -121,28 +131,28 @@ impl<'a> Pair<'a> {
     }
 
     /// Its name, as it is now.
-    pub fn name(&self) -> &'a str {
+    pub(crate) fn name(&self) -> &'a str {
         &self.new.name
     }
 
     /// The place of the message in the new set.
-    pub fn head(&self) -> Span {
+    pub(crate) fn head(&self) -> Span {
         self.new.span.part(0..0)
     }
 
     /// Whether it is a message of PX4's uORB.
-    pub fn is_uorb(&self) -> bool {
+    pub(crate) fn is_uorb(&self) -> bool {
         let form = self.new_schema.package_of(self.new).form;
         form == Form::Msg(Dialect::Px4) && self.new.kind == Kind::Message
     }
 
     /// What a field's type was, as a definition writes it.
-    pub fn old_type(&self, ty: Type) -> String {
+    pub(crate) fn old_type(&self, ty: Type) -> String {
         self.old_schema.type_text(self.old, ty)
     }
 
     /// What a field's type is.
-    pub fn new_type(&self, ty: Type) -> String {
+    pub(crate) fn new_type(&self, ty: Type) -> String {
         self.new_schema.type_text(self.new, ty)
     }
 }

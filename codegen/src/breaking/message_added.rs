@@ -1,8 +1,10 @@
 //! `message-added`: a message, service or action that is new.
 
+use super::comparison::MessageChange;
 use super::message_removed::what;
-use super::{Category, Check, Example, MessageChange, Rule, Sink};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::finding::Sides;
 
 pub(super) const RULE: Rule = Rule {

@@ -1,7 +1,9 @@
 //! `message-removed`: a message, service or action that is gone.
 
-use super::{Category, Check, Example, MessageChange, Rule, Sink};
+use super::comparison::MessageChange;
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::finding::Sides;
 use crate::schema::Kind;
 

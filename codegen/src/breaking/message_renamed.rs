@@ -1,8 +1,10 @@
 //! `message-renamed`: a message under another name.
 
+use super::comparison::MessageChange;
 use super::message::both;
-use super::{Category, Check, Example, MessageChange, Rule, Sink};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "message-renamed",

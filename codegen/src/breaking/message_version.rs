@@ -1,8 +1,10 @@
 //! `message-version`: a version that doesn't tell of a change.
 
 use super::message::VERSION;
-use super::{Between, Category, Check, Example, Pair, Rule, Sink};
+use super::message::{Between, Pair};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::finding::Sides;
 use crate::schema::Message;
 

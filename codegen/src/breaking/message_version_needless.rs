@@ -1,8 +1,10 @@
 //! `message-version-needless`: a version that tells of no change.
 
+use super::message::Pair;
 use super::message_version::places;
-use super::{Category, Check, Example, Pair, Rule, Sink};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "message-version-needless",

@@ -1,8 +1,10 @@
 //! `message-version-removed`: a message that has no version any more.
 
+use super::message::Pair;
 use super::message_version::places;
-use super::{Category, Check, Example, Pair, Rule, Sink};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "message-version-removed",

@@ -1,9 +1,11 @@
 //! `nested-changed`: a field whose message changed.
 
 use super::field_added::uorb;
+use super::message::Pair;
 use super::message::{Held, both};
-use super::{Category, Check, Example, Pair, Rule, Sink};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::schema::Element;
 
 pub(super) const RULE: Rule = Rule {

@@ -1,8 +1,10 @@
 //! `queue-length-changed`: a queue of another length.
 
+use super::message::Pair;
 use super::message::QUEUE_LENGTH;
-use super::{Category, Check, Example, Pair, Rule, Sink};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::finding::Sides;
 use crate::schema::Message;
 

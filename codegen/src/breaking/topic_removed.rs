@@ -2,9 +2,11 @@
 
 use std::collections::BTreeSet;
 
+use super::message::Pair;
 use super::message::both;
-use super::{Category, Check, Example, Pair, Rule, Sink};
+use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "topic-removed",

@@ -6,14 +6,18 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 
-use super::config::{Config, Inputs, Plan};
-use super::load::{load, load_beside};
+use super::arguments::{DefinitionsArgs, PackageArgs};
+use super::print::plural;
 use super::report::ReportArgs;
 use super::revision::Checkout;
-use super::{DefinitionsArgs, Failure, PackageArgs, plural};
 use crate::breaking::{Between, Category, RULES, breaking};
-use crate::diagnostic::{Diagnostic, Level, has_errors, render};
+use crate::diagnostic::{Diagnostic, Level, has_errors};
+use crate::failure::Failure;
 use crate::finding::Finding;
+use crate::load::{Config, Inputs, Plan};
+use crate::load::{load, load_beside};
+use crate::read::read;
+use crate::render;
 use crate::report::RuleInfo;
 
 /// Arguments of `breaking`.
@@ -68,8 +72,8 @@ pub(super) fn run(args: &BreakingArgs) -> Result<bool, Failure> {
     let new = load_beside(&new_plan, sources)?;
     let sources = &new.sources;
     let ((old_schema, mut old_diagnostics), (new_schema, mut new_diagnostics)) = thread::scope(|scope| {
-        let old = scope.spawn(|| crate::read(sources, &old.packages));
-        let new = crate::read(sources, &new.packages);
+        let old = scope.spawn(|| read(sources, &old.packages));
+        let new = read(sources, &new.packages);
         // A panic in a thread is a defect here, and goes on in the caller.
         (old.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)), new)
     });

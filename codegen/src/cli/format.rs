@@ -9,11 +9,13 @@ use std::time::Instant;
 use clap::Args;
 use similar::TextDiff;
 
-use super::config::Plan;
-use super::load::{self, Loaded};
-use super::rewrite::{self, Change};
-use super::{DefinitionsArgs, Failure, plural, report};
+use super::arguments::DefinitionsArgs;
+use super::print::{plural, report};
+use crate::failure::Failure;
 use crate::format::{self, Formatted};
+use crate::load::Plan;
+use crate::load::{self, Loaded};
+use crate::rewrite::{self, Change};
 use crate::source::{SourceId, SourceMap};
 
 /// Arguments of `fmt`.

@@ -6,15 +6,17 @@ use std::time::Instant;
 
 use clap::Args;
 
-use super::config::{Plan, PresetName};
-use super::load::{self, Loaded};
+use super::arguments::DefinitionsArgs;
+use super::print::plural;
 use super::report::ReportArgs;
-use super::rewrite::{self, Change};
-use super::{DefinitionsArgs, Failure, plural};
 use crate::diagnostic::Level;
+use crate::failure::Failure;
 use crate::finding::Finding;
 use crate::lint::{Ignore, Preset, RULES, Settings, apply, lint};
+use crate::load::{self, Loaded};
+use crate::load::{Plan, PresetName};
 use crate::report::RuleInfo;
+use crate::rewrite::{self, Change};
 use crate::source::SourceId;
 
 /// How often mending is tried again: a fix may leave room for the next.

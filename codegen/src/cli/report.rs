@@ -4,8 +4,10 @@ use std::io::{self, Write as _};
 
 use clap::{Args, ValueEnum};
 
-use crate::diagnostic::{Level, render};
+use super::print::print_rendered;
+use crate::diagnostic::Level;
 use crate::finding::Finding;
+use crate::render;
 use crate::report::{Entry, Format, Report, RuleInfo};
 use crate::source::SourceMap;
 
@@ -78,7 +80,7 @@ impl ReportArgs {
         sources: &SourceMap,
     ) -> bool {
         match self.format.format() {
-            None => super::print_rendered(|styled| render::findings(findings, sources, styled)),
+            None => print_rendered(|styled| render::findings(findings, sources, styled)),
             Some(format) => {
                 let entries = findings.iter().map(|finding| Entry::of(finding, sources)).collect();
                 let text = Report { command, rules, entries }.to_text(format);

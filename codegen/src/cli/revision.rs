@@ -9,9 +9,9 @@ use std::io::{self, Read as _, Seek as _, Write as _};
 use std::path::{Component, Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-use super::Failure;
-use super::config::Plan;
-use super::load::is_definition;
+use crate::failure::Failure;
+use crate::load::Plan;
+use crate::load::is_definition;
 
 /// A revision's definitions and configuration files in a folder of their own, which goes with this value.
 pub(super) struct Checkout {

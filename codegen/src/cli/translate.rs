@@ -8,12 +8,16 @@ use std::time::Instant;
 
 use clap::Args;
 
-use super::config::{Config, Plan, normalise};
-use super::load::{Loaded, literal_base};
-use super::rewrite::{self, Change};
-use super::{Failure, plural, read_translated, report};
+use super::print::{plural, report};
 use crate::diagnostic::Level;
+use crate::failure::Failure;
+use crate::load::read_translated;
+use crate::load::{Config, Plan};
+use crate::load::{Loaded, literal_base};
+use crate::path::normalise;
+use crate::rewrite::{self, Change};
 use crate::schema::Schema;
+use crate::source::stem;
 use crate::translation::catalogue::{Catalogue, parse, print};
 use crate::translation::{self, SOURCE_LANGUAGE, Text, is_tag, new_catalogue, update};
 
@@ -128,7 +132,7 @@ fn outcomes(
     let mut outcomes = Vec::new();
     for id in &loaded.catalogues {
         let Some(path) = loaded.paths.get(id) else { continue };
-        if !args.languages.is_empty() && !is_named(crate::stem(sources.path(*id))) {
+        if !args.languages.is_empty() && !is_named(stem(sources.path(*id))) {
             continue;
         }
         let (catalogue, _, _) = parse(sources, *id);
@@ -139,9 +143,8 @@ fn outcomes(
             old: Some((sources.text(*id).to_owned(), catalogue)),
         });
     }
-    let is_there = |tag: &str| {
-        loaded.catalogues.iter().any(|id| crate::stem(sources.path(*id)).eq_ignore_ascii_case(tag))
-    };
+    let is_there =
+        |tag: &str| loaded.catalogues.iter().any(|id| stem(sources.path(*id)).eq_ignore_ascii_case(tag));
     for tag in args.languages.iter().collect::<BTreeSet<_>>() {
         if !is_there(tag) {
             let all = || texts.iter().map(|text| text.unit.clone()).collect();

@@ -8,5 +8,5 @@ mod explain;
 mod read;
 mod write;
 
-pub(super) use read::{copy, copy_short, decode};
+pub(super) use read::decode;
 pub(super) use write::encode;

@@ -4,8 +4,10 @@ use uavspec_runtime::Scalar;
 use uavspec_runtime::layout::{self, Member, Size};
 
 use super::error::Defect;
-use super::packed::Packed;
-use super::plan::{Bounds, Element, Field, Plan, Run, SLOT, Sequence, Step, Width};
+use super::packed::{Move, Packed};
+use super::plan::{Element, Field, GROWTH, Plan, SLOT};
+use super::step::{Bounds, Run, Sequence, Step, Width};
+use super::types::Types;
 use crate::msg::Dialect;
 use crate::schema::layout::MAX_MESSAGE_SIZE;
 use crate::schema::{self, Form, Message, Schema, Shape};
@@ -15,11 +17,14 @@ use crate::value::Value;
 /// of JSON may have a limit of its own (`serde_json` allows 127 brackets). Real messages nest seven deep.
 pub(super) const MAX_DEPTH: usize = 32;
 
-/// Most bytes that a byte of CDR takes in memory: a message of one `uint8` is padded to so many.
-pub(super) const GROWTH: usize = 8;
-
 /// A nested message of at most so many steps is not called but copied into the one that holds it.
 const MAX_COPIED_STEPS: usize = 16;
+
+/// Types that take more copies than this go step by step: each element of an array of messages counts.
+const MAX_MOVES: usize = 512;
+
+/// Types with more bytes go step by step, too: no message of uORB has as many.
+const MAX_SIZE: usize = 1 << 16;
 
 /// A type whose messages aren't measured yet.
 #[derive(Debug)]
@@ -46,8 +51,15 @@ pub(super) enum Placement {
 /// Fields that pad are named so, and numbered.
 pub(super) const PADDING: &str = "_padding";
 
+impl Types {
+    /// The types of all messages of a schema.
+    pub fn new(schema: &Schema) -> Self {
+        Self::of(compile(drafts(schema)))
+    }
+}
+
 /// A draft of each message, in the order of the schema.
-pub(super) fn drafts(schema: &Schema) -> Vec<Draft> {
+fn drafts(schema: &Schema) -> Vec<Draft> {
     schema.messages.iter().map(|message| draft(schema, message)).collect()
 }
 
@@ -191,7 +203,7 @@ fn plan(mut draft: Draft, plans: &[Plan]) -> Plan {
         size,
         is_fixed: !any(varies, |plan| !plan.is_fixed),
         least: fields.iter().fold(0_usize, |all, field| all.saturating_add(least(field, plans))).max(1),
-        packed: Packed::of(&steps, size.padded, plans),
+        packed: packed(&steps, size.padded, plans),
         steps: steps.into(),
         has_defaults: any(
             |field| field.default.as_ref().is_some_and(says_something),
@@ -330,6 +342,39 @@ fn sequence(element: Element) -> Sequence {
         Element::String(bounds) => Sequence::Strings(bounds),
         Element::Message(plan) => Sequence::Messages(plan),
     }
+}
+
+/// The copies of a type with these steps; none where its size varies or there are too many.
+fn packed(steps: &[Step], padded: usize, plans: &[Plan]) -> Option<Packed> {
+    let mut moves = Vec::new();
+    let mut size = 0;
+    flatten(steps, plans, 0, &mut size, &mut moves)?;
+    Some(Packed::new(moves, size, padded))
+}
+
+/// Adds the moves of a message whose memory starts at `base` and whose CDR goes on from `at`.
+fn flatten(steps: &[Step], plans: &[Plan], base: usize, at: &mut usize, moves: &mut Vec<Move>) -> Option<()> {
+    for step in steps {
+        match *step {
+            Step::Copy(Run { offset, size, width, is_bool }) => {
+                let cdr = at.next_multiple_of(width as usize);
+                moves.push(Move { memory: base + offset, cdr, size, width, is_bool });
+                *at = cdr + size;
+            }
+            Step::Messages { offset, count, plan } => {
+                let plan = &plans[plan];
+                for index in 0..count {
+                    flatten(&plan.steps, plans, base + offset + index * plan.size.padded, at, moves)?;
+                }
+            }
+            Step::Empty => *at += 1,
+            Step::Strings { .. } | Step::Sequence { .. } => return None,
+        }
+        if moves.len() > MAX_MOVES || *at > MAX_SIZE {
+            return None;
+        }
+    }
+    Some(())
 }
 
 /// Adds a step, or makes the last one longer.

@@ -3,10 +3,10 @@
 use serde::de::value::Error;
 use uavspec_runtime::Scalar;
 
-use super::DynamicMessage;
-use super::MessageType;
 use super::json::Builder;
+use super::message::DynamicMessage;
 use super::plan::{Element, Field, Plan};
+use super::types::MessageType;
 use crate::schema::Shape;
 use crate::value::Value;
 

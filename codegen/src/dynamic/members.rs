@@ -1,4 +1,22 @@
 //! The members of a JSON object whose names are known: read as indices, and each once.
+//!
+//! ```
+//! use serde::de::DeserializeSeed as _;
+//! use uavspec_codegen::dynamic::members::{KeySeed, Named};
+//!
+//! struct Field(&'static str);
+//!
+//! impl Named for Field {
+//!     fn name(&self) -> &str {
+//!         self.0
+//!     }
+//! }
+//!
+//! let fields = [Field("speed"), Field("gust")];
+//! let mut key = serde_json::Deserializer::from_str("\"gust\"");
+//! assert_eq!(KeySeed { fields: &fields, guess: 0 }.deserialize(&mut key)?, 1);
+//! # Ok::<(), serde_json::Error>(())
+//! ```
 
 use std::fmt;
 

@@ -3,9 +3,8 @@
 
 use uavspec_runtime::cdr::{ByteOrder, HEADER, is_filling};
 
-use super::cdr::{copy, copy_short};
-use super::plan::{Plan, Run, Step, Width};
-use super::view::part;
+use super::bytes::{copy, copy_short, make_bools, part};
+use super::step::Width;
 
 /// The copies of a type.
 #[derive(Debug)]
@@ -24,36 +23,21 @@ pub(super) struct Packed {
 
 /// Bytes that are in both forms.
 #[derive(Clone, Copy, Debug)]
-struct Move {
-    memory: usize,
-    cdr: usize,
-    size: usize,
-    width: Width,
-    is_bool: bool,
+pub(super) struct Move {
+    pub(super) memory: usize,
+    pub(super) cdr: usize,
+    pub(super) size: usize,
+    pub(super) width: Width,
+    pub(super) is_bool: bool,
 }
 
-/// Types that take more copies than this go step by step: each element of an array of messages counts.
-const MAX_MOVES: usize = 512;
-
-/// So do those with more bytes: no message of uORB has as many.
-const MAX_SIZE: usize = 1 << 16;
-
 impl Packed {
-    /// Works out the copies of a type with these steps; none where its size varies or there are too many.
-    pub(super) fn of(steps: &[Step], padded: usize, plans: &[Plan]) -> Option<Self> {
-        let mut moves = Vec::new();
-        let mut size = 0;
-        flatten(steps, plans, 0, &mut size, &mut moves)?;
+    /// The copies of a type, given in the order of CDR, where it takes `size` bytes; in memory it takes `padded`.
+    pub(super) fn new(moves: Vec<Move>, size: usize, padded: usize) -> Self {
         let bools = moves.iter().copied().filter(|part| part.is_bool).collect();
         let mut in_memory = moves.clone();
         in_memory.sort_by_key(|part| part.memory);
-        Some(Self {
-            size,
-            bools,
-            gaps: gaps(&in_memory, padded),
-            copies: merged(&moves),
-            swaps: moves.into(),
-        })
+        Self { size, bools, gaps: gaps(&in_memory, padded), copies: merged(&moves), swaps: moves.into() }
     }
 
     /// Reads a payload; nothing where it isn't as long as it should be.
@@ -117,38 +101,6 @@ impl Move {
             ByteOrder::BigEndian => copy::<true>(from, to, self.width),
         }
     }
-}
-
-/// Makes each byte 0 or 1.
-pub(super) fn make_bools(bytes: &mut [u8]) {
-    for byte in bytes {
-        *byte = u8::from(*byte != 0);
-    }
-}
-
-/// Adds the moves of a message whose memory starts at `base` and whose CDR goes on from `at`.
-fn flatten(steps: &[Step], plans: &[Plan], base: usize, at: &mut usize, moves: &mut Vec<Move>) -> Option<()> {
-    for step in steps {
-        match *step {
-            Step::Copy(Run { offset, size, width, is_bool }) => {
-                let cdr = at.next_multiple_of(width as usize);
-                moves.push(Move { memory: base + offset, cdr, size, width, is_bool });
-                *at = cdr + size;
-            }
-            Step::Messages { offset, count, plan } => {
-                let plan = &plans[plan];
-                for index in 0..count {
-                    flatten(&plan.steps, plans, base + offset + index * plan.size.padded, at, moves)?;
-                }
-            }
-            Step::Empty => *at += 1,
-            Step::Strings { .. } | Step::Sequence { .. } => return None,
-        }
-        if moves.len() > MAX_MOVES || *at > MAX_SIZE {
-            return None;
-        }
-    }
-    Some(())
 }
 
 /// Joins what lies side by side in both forms.

@@ -8,10 +8,10 @@ use std::fmt;
 
 use uavspec_runtime::Scalar;
 
-use super::Types;
 use super::compile::{Draft, Placement, compile};
 use super::error::Defect;
 use super::plan::{Element, Field};
+use super::types::Types;
 use crate::schema::Shape;
 
 /// The package of all types of a log.

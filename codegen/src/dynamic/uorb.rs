@@ -5,13 +5,15 @@ use std::ops::ControlFlow;
 use uavspec_runtime::layout::Size;
 use uavspec_runtime::{Fault, Scalar};
 
+use super::bytes::make_bools;
+use super::bytes::part;
 use super::error::{Error, Reason};
-use super::packed::make_bools;
-use super::plan::{Element, Field, Plan, Run, Step};
+use super::plan::{Element, Field, Plan};
+use super::step::{Run, Step};
 use super::trail::Trail;
-use super::view::{DynamicView, part};
+use super::types::{MessageType, Types};
+use super::view::DynamicView;
 use super::walk::{Stop, Walk, walk};
-use super::{MessageType, Types};
 
 /// Refuses payloads that have neither the full size nor that without the padding at the end.
 #[inline]

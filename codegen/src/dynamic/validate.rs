@@ -5,9 +5,10 @@ use std::ops::ControlFlow;
 
 use uavspec_runtime::{Constraint, Number, Rule};
 
+use super::bytes::until_nul;
 use super::plan::{Element, Field, Plan};
 use super::trail::Trail;
-use super::view::{DynamicView, scalar_value, until_nul};
+use super::view::{DynamicView, scalar_value};
 use super::walk::{Stop, Walk, walk};
 
 /// A value that breaks a rule. Shown as `events[2].id: …`.

@@ -5,10 +5,11 @@ use std::fmt;
 use uavspec_runtime::record::Primitive;
 use uavspec_runtime::{Number, Scalar};
 
+use super::bytes::{part, slot, until_nul};
 use super::plan::{Element, Field, Plan};
-use super::{DynamicMessage, MessageType, Types};
+use super::types::{MessageType, Types};
 
-/// A message in the bytes of a payload or of a [`DynamicMessage`]: each field is read when it is asked for.
+/// A message in the bytes of a payload or of a [`DynamicMessage`](super::DynamicMessage): each field is read when it is asked for.
 #[derive(Clone, Copy)]
 pub struct DynamicView<'v> {
     pub(super) types: &'v Types,
@@ -167,24 +168,6 @@ impl<'v> Elements<'v> {
     }
 }
 
-/// Where the bytes or elements start that a slot stands for, and how many there are.
-#[inline]
-pub(super) fn slot(bytes: &[u8], at: usize) -> (usize, usize) {
-    let number = |at| u32::read_le(part(bytes, at, 4)) as usize;
-    (number(at), number(at + 4))
-}
-
-/// The bytes from `start` on, as many as `length`; none where the buffer doesn't hold them.
-#[inline]
-pub(super) fn part(bytes: &[u8], start: usize, length: usize) -> &[u8] {
-    bytes.get(start..start + length).unwrap_or_default()
-}
-
-/// The text in a `char[N]`.
-pub(super) fn until_nul(bytes: &[u8]) -> &[u8] {
-    bytes.split(|byte| *byte == 0).next().unwrap_or_default()
-}
-
 pub(super) fn scalar_value(scalar: Scalar, bytes: &[u8]) -> Value<'static> {
     match scalar {
         Scalar::Bool => Value::Bool(bool::read_le(bytes)),
@@ -228,11 +211,5 @@ impl fmt::Debug for DynamicView<'_> {
 impl fmt::Debug for Elements<'_> {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.debug_list().entries(self.iter()).finish()
-    }
-}
-
-impl fmt::Debug for DynamicMessage<'_> {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.view().fmt(formatter)
     }
 }

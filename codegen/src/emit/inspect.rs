@@ -1,14 +1,28 @@
 //! The model as JSON: what `inspect` prints.
+//!
+//! ```
+//! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//! # let mut sources = SourceMap::default();
+//! # let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n".into()).unwrap();
+//! # let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! # let (schema, diagnostics) = read(&sources, &packages);
+//! let model = uavspec_codegen::emit::inspect::schema(&schema);
+//! let message = model.pointer("/packages/px4/messages/Wind").unwrap();
+//! assert_eq!(message["fields"][1]["unit"], "m/s");
+//! ```
 
 mod json_type;
+mod value;
 
+use self::value::range;
+pub(crate) use self::value::value;
 use serde_json::{Map, Value as Json, json};
 
+use crate::msg::attribute::FRAME;
 use crate::schema::{
-    Constant, Element, Field, Interface, Message, MessageId, Package, Range, Schema, Special, Type,
+    Constant, Element, Field, Interface, Message, MessageId, Package, Schema, Special, Type,
 };
 use crate::unit;
-use crate::value::Value;
 
 /// The whole schema as one JSON value.
 pub fn schema(schema: &Schema) -> Json {
@@ -83,19 +97,24 @@ fn message(schema: &Schema, message: &Message) -> Json {
 }
 
 fn field(schema: &Schema, message: &Message, field: &Field) -> Json {
-    json!({
+    let mut model = json!({
         "name": field.name,
         "type": schema.type_text(message, field.ty),
         "default": field.default.as_ref().map(value),
         "unit": field.unit.as_deref().filter(|unit| *unit != unit::NONE),
         "range": field.range.as_ref().map(range),
         "invalid": field.invalid.as_ref().map(special),
-        "frame": field.frame,
-        "enum": (!field.enum_prefixes.is_empty()).then(|| field.enum_prefixes.join(" ")),
-        "count_of": field.counts.map(|array| &message.fields[array].name),
-        "group": field.group.map(|group| &message.groups[group].summary),
-        "description": field.description,
-    })
+    });
+    // Null where there is none; of all others, only those that are there.
+    model["frame"] = json!(field.attribute(&FRAME));
+    for (attribute, text) in field.attributes() {
+        model[attribute.name] = json!(text);
+    }
+    model["enum"] = json!((!field.enum_prefixes.is_empty()).then(|| field.enum_prefixes.join(" ")));
+    model["count_of"] = json!(field.counts.map(|array| &message.fields[array].name));
+    model["group"] = json!(field.group.map(|group| &message.groups[group].summary));
+    model["description"] = json!(field.description);
+    model
 }
 
 fn constant(schema: &Schema, message: &Message, constant: &Constant) -> Json {
@@ -123,30 +142,7 @@ fn constant(schema: &Schema, message: &Message, constant: &Constant) -> Json {
     })
 }
 
-pub(super) fn range(range: &Range) -> Json {
-    json!([range.low.as_ref().map(value), range.high.as_ref().map(value)])
-}
-
 /// An invalid value; the empty string or array is the word for it.
 fn special(special: &Special) -> Json {
     special.value.as_ref().map_or_else(|| json!("empty"), value)
-}
-
-/// A value in JSON, which has no word for NaN and the infinities: they are strings.
-pub(crate) fn value(value: &Value) -> Json {
-    match value {
-        Value::Bool(value) => json!(value),
-        Value::Int(value) => integer(*value),
-        Value::Float(value) if value.is_nan() => json!("NaN"),
-        Value::Float(value) if value.is_infinite() => json!(if *value > 0.0 { "inf" } else { "-inf" }),
-        Value::Float(value) => json!(value),
-        Value::Text(value) => json!(value),
-        Value::List(values) => values.iter().map(self::value).collect(),
-    }
-}
-
-/// An integer of at most 64 bits, as all values of fields and constants are.
-pub(crate) fn integer(value: i128) -> Json {
-    i64::try_from(value)
-        .map_or_else(|_| json!(u64::try_from(value).unwrap_or(u64::MAX)), |value| json!(value))
 }

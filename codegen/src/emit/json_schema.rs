@@ -38,6 +38,18 @@
 //!
 //! A `char[N]` of PX4 holds N bytes of UTF-8. A schema can count only characters, of which N bytes hold
 //! at most N: it refuses nothing that fits, and takes some texts of other alphabets that don't.
+//!
+//! ```
+//! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//! # let mut sources = SourceMap::default();
+//! # let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n".into()).unwrap();
+//! # let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! # let (schema, diagnostics) = read(&sources, &packages);
+//! use uavspec_codegen::emit::json_schema::{Options, emit};
+//!
+//! let files = emit(&schema, &Options { base: "https://example.org".to_owned() });
+//! assert!(files.iter().any(|file| file.text.contains("https://example.org/")));
+//! ```
 
 mod address;
 mod annotation;
@@ -54,7 +66,11 @@ use self::address::Address;
 pub(super) use self::address::Target;
 pub(super) use self::json_type::BASE64;
 use self::tree::{Member, Node, member};
-use super::{GENERATED_BY, OutputFile};
+#[cfg(feature = "files")]
+use super::emitter::{Input, Output};
+use super::file::{GENERATED_BY, OutputFile};
+#[cfg(feature = "files")]
+use crate::failure::Failure;
 use crate::schema::json_type::Direction;
 use crate::schema::{Element, JsonMessageId, MessageId, Package, Schema};
 
@@ -66,6 +82,7 @@ pub(super) const DRAFT: &str = "https://json-schema.org/draft/2020-12/schema";
 
 /// How schemas are emitted.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "files", derive(serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Options {
     /// The absolute address that every `$id` starts with.
     pub base: String,
@@ -74,6 +91,13 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self { base: DEFAULT_BASE.to_owned() }
+    }
+}
+
+#[cfg(feature = "files")]
+impl Output for Options {
+    fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
+        Ok(emit(input.schema, self))
     }
 }
 
@@ -118,11 +142,6 @@ pub(super) fn targets(schema: &Schema, package: &Package, index: usize) -> Vec<T
         message.parts.iter().map(move |part| Target::JsonPart(id, part.direction))
     }));
     targets
-}
-
-/// Any value of a type: the last alternative where more values may come than are known.
-fn any_of_type<'s>(ty: impl Into<Node<'s>>) -> Node<'s> {
-    Node::Object(vec![member("type", ty)])
 }
 
 struct Emitter<'s> {

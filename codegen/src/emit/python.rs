@@ -20,32 +20,53 @@
 //!
 //! Where definitions are translated, `labels` gives what they say in a language of the user, and each language is a
 //! module of its own, which is imported when a program asks for it.
+//!
+//! ```
+//! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//! # let mut sources = SourceMap::default();
+//! # let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n".into()).unwrap();
+//! # let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! # let (schema, diagnostics) = read(&sources, &packages);
+//! use uavspec_codegen::{emit::python, translation::Translations};
+//!
+//! let files = python::emit(&schema, &Translations::default());
+//! assert!(files.iter().any(|file| file.path == "px4.py" && file.text.contains("class Wind(")));
+//! ```
 
 mod error_code;
 mod item;
 mod labels;
 mod text;
 mod types;
+mod uses;
 
 use std::collections::BTreeSet;
 
+use self::text::header;
+use self::uses::Uses;
 use super::binding::{ERROR_CODE, Kind, Module, SEVERITY, labels, modules};
-use super::{GENERATED_BY, OutputFile};
+#[cfg(feature = "files")]
+use super::emitter::{Input, Output};
+use super::file::OutputFile;
+#[cfg(feature = "files")]
+use crate::failure::Failure;
 use crate::schema::Schema;
 use crate::translation::Translations;
 
 /// The module of the class that enums derive from.
 const OPEN_ENUM: &str = "_open_enum";
 
-/// Names that a module takes from elsewhere.
-#[derive(Default)]
-struct Uses {
-    /// From `typing`.
-    typing: BTreeSet<&'static str>,
-    /// From `typing`, of which earlier versions of Python have none.
-    recent: BTreeSet<&'static str>,
-    is_flags_used: bool,
-    is_open_enum_used: bool,
+/// Options of the emitter: none.
+#[cfg(feature = "files")]
+#[derive(Debug, Default, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Options {}
+
+#[cfg(feature = "files")]
+impl Output for Options {
+    fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
+        Ok(emit(input.schema, input.translations))
+    }
 }
 
 /// Emits a module for each package, what they share and, where there are translations, the labels; sorted by path.
@@ -69,10 +90,6 @@ pub fn emit(schema: &Schema, translations: &Translations) -> Vec<OutputFile> {
     files.extend(labels(schema, translations).iter().flat_map(labels::files));
     files.sort_by(|left, right| left.path.cmp(&right.path));
     files
-}
-
-fn header(from: &str) -> String {
-    format!("# {GENERATED_BY} from {from}. Do not edit: run `cargo xtask codegen`.\n")
 }
 
 fn init(modules: &[Module]) -> String {

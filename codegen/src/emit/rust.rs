@@ -4,29 +4,53 @@
 //! Tokens are made with `quote`, parsed once more by `syn`, so that what is written is Rust, and laid
 //! out by `prettyplease`. Nothing of a definition reaches the output but through identifiers made by
 //! `identifier`, literals and documentation.
+//!
+//! ```
+//! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//! # let mut sources = SourceMap::default();
+//! # let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n".into()).unwrap();
+//! # let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! # let (schema, diagnostics) = read(&sources, &packages);
+//! use uavspec_codegen::emit::rust::{Options, emit};
+//!
+//! let files = emit(&schema, &sources, &Options::default());
+//! assert!(files.iter().any(|file| file.path == "px4/wind.rs" && file.text.contains("pub struct Wind")));
+//! ```
 
+mod context;
 mod enumeration;
 mod error_code;
+mod file;
 mod identifier;
+mod imports;
 mod json_type;
 mod message;
+mod text;
 mod types;
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::num::NonZero;
 use std::thread;
 
-use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
+use proc_macro2::TokenStream;
 use quote::quote;
 
+use self::context::{Context, Place};
+use self::file::{documentation, header, header_of, header_of_package, inner_documentation, layout_file};
 use self::identifier::{Scope, ident, module_name};
-use super::{GENERATED_BY, OutputFile, prose};
-use crate::schema::{MessageId, Package, Schema};
+#[cfg(feature = "files")]
+use super::emitter::{Input, Output};
+use super::file::OutputFile;
+use super::origin::Origins;
+#[cfg(feature = "files")]
+use crate::failure::Failure;
+use crate::prose;
+use crate::schema::{Element, MessageId, Package, Schema};
 use crate::source::SourceMap;
 
 /// Options of the emitter.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "files", derive(serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Options {
     /// Name of the file at the root of the module tree: `mod.rs`, or `lib.rs` for a whole crate.
     pub root: String,
@@ -37,6 +61,13 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self { root: "mod.rs".to_owned(), readme: None }
+    }
+}
+
+#[cfg(feature = "files")]
+impl Output for Options {
+    fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
+        Ok(emit(input.schema, input.sources, self))
     }
 }
 
@@ -55,75 +86,11 @@ struct InterfaceModule {
     parts: Vec<(MessageId, Place)>,
 }
 
-/// Where the type of a message is: the path from the root of the module tree, and the type's name.
-#[derive(Clone, Debug)]
-struct Place {
-    modules: Vec<String>,
-    type_name: String,
-    /// Of a message of fixed size, the name of the type that looks at its bytes.
-    view_name: String,
-}
-
-impl Place {
-    /// The names of its public types but for enums.
-    fn names(&self) -> impl Iterator<Item = &String> {
-        [&self.type_name, &self.view_name].into_iter().filter(|name| !name.is_empty())
-    }
-}
-
-/// All that the parts of the emitter look up.
-struct Context<'s> {
-    schema: &'s Schema,
-    sources: &'s SourceMap,
-    /// By [`MessageId`].
-    places: Vec<Option<Place>>,
-    /// Names of the types of the enums of each message, by [`MessageId`].
-    enum_names: Vec<Vec<String>>,
-}
-
-impl Context<'_> {
-    fn place(&self, id: MessageId) -> &Place {
-        // Every message that is listed, or referred to by one that is, has been given a place.
-        self.places[id.0 as usize].as_ref().unwrap_or(&UNPLACED)
-    }
-
-    /// The path of a message's type as the module of another message writes it.
-    fn path(&self, from: MessageId, to: MessageId) -> TokenStream {
-        let place = self.place(to);
-        // Types are re-exported by the package's module, so the message's own module is left out.
-        let public = &place.modules[..place.modules.len().saturating_sub(1)];
-        self.relative(from, public, &place.type_name)
-    }
-
-    /// The path of an enum's type as the module of another message writes it.
-    fn enum_path(&self, from: MessageId, to: MessageId, type_name: &str) -> TokenStream {
-        if self.place(from).modules == self.place(to).modules {
-            let name = ident(type_name);
-            return quote!(#name);
-        }
-        self.relative(from, &self.place(to).modules, type_name)
-    }
-
-    fn relative(&self, from: MessageId, modules: &[String], type_name: &str) -> TokenStream {
-        let own = &self.place(from).modules;
-        let shared = own.iter().zip(modules).take_while(|(left, right)| left == right).count();
-        let ups = (shared..own.len()).map(|_| quote!(super::));
-        let downs = modules[shared..].iter().map(|module| {
-            let module = ident(module);
-            quote!(#module::)
-        });
-        let name = ident(type_name);
-        quote!(#(#ups)* #(#downs)* #name)
-    }
-}
-
-static UNPLACED: Place = Place { modules: Vec::new(), type_name: String::new(), view_name: String::new() };
-
 /// Emits the whole schema as a tree of modules below `options.root`.
 pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<OutputFile> {
     let mut context = Context {
         schema,
-        sources,
+        origins: Origins::new(schema, sources),
         places: vec![None; schema.messages.len()],
         enum_names: vec![Vec::new(); schema.messages.len()],
     };
@@ -219,13 +186,6 @@ fn set_place(context: &mut Context<'_>, id: MessageId, place: Place, scope: &mut
     context.places[id.0 as usize] = Some(place);
 }
 
-/// The header line of a generated file.
-fn header(from: &str) -> String {
-    // A path with a line break would end the comment.
-    let from = from.replace(['\n', '\r'], " ");
-    format!("// {GENERATED_BY} from {from}. Do not edit: run `cargo xtask codegen`.\n\n")
-}
-
 fn root(packages: &[(&Package, String, Modules)], options: &Options) -> String {
     let modules = packages.iter().map(|(package, module, _)| {
         let module = ident(module);
@@ -304,9 +264,9 @@ fn package_files(
         json = Some(json_type::declaration());
         files.append(&mut json_type::files(context, package, module));
     }
-    let layouts = assert_layouts(modules.messages.iter().map(|(_, place)| place));
+    let layouts = assert_layouts(context, &modules.messages);
     let tokens = quote!(#doc #error_codes #(#messages)* #(#kinds)* #json #layouts);
-    let text = header(&format!("the definitions of package {}", package.name)) + &layout_file(tokens);
+    let text = header_of_package(package) + &layout_file(tokens);
     files.push(OutputFile { path: format!("{module}.rs"), text });
     for kind in ["srv", "action"] {
         let of_kind: Vec<&InterfaceModule> =
@@ -314,7 +274,7 @@ fn package_files(
         if !of_kind.is_empty() {
             files.push(OutputFile {
                 path: format!("{module}/{kind}.rs"),
-                text: kind_module(package, &of_kind),
+                text: kind_module(context, package, &of_kind),
             });
         }
     }
@@ -324,13 +284,13 @@ fn package_files(
         let doc = inner_documentation(&format!("The parts of {}.", prose::code(&from.name)));
         let parts: Vec<TokenStream> =
             interface.parts.iter().map(|(id, _)| message::tokens(context, *id)).collect();
-        let source = context.sources.path(context.sources.source_of(from.span));
-        files.push(OutputFile { path, text: header(source) + &layout_file(quote!(#doc #(#parts)*)) });
+        let text = header_of(context, package, from.span) + &layout_file(quote!(#doc #(#parts)*));
+        files.push(OutputFile { path, text });
     }
     files
 }
 
-fn kind_module(package: &Package, interfaces: &[&InterfaceModule]) -> String {
+fn kind_module(context: &Context<'_>, package: &Package, interfaces: &[&InterfaceModule]) -> String {
     let what = if interfaces[0].kind == "srv" { "Services" } else { "Actions" };
     let doc = inner_documentation(&format!("{what} of package `{}`.", package.name));
     let modules = interfaces.iter().map(|interface| {
@@ -340,16 +300,23 @@ fn kind_module(package: &Package, interfaces: &[&InterfaceModule]) -> String {
         ));
         re_export(&doc, &interface.module, interface.parts.iter().flat_map(|(_, place)| place.names()))
     });
-    let parts = interfaces.iter().flat_map(|interface| &interface.parts);
-    let layouts = assert_layouts(parts.map(|(_, place)| place));
-    header(&format!("the definitions of package {}", package.name))
-        + &layout_file(quote!(#doc #(#modules)* #layouts))
+    let layouts = assert_layouts(context, interfaces.iter().flat_map(|interface| &interface.parts));
+    header_of_package(package) + &layout_file(quote!(#doc #(#modules)* #layouts))
 }
 
-/// Has the compiler check the layouts of those messages that have one.
-fn assert_layouts<'p>(places: impl Iterator<Item = &'p Place>) -> Option<TokenStream> {
+/// Has the compiler check the layouts of those messages of fixed size that nest others: of a layout without them the
+/// generator knows everything.
+fn assert_layouts<'p>(
+    context: &Context<'_>,
+    messages: impl IntoIterator<Item = &'p (MessageId, Place)>,
+) -> Option<TokenStream> {
+    let nests = |id: MessageId| {
+        let fields = &context.schema.message(id).fields;
+        fields.iter().any(|field| matches!(field.ty.element, Element::Message(_)))
+    };
+    let has_layout = |(id, place): &&(MessageId, Place)| !place.view_name.is_empty() && nests(*id);
     let names: Vec<_> =
-        places.filter(|place| !place.view_name.is_empty()).map(|place| ident(&place.type_name)).collect();
+        messages.into_iter().filter(has_layout).map(|(_, place)| ident(&place.type_name)).collect();
     (!names.is_empty()).then(|| quote!(::uavspec_runtime::assert_layouts! { #(#names;)* }))
 }
 
@@ -370,14 +337,14 @@ fn message_files(context: &Context<'_>) -> Vec<OutputFile> {
     let file = |id: &MessageId| {
         let place = context.place(*id);
         let message = context.schema.message(*id);
-        let source = context.sources.path(context.sources.source_of(message.span));
         let doc = inner_documentation(&format!(
             "[`{0}`](struct@{0}) and the types of its fields.",
             ident(&place.type_name)
         ));
         let tokens = message::tokens(context, *id);
         let path = format!("{}.rs", place.modules.join("/"));
-        OutputFile { path, text: header(source) + &layout_file(quote!(#doc #tokens)) }
+        let header = header_of(context, context.schema.package_of(message), message.span);
+        OutputFile { path, text: header + &layout_file(quote!(#doc #tokens)) }
     };
     let workers = thread::available_parallelism().map_or(1, NonZero::get);
     let share = ids.len().div_ceil(workers).max(1);
@@ -391,150 +358,4 @@ fn message_files(context: &Context<'_>) -> Vec<OutputFile> {
             .flat_map(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
             .collect()
     })
-}
-
-/// Tokens as text: laid out, with a blank line between items.
-fn layout_file(tokens: TokenStream) -> String {
-    let file: syn::File = match syn::parse2(tokens) {
-        Ok(file) => file,
-        // The tokens come from `quote` and identifiers alone; were they no Rust, the compiler says so.
-        Err(error) => return format!("compile_error!({:?});\n", error.to_string()),
-    };
-    let attributes = file.attrs;
-    let mut text = String::new();
-    let head = syn::File { shebang: None, frontmatter: None, attrs: attributes, items: Vec::new() };
-    for line in prettyplease::unparse(&head).lines() {
-        push_line(line, &mut text);
-    }
-    let mut was_module = false;
-    for item in file.items {
-        let is_module = matches!(item, syn::Item::Mod(_) | syn::Item::Use(_));
-        let continues_list = is_module && was_module;
-        if !text.is_empty() && !continues_list {
-            text.push('\n');
-        }
-        was_module = is_module;
-        if let syn::Item::Macro(call) = item {
-            list_entries(&call, &mut text);
-            continue;
-        }
-        let file = syn::File { shebang: None, frontmatter: None, attrs: Vec::new(), items: vec![item] };
-        space_out(&prettyplease::unparse(&file), &mut text);
-    }
-    text
-}
-
-/// Writes a macro call in braces with each entry on a line of its own: `name! { first; second; … }`.
-fn list_entries(call: &syn::ItemMacro, text: &mut String) {
-    for segment in &call.mac.path.segments {
-        let _ = write!(text, "::{}", segment.ident);
-    }
-    text.push_str("! {\n");
-    let mut line = String::new();
-    for token in call.mac.tokens.clone() {
-        let is_end = matches!(&token, TokenTree::Punct(punct) if punct.as_char() == ';');
-        write_tokens(token.into(), &mut line);
-        if is_end {
-            let _ = writeln!(text, "    {}", line.trim_end());
-            line.clear();
-        }
-    }
-    text.push_str("}\n");
-}
-
-/// Writes tokens with spaces where people put them, and perhaps one after the last.
-fn write_tokens(tokens: TokenStream, text: &mut String) {
-    for token in tokens {
-        match token {
-            TokenTree::Group(group) => {
-                let (open, close) = match group.delimiter() {
-                    Delimiter::Parenthesis => ("(", ")"),
-                    Delimiter::Bracket => ("[", "]"),
-                    Delimiter::Brace => ("{", "}"),
-                    Delimiter::None => ("", ""),
-                };
-                text.push_str(open);
-                write_tokens(group.stream(), text);
-                text.truncate(text.trim_end().len());
-                text.push_str(close);
-            }
-            TokenTree::Punct(punct) => {
-                let is_path = punct.spacing() == Spacing::Joint || text.ends_with(':');
-                match punct.as_char() {
-                    ':' if is_path => text.push(':'),
-                    '=' => text.push_str(" = "),
-                    separator @ (':' | ',' | ';') => text.extend([separator, ' ']),
-                    operator => text.push(operator),
-                }
-            }
-            TokenTree::Ident(_) | TokenTree::Literal(_) => {
-                if text.ends_with(|last: char| last.is_alphanumeric() || matches!(last, '_' | '"')) {
-                    text.push(' ');
-                }
-                let _ = write!(text, "{token}");
-            }
-        }
-    }
-}
-
-/// Puts a blank line after each function, impl and the like that another item follows.
-fn space_out(item: &str, text: &mut String) {
-    let mut closed_at = None;
-    for line in item.lines() {
-        let code = line.trim_start();
-        let depth = line.len() - code.len();
-        let starts_item = ["fn ", "pub ", "impl ", "impl<", "const ", "///", "#[", "::"]
-            .iter()
-            .any(|start| code.starts_with(start));
-        if closed_at == Some(depth) && depth > 0 && starts_item {
-            text.push('\n');
-        }
-        closed_at = (code == "}").then_some(depth);
-        push_line(line, text);
-    }
-}
-
-/// Stands for a line break in documentation until it is written: one attribute a comment is much
-/// less to parse and to lay out than one a line. No text holds it, since [`prose`] replaces controls.
-const LINE_BREAK: char = '\u{1}';
-
-/// A documentation comment; the text is Markdown.
-fn documentation(text: &str) -> TokenStream {
-    let text = comment(text);
-    quote!(#[doc = #text])
-}
-
-/// A documentation comment of the module that it stands in.
-fn inner_documentation(text: &str) -> TokenStream {
-    let text = comment(text);
-    quote!(#![doc = #text])
-}
-
-fn comment(text: &str) -> String {
-    let mut comment = String::with_capacity(text.len() + 1);
-    for (index, line) in text.lines().enumerate() {
-        if index > 0 {
-            comment.push(LINE_BREAK);
-        }
-        if !line.is_empty() {
-            comment.push(' ');
-            comment.push_str(line);
-        }
-    }
-    comment
-}
-
-/// Writes a line that may be a whole documentation comment.
-fn push_line(line: &str, text: &mut String) {
-    let mut lines = line.split(LINE_BREAK);
-    let first = lines.next().unwrap_or_default();
-    text.push_str(first);
-    text.push('\n');
-    // What the first line starts with: white space and `///` or `//!`.
-    let start = &first[..first.find("//").map_or(0, |at| at + 3).min(first.len())];
-    for line in lines {
-        text.push_str(start);
-        text.push_str(line);
-        text.push('\n');
-    }
 }

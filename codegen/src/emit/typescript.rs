@@ -18,20 +18,40 @@
 //!
 //! Where definitions are translated, `labels` gives what they say in a language of the user, and each language is a
 //! module of its own, `labels/uk`, which a program loads when it asks for it.
+//!
+//! ```
+//! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//! # let mut sources = SourceMap::default();
+//! # let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n".into()).unwrap();
+//! # let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! # let (schema, diagnostics) = read(&sources, &packages);
+//! use uavspec_codegen::{emit::typescript, translation::Translations};
+//!
+//! let files = typescript::emit(&schema, &Translations::default(), &typescript::Options::default());
+//! assert!(files.iter().any(|file| file.path == "px4.ts" && file.text.contains("export interface Wind")));
+//! ```
 
 mod comment;
 mod error_code;
 mod item;
 mod labels;
+mod language;
 mod types;
 
+use self::comment::header;
+use self::language::Language;
 use super::binding::{Module, labels, modules};
-use super::{GENERATED_BY, OutputFile};
+#[cfg(feature = "files")]
+use super::emitter::{Input, Output};
+use super::file::OutputFile;
+#[cfg(feature = "files")]
+use crate::failure::Failure;
 use crate::schema::Schema;
 use crate::translation::Translations;
 
 /// How modules are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "files", derive(serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Form {
     /// As TypeScript, to stand among other source files: `px4.ts`.
     #[default]
@@ -43,44 +63,16 @@ pub enum Form {
 
 /// How TypeScript is emitted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "files", derive(serde::Deserialize), serde(default, deny_unknown_fields))]
 pub struct Options {
     /// How modules are written.
     pub form: Form,
 }
 
-/// The language of a file.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Language {
-    /// Types and values together.
-    TypeScript,
-    /// Values, as an ECMAScript module.
-    JavaScript,
-    /// Values, as `CommonJS`.
-    CommonJs,
-    /// Types of what a `CommonJS` module exports.
-    Declarations,
-}
-
-impl Language {
-    fn has_types(self) -> bool {
-        matches!(self, Self::TypeScript | Self::Declarations)
-    }
-
-    fn ending(self) -> &'static str {
-        match self {
-            Self::TypeScript => "ts",
-            Self::JavaScript => "js",
-            Self::CommonJs => "cjs",
-            Self::Declarations => "d.cts",
-        }
-    }
-
-    /// The ending by which other modules name it.
-    fn imported_ending(self) -> &'static str {
-        match self {
-            Self::TypeScript | Self::JavaScript => "js",
-            Self::CommonJs | Self::Declarations => "cjs",
-        }
+#[cfg(feature = "files")]
+impl Output for Options {
+    fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
+        Ok(emit(input.schema, input.translations, self))
     }
 }
 
@@ -117,10 +109,6 @@ fn types_of_module(path: &str) -> OutputFile {
     let name = path.rsplit('/').next().unwrap_or(path);
     let text = format!("{}export * from \"./{name}.cjs\";\n", header("the definitions"));
     OutputFile { path: format!("{path}.d.ts"), text }
-}
-
-fn header(from: &str) -> String {
-    format!("// {GENERATED_BY} from {from}. Do not edit: run `cargo xtask codegen`.\n\n")
 }
 
 fn index(modules: &[Module], language: Language) -> String {

@@ -33,6 +33,19 @@
 //! those are left out there.
 //!
 //! Messages that no value satisfies, that are longer than 64 KiB or nest more than 32 levels have no cases.
+//!
+//! ```
+//! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//! # let mut sources = SourceMap::default();
+//! # let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n".into()).unwrap();
+//! # let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! # let (schema, diagnostics) = read(&sources, &packages);
+//! use uavspec_codegen::emit::vectors::{Options, emit};
+//!
+//! let files = emit(&schema, &Options::default());
+//! let vectors = files.iter().find(|file| file.path == "px4/Wind.vectors.json").unwrap();
+//! assert!(vectors.text.contains("PX-RANGE-01"));
+//! ```
 
 mod bytes;
 mod case;
@@ -40,37 +53,48 @@ mod error_code;
 mod field;
 mod form;
 mod json_type;
+mod mark;
 mod message;
 mod number;
+mod options;
 mod part;
 mod print;
+mod sample;
 mod typical;
 
 use self::case::Case;
-use self::part::Parts;
+use self::message::is_uorb;
+pub use self::options::Options;
 use self::print::{Head, quote};
-use super::json_schema::{self, DRAFT, Target};
-use super::{GENERATED_BY, OutputFile};
+#[cfg(feature = "files")]
+use super::emitter::{Input, Others, Output};
+use super::file::OutputFile;
+use super::json_schema::{self, Target};
 use crate::dynamic::Types;
+#[cfg(feature = "files")]
+use crate::failure::Failure;
 use crate::schema::json_type::Direction;
-use crate::schema::{Dialect, Form, JsonMessageId, Kind, Message, MessageId, Package, Schema};
-
-/// The version of the form of the files. It rises when a reader of the form before would misread them.
-const FORM: u32 = 1;
+use crate::schema::{JsonMessageId, Message, MessageId, Package, Schema};
 
 /// Where the files in the form of the JSON Schema Test Suite are.
 const SUITE: &str = "json-schema-test-suite/tests/draft2020-12";
 
-/// How vectors are emitted.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Options {
-    /// How the schemas are that they refer to.
-    pub schemas: json_schema::Options,
+#[cfg(feature = "files")]
+impl Output for Options {
+    /// The vectors refer to the schemas that are emitted beside them.
+    fn complete(&mut self, others: &Others<'_>) {
+        let base = self.base.take();
+        self.base = base.or_else(|| others.text("json_schema", "base").map(str::to_owned));
+    }
+
+    fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
+        Ok(emit(input.schema, self))
+    }
 }
 
 /// Emits all vectors, sorted by path.
 pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
-    let parts = Parts::of(schema);
+    let parts = sample::parts(schema);
     let types = Types::new(schema);
     let emitter = Emitter { schema, options };
     let mut files = vec![form::file(options)];
@@ -95,7 +119,7 @@ pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
 /// A valid message of each type as JSON, by its id: values are typical, and no two fields side by side have the
 /// same. None where no value satisfies the type.
 pub fn typical(schema: &Schema) -> Vec<Option<String>> {
-    let parts = Parts::of(schema);
+    let parts = sample::parts(schema);
     let typical = |message| field::message_typical(schema, message, &parts, &mut typical::Typical::default());
     schema.messages.iter().map(typical).collect()
 }
@@ -129,7 +153,7 @@ impl Emitter<'_> {
         Head {
             facts,
             title: json_schema::name(self.schema, target),
-            schema: json_schema::id(self.schema, target, &self.options.schemas),
+            schema: json_schema::id(self.schema, target, &self.options.schemas()),
         }
     }
 }
@@ -145,14 +169,4 @@ fn facts(package: &Package, message: &Message) -> Vec<(&'static str, String)> {
     }
     facts.push(("type_hash", quote(&message.type_hash)));
     facts
-}
-
-/// Whether messages like this lie in uORB memory: those of other dialects don't, be their size fixed or not.
-fn is_uorb(package: &Package, message: &Message) -> bool {
-    package.form == Form::Msg(Dialect::Px4) && message.kind == Kind::Message
-}
-
-/// What a file says of its origin.
-fn mark() -> String {
-    format!("{GENERATED_BY}. Do not edit: run `cargo xtask codegen`.")
 }

@@ -104,7 +104,7 @@ fn with_parameters(text: &str, bars: &[usize], body: &mut String) {
 /// The annotations of `text`, then what else it says.
 fn note(text: &str, body: &mut String) {
     let Note { mut annotations, text: rest, .. } = annotation::read(text, Span::default(), &mut Vec::new());
-    annotations.sort_by_key(|annotation| rank(&annotation.statement));
+    annotations.sort_by_key(|annotation| annotation.statement.rank());
     let mut separator = "";
     for annotation in &annotations {
         let _ = write!(body, "{separator}{}", spelled(text, annotation));
@@ -116,30 +116,13 @@ fn note(text: &str, body: &mut String) {
     }
 }
 
-/// The order of annotations. Of two that decide the same, the last counts: they have one rank.
-pub(super) fn rank(statement: &Statement<'_>) -> u8 {
-    match statement {
-        Statement::Unit(_) => 0,
-        Statement::Enum(_) | Statement::Flags(_) => 1,
-        Statement::Range { .. } => 2,
-        Statement::Invalid(_) => 3,
-        Statement::Uncontrolled(_) => 4,
-        Statement::Frame(_) => 5,
-        Statement::Count(_) => 6,
-        Statement::Length { .. } => 7,
-        Statement::Unique => 8,
-        Statement::Pattern(_) => 9,
-        Statement::Format(_) => 10,
-    }
-}
-
 /// An annotation as it should be written. The words of its argument are those of `text`.
 fn spelled(text: &str, annotation: &Annotation<'_>) -> String {
     let written = &text[annotation.span.start as usize..annotation.span.end as usize];
     let content = written.get(1..written.len() - 1).unwrap_or("").trim();
     match &annotation.statement {
         Statement::Unit(symbol) => format!("[{symbol}]"),
-        Statement::Frame(name) => format!("[@frame {name}]"),
+        Statement::Attribute(attribute, text) => format!("[@{} {text}]", attribute.name),
         Statement::Count(field) => format!("[@count {field}]"),
         Statement::Enum(_) => format!("[@enum {}]", single_spaced(argument(content, "enum"))),
         Statement::Flags(_) => format!("[@flags {}]", single_spaced(argument(content, "flags"))),

@@ -2,7 +2,6 @@
 
 use pulldown_cmark::{Event, Parser, Tag, TagEnd, TextMergeStream};
 
-use super::comment::rank;
 use super::table::without_blank_end;
 use crate::directive::Directive;
 use crate::msg::Dialect;
@@ -58,7 +57,7 @@ fn of_comment(comment: &Comment<'_>) -> String {
 pub(super) fn of_note(note: &Note<'_>) -> String {
     let mut statements: Vec<&Statement<'_>> =
         note.annotations.iter().map(|annotation| &annotation.statement).collect();
-    statements.sort_by_key(|statement| rank(statement));
+    statements.sort_by_key(|statement| statement.rank());
     let parameters: Vec<String> = note.parameters.iter().map(of_note).collect();
     format!("{statements:?} {:?} {parameters:?}", note.text)
 }

@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::{ALIGNED_WITHIN, comment};
+use super::aligned::ALIGNED_WITHIN;
+use super::comment;
 use crate::msg::ast::{Comment, Definition, Item, Line};
 use crate::msg::{Dialect, is_separator};
 use crate::source::{SourceId, SourceMap};

@@ -1,7 +1,8 @@
 //! `annotation-near-miss`: what comes close to an annotation is read as one.
 
-use super::{Check, Example, Levels, Measured, Rule};
+use super::rule::{Check, Levels, Measured, Rule};
 use crate::diagnostic::{Diagnostic, Level, Problem};
+use crate::example::Example;
 use crate::finding::Edit;
 use crate::msg::annotation::is_bracketed;
 use crate::source::SourceMap;

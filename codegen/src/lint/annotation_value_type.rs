@@ -1,7 +1,8 @@
 //! `annotation-value-type`: an annotation of values that the field can't have.
 
-use super::{Check, Example, Levels, Measured, Rule, no_fix};
+use super::rule::{Check, Levels, Measured, Rule, no_fix};
 use crate::diagnostic::Level;
+use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "annotation-value-type",

@@ -1,7 +1,9 @@
 //! `blank-start`: files start with something.
 
-use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::Subject;
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::msg::ast::Line;
 use crate::source::Span;
 

@@ -1,7 +1,10 @@
 //! `command-parameters`: commands with seven parameters.
 
-use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, constant_without_enum};
+use super::constant_without_enum;
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::Subject;
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::schema::enumeration;
 
 pub(super) const RULE: Rule = Rule {

@@ -1,7 +1,10 @@
 //! `comment-lost`: comments that no documentation shows.
 
-use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, topics};
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::Subject;
+use super::topics;
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::msg::ast::Comment;
 use crate::source::Span;
 

@@ -1,7 +1,9 @@
 //! `count-missing`: a field that counts, without saying so.
 
-use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::Subject;
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::finding::Edit;
 use crate::msg::annotation::{Statement, is_bracketed};
 use crate::msg::ast::Line;

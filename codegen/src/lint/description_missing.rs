@@ -1,7 +1,8 @@
 //! `description-missing`: an error code that nobody explains.
 
-use super::{Check, Example, Levels, Rule, Sink};
+use super::rule::{Check, Levels, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::schema::Package;
 use crate::source::SourceMap;
 

@@ -1,7 +1,9 @@
 //! `duplicate-topic`: a topic that is listed twice.
 
-use super::{Check, Example, Levels, Measured, Rule, topics};
+use super::rule::{Check, Levels, Measured, Rule};
+use super::topics;
 use crate::diagnostic::{Diagnostic, Level};
+use crate::example::Example;
 use crate::finding::Edit;
 use crate::source::SourceMap;
 

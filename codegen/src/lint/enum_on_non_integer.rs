@@ -1,7 +1,8 @@
 //! `enum-on-non-integer`: an enum on a field that holds no integers.
 
-use super::{Check, Example, Levels, Measured, Rule, no_fix};
+use super::rule::{Check, Levels, Measured, Rule, no_fix};
 use crate::diagnostic::Level;
+use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "enum-on-non-integer",

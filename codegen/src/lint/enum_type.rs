@@ -4,8 +4,11 @@ use std::collections::BTreeMap;
 
 use uavspec_runtime::Scalar;
 
-use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, enum_of_bits};
+use super::enum_of_bits;
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::Subject;
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::schema::{Constant, Element, EnumRef, Schema};
 
 pub(super) const RULE: Rule = Rule {

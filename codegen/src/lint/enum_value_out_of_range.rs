@@ -1,7 +1,8 @@
 //! `enum-value-out-of-range`: a constant that the field can't hold.
 
-use super::{Check, Example, Levels, Measured, Rule, no_fix};
+use super::rule::{Check, Levels, Measured, Rule, no_fix};
 use crate::diagnostic::Level;
+use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "enum-value-out-of-range",

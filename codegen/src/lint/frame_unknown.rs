@@ -2,9 +2,12 @@
 
 use std::collections::HashSet;
 
-use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, annotations};
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::{Subject, annotations};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::msg::annotation::Statement;
+use crate::msg::attribute::FRAME;
 use crate::schema::Message;
 
 pub(super) const RULE: Rule = Rule {
@@ -36,7 +39,10 @@ const VEHICLE: [&str; 8] =
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     let mut declared = None;
     for annotation in subject.part.lines.iter().flat_map(annotations) {
-        let Statement::Frame(frame) = annotation.statement else { continue };
+        let Statement::Attribute(attribute, frame) = annotation.statement else { continue };
+        if *attribute != FRAME {
+            continue;
+        }
         let is_known = if let Some(name) = frame.strip_prefix('@') {
             declared.get_or_insert_with(|| names(subject.message)).contains(name)
         } else {

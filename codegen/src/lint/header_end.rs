@@ -1,7 +1,9 @@
 //! `header-end`: how the short description ends.
 
-use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::Subject;
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::msg::ast::{Comment, Line};
 
 pub(super) const RULE: Rule = Rule {

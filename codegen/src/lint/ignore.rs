@@ -2,12 +2,17 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{Check, Example, Ignore, Levels, Measured, Rule, Settings, Text, rule, subject};
+use super::rule::{Check, Levels, Measured, Rule};
+use super::settings::{Ignore, Settings};
+use super::subject;
+use super::subject::SourceText;
 use crate::diagnostic::Level;
 use crate::directive::{self, Directive};
+use crate::example::Example;
 use crate::finding::Finding;
 use crate::msg::ast::{Line, Part};
-use crate::schema::{Form, PackageSource};
+use crate::resolve::PackageSource;
+use crate::schema::Form;
 use crate::source::{SourceId, SourceMap, Span};
 
 /// Requests that can't be granted.
@@ -73,7 +78,7 @@ enum Scope {
 pub(super) fn apply(
     sources: &SourceMap,
     parsed: &[PackageSource<'_>],
-    settings: &Settings,
+    (rules, settings): (&[&Rule], &Settings),
     wanted: &BTreeSet<SourceId>,
     findings: &mut Vec<Finding>,
 ) {
@@ -92,13 +97,13 @@ pub(super) fn apply(
     let index = Index::new(&requests);
     let mut used = vec![false; requests.len()];
     findings.retain(|finding| {
-        let request = rule(finding.rule).and_then(|_| index.granting(finding, sources, &requests));
+        let request = find(rules, finding.rule).and_then(|_| index.granting(finding, sources, &requests));
         request.inspect(|request| used[*request] = true).is_none()
     });
     for (request, used) in requests.iter().zip(used) {
-        findings.extend(request.invalid(settings));
+        findings.extend(request.invalid(rules, settings));
         if !used {
-            findings.extend(request.unused(settings));
+            findings.extend(request.unused(rules, settings));
         }
     }
 }
@@ -134,7 +139,7 @@ fn of_part<'s>(part: &Part<'s>, source: SourceId, sources: &SourceMap, requests:
     }
 }
 
-fn of_page<'s>(page: &Text<'s>, sources: &SourceMap, requests: &mut Vec<Request<'s>>) {
+fn of_page<'s>(page: &SourceText<'s>, sources: &SourceMap, requests: &mut Vec<Request<'s>>) {
     for (line, span) in page.lines() {
         let Some((directive, start)) = directive::find(line, span) else { continue };
         let (scope, removal) = if start == 0 {
@@ -161,7 +166,7 @@ impl<'s> Request<'s> {
         Self { rule, reason, span, scope, removal: Some(removal) }
     }
 
-    fn invalid(&self, settings: &Settings) -> Option<Finding> {
+    fn invalid(&self, rules: &[&Rule], settings: &Settings) -> Option<Finding> {
         let level = settings.level(&INVALID)?;
         let report = |message: String, help: String| {
             let mut finding = Finding::new(INVALID.id, level, self.span, message);
@@ -171,9 +176,9 @@ impl<'s> Request<'s> {
         if self.rule.is_empty() {
             return report("no rule is named".to_owned(), "write `uavspec:ignore RULE reason`".to_owned());
         }
-        if rule(self.rule).is_none() {
+        if find(rules, self.rule).is_none() {
             let is_error = crate::diagnostic::Problem::CODES.contains(&self.rule);
-            let help = match similar(self.rule) {
+            let help = match similar(self.rule, rules) {
                 _ if is_error => "what can't be read has to be mended".to_owned(),
                 Some(similar) => format!("did you mean `{similar}`?"),
                 None => "the documentation lists all rules".to_owned(),
@@ -188,9 +193,9 @@ impl<'s> Request<'s> {
         None
     }
 
-    fn unused(&self, settings: &Settings) -> Option<Finding> {
+    fn unused(&self, rules: &[&Rule], settings: &Settings) -> Option<Finding> {
         let level = settings.level(&UNUSED)?;
-        settings.level(rule(self.rule)?)?;
+        settings.level(find(rules, self.rule)?)?;
         let message = format!("nothing is left here that `{}` would report", self.rule);
         let mut finding = Finding::new(UNUSED.id, level, self.span, message);
         finding.help("remove the request");
@@ -201,9 +206,14 @@ impl<'s> Request<'s> {
     }
 }
 
+/// The rule of an id.
+fn find<'r>(rules: &[&'r Rule], id: &str) -> Option<&'r Rule> {
+    rules.binary_search_by_key(&id, |rule| rule.id).ok().map(|at| rules[at])
+}
+
 /// The rule whose id is closest to `id`, where any is close.
-fn similar(id: &str) -> Option<&'static str> {
-    let distances = super::RULES.iter().map(|rule| (strsim::damerau_levenshtein(rule.id, id), rule.id));
+fn similar(id: &str, rules: &[&Rule]) -> Option<&'static str> {
+    let distances = rules.iter().map(|rule| (strsim::damerau_levenshtein(rule.id, id), rule.id));
     // Ids are short: what is much longer is none, and comparing takes the product of the lengths.
     distances
         .filter(|(distance, known)| id.len() < 60 && *distance <= 1 + known.len() / 5)

@@ -1,7 +1,8 @@
 //! `message-name-style`: messages are named in `PascalCase`.
 
-use super::{Check, Example, Levels, Measured, Rule, no_fix};
+use super::rule::{Check, Levels, Measured, Rule, no_fix};
 use crate::diagnostic::Level;
+use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "message-name-style",

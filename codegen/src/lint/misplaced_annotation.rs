@@ -1,7 +1,8 @@
 //! `misplaced-annotation`: an annotation on a type that it says nothing about.
 
-use super::{Check, Example, Levels, Rule, no_fix};
+use super::rule::{Check, Levels, Rule, no_fix};
 use crate::diagnostic::Level;
+use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "misplaced-annotation",

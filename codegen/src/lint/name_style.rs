@@ -1,7 +1,8 @@
 //! `name-style`: names in the style that all tools take.
 
-use super::{Check, Example, Levels, Measured, Rule, no_fix};
+use super::rule::{Check, Levels, Measured, Rule, no_fix};
 use crate::diagnostic::Level;
+use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "name-style",

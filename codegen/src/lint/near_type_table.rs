@@ -1,7 +1,8 @@
 //! `near-type-table`: a table that is nearly one of a type.
 
-use super::{Check, Example, Levels, Rule, no_fix};
+use super::rule::{Check, Levels, Rule, no_fix};
 use crate::diagnostic::Level;
+use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "near-type-table",

@@ -1,7 +1,8 @@
 //! `not-portable`: what only some of the tools read.
 
-use super::{Check, Example, Levels, Measured, Rule};
+use super::rule::{Check, Levels, Measured, Rule};
 use crate::diagnostic::{Diagnostic, Level, Problem};
+use crate::example::Example;
 use crate::finding::Edit;
 use crate::source::SourceMap;
 

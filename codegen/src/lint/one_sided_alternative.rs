@@ -1,7 +1,8 @@
 //! `one-sided-alternative`: alternatives that don't name each other.
 
-use super::{Check, Example, Levels, Rule, no_fix};
+use super::rule::{Check, Levels, Rule, no_fix};
 use crate::diagnostic::Level;
+use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "one-sided-alternative",

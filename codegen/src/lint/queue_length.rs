@@ -1,7 +1,9 @@
 //! `queue-length`: queues as PX4 makes them.
 
-use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::Subject;
 use crate::diagnostic::Level;
+use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "queue-length",

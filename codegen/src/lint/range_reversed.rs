@@ -1,7 +1,8 @@
 //! `range-reversed`: a range that ends before it starts.
 
-use super::{Check, Example, Levels, Measured, Rule};
+use super::rule::{Check, Levels, Measured, Rule};
 use crate::diagnostic::{Diagnostic, Level};
+use crate::example::Example;
 use crate::finding::Edit;
 use crate::msg::annotation::is_bracketed;
 use crate::source::SourceMap;

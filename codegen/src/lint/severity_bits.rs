@@ -2,8 +2,9 @@
 
 use uavspec_runtime::Severity;
 
-use super::{Check, Example, Levels, Rule, Sink};
+use super::rule::{Check, Levels, Rule, Sink};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::schema::{ErrorCode, Package};
 use crate::source::SourceMap;
 

@@ -5,12 +5,13 @@ use std::collections::{BTreeSet, HashMap};
 use crate::msg::annotation::Annotation;
 use crate::msg::ast::{Definition, Line, Part};
 use crate::msg::{Dialect, Kind};
-use crate::schema::{Constant, Element, Field, Form, Message, MessageId, PackageSource, Schema};
+use crate::resolve::PackageSource;
+use crate::schema::{Constant, Element, Field, Form, Message, MessageId, Schema};
 use crate::source::{SourceId, SourceMap, Span};
 
 /// A message, or a part of a service or action, with its lines.
 #[derive(Debug)]
-pub struct Subject<'a> {
+pub(crate) struct Subject<'a> {
     /// All texts.
     pub sources: &'a SourceMap,
     /// All messages.
@@ -27,32 +28,32 @@ pub struct Subject<'a> {
 
 impl<'a> Subject<'a> {
     /// Whether it is a message of PX4, neither of ROS 2 nor a part of a service.
-    pub fn is_px4_message(&self) -> bool {
+    pub(crate) fn is_px4_message(&self) -> bool {
         self.dialect == Dialect::Px4 && self.message.kind == Kind::Message
     }
 
     /// Whether it is written in PX4's dialect: whatever asks for its documentation standard asks only that.
-    pub fn is_px4(&self) -> bool {
+    pub(crate) fn is_px4(&self) -> bool {
         self.dialect == Dialect::Px4
     }
 
     /// The place to name where the matter is the message as a whole: its first line.
-    pub fn head(&self) -> Span {
+    pub(crate) fn head(&self) -> Span {
         self.part.lines.first().map_or(self.message.span.part(0..0), |line| line.span)
     }
 
     /// Its fields with their lines.
-    pub fn fields(&self) -> impl Iterator<Item = (&'a Field, &'a Line<'a>)> {
+    pub(crate) fn fields(&self) -> impl Iterator<Item = (&'a Field, &'a Line<'a>)> {
         self.message.fields.iter().filter_map(|field| Some((field, self.line(field.span)?)))
     }
 
     /// Its constants with their lines.
-    pub fn constants(&self) -> impl Iterator<Item = (&'a Constant, &'a Line<'a>)> {
+    pub(crate) fn constants(&self) -> impl Iterator<Item = (&'a Constant, &'a Line<'a>)> {
         self.message.constants.iter().filter_map(|constant| Some((constant, self.line(constant.span)?)))
     }
 
     /// Its lines that declare something, with the text before their comment and its place.
-    pub fn declarations(&self) -> impl Iterator<Item = (&'a Line<'a>, &'a str, Span)> {
+    pub(crate) fn declarations(&self) -> impl Iterator<Item = (&'a Line<'a>, &'a str, Span)> {
         let sources = self.sources;
         self.part.lines.iter().filter(|line| line.item.is_some()).map(move |line| {
             let end = line.comment.as_ref().map_or(line.span.end, |comment| comment.span.start);
@@ -62,7 +63,7 @@ impl<'a> Subject<'a> {
     }
 
     /// The line that holds `span`.
-    pub fn line(&self, span: Span) -> Option<&'a Line<'a>> {
+    pub(crate) fn line(&self, span: Span) -> Option<&'a Line<'a>> {
         let after = self.part.lines.partition_point(|line| line.span.start <= span.start);
         self.part.lines.get(after.checked_sub(1)?)
     }
@@ -77,7 +78,7 @@ pub(super) fn annotations<'l>(line: &'l Line<'_>) -> impl Iterator<Item = &'l An
 
 /// A source as text.
 #[derive(Debug)]
-pub struct Text<'a> {
+pub(crate) struct SourceText<'a> {
     /// What it says.
     pub text: &'a str,
     /// Where.
@@ -86,9 +87,9 @@ pub struct Text<'a> {
     pub form: Form,
 }
 
-impl<'a> Text<'a> {
+impl<'a> SourceText<'a> {
     /// Its lines without their ends, each with its place.
-    pub fn lines(&self) -> impl Iterator<Item = (&'a str, Span)> {
+    pub(crate) fn lines(&self) -> impl Iterator<Item = (&'a str, Span)> {
         let span = self.span;
         self.text.split_inclusive('\n').scan(0, move |at, raw| {
             let line = raw.strip_suffix('\n').unwrap_or(raw);
@@ -131,13 +132,13 @@ pub(super) fn subjects<'a>(
 }
 
 /// All sources.
-pub(super) fn texts<'a>(sources: &'a SourceMap, parsed: &[PackageSource<'a>]) -> Vec<Text<'a>> {
+pub(super) fn texts<'a>(sources: &'a SourceMap, parsed: &[PackageSource<'a>]) -> Vec<SourceText<'a>> {
     let mut texts = Vec::new();
     for package in parsed {
         let files = package.files.iter().map(|(_, _, span, _)| *span);
         for span in files.chain(package.pages.iter().map(|page| page.span)) {
             let text = sources.text(sources.source_of(span));
-            texts.push(Text { text, span, form: package.form });
+            texts.push(SourceText { text, span, form: package.form });
         }
     }
     texts

@@ -2,8 +2,10 @@
 
 use uavspec_runtime::Scalar;
 
-use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::Subject;
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::schema::{Element, Shape, Type};
 
 pub(super) const RULE: Rule = Rule {

@@ -1,7 +1,10 @@
 //! `topic-list-empty`: a list of topics without any.
 
-use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, topics};
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::Subject;
+use super::topics;
 use crate::diagnostic::Level;
+use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "topic-list-empty",

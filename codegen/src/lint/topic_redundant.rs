@@ -1,8 +1,11 @@
 //! `topic-redundant`: a list of topics that says nothing.
 
-use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, topics};
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::Subject;
+use super::topics;
 use crate::diagnostic::Level;
-use crate::schema::resolve::default_topic;
+use crate::example::Example;
+use crate::resolve::default_topic;
 
 pub(super) const RULE: Rule = Rule {
     id: "topic-redundant",

@@ -1,6 +1,6 @@
 //! Lines `# TOPICS a b` of PX4's messages, and how a topic is taken out of one.
 
-use super::Subject;
+use super::subject::Subject;
 use crate::directive;
 use crate::msg::ast::Line;
 use crate::source::{SourceMap, Span};

@@ -1,7 +1,9 @@
 //! `trailing-white-space`: blanks and tabs before the end of a line.
 
-use super::{Check, Example, Levels, Measured, Rule, Sink, Text};
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::SourceText;
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::schema::Form;
 
 pub(super) const RULE: Rule = Rule {
@@ -21,7 +23,7 @@ pub(super) const RULE: Rule = Rule {
     check: Check::Text(check),
 };
 
-fn check(text: &Text<'_>, sink: &mut Sink<'_>) {
+fn check(text: &SourceText<'_>, sink: &mut Sink<'_>) {
     // In pages two blanks at the end break a line.
     if text.form == Form::Table {
         return;

@@ -1,7 +1,8 @@
 //! `translation-fuzzy`: a translation that somebody has to look at.
 
-use super::{Check, Example, Levels, Rule, no_fix};
+use super::rule::{Check, Levels, Rule, no_fix};
 use crate::diagnostic::Level;
+use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "translation-fuzzy",

@@ -1,7 +1,9 @@
 //! `unit-alias`: a unit in another spelling than its one.
 
-use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, annotations};
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::{Subject, annotations};
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::msg::annotation::Statement;
 use crate::unit;
 

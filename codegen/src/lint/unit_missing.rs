@@ -1,7 +1,9 @@
 //! `unit-missing`: a measured quantity without a unit.
 
-use super::{Check, Example, Levels, Measured, Rule, Sink, Subject};
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::Subject;
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::schema::{Element, Field};
 
 pub(super) const RULE: Rule = Rule {

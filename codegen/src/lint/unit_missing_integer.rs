@@ -3,8 +3,11 @@
 use std::collections::HashSet;
 use std::sync::LazyLock;
 
-use super::{Check, Example, Levels, Measured, Rule, Sink, Subject, unit_missing};
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::Subject;
+use super::unit_missing;
 use crate::diagnostic::Level;
+use crate::example::Example;
 use crate::schema::{Element, Field};
 
 pub(super) const RULE: Rule = Rule {

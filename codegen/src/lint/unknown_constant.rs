@@ -1,7 +1,8 @@
 //! `unknown-constant`: an annotation that names a constant that isn't there.
 
-use super::{Check, Example, Levels, Measured, Rule, no_fix};
+use super::rule::{Check, Levels, Measured, Rule, no_fix};
 use crate::diagnostic::Level;
+use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "unknown-constant",

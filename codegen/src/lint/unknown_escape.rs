@@ -1,7 +1,8 @@
 //! `unknown-escape`: a backslash in a string that starts no escape sequence.
 
-use super::{Check, Example, Levels, Rule};
+use super::rule::{Check, Levels, Rule};
 use crate::diagnostic::{Diagnostic, Level, Problem};
+use crate::example::Example;
 use crate::finding::Edit;
 use crate::source::SourceMap;
 

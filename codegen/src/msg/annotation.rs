@@ -9,15 +9,13 @@ use std::ops::RangeInclusive;
 
 use uavspec_runtime::Scalar;
 
-use super::is_identifier;
+use super::attribute::{ATTRIBUTES, Attribute};
+use super::kind::is_identifier;
 use super::literal::{LiteralError, parse_scalar};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::Span;
 use crate::unit;
 use crate::value::Value;
-
-/// Coordinate frames that stand as `[NED]` where `[@frame NED]` is meant.
-const FRAMES: [&str; 8] = ["NED", "ENU", "FRD", "FLU", "NWU", "ECEF", "Body", "body"];
 
 /// Names of the limits of C's integer types, which definitions use as invalid values and bounds.
 const LIMITS: [(&str, Scalar); 8] = [
@@ -83,8 +81,8 @@ pub enum Statement<'s> {
     Invalid(Special<'s>),
     /// `[@uncontrolled value text]`: this value of a set point says that it doesn't apply.
     Uncontrolled(Special<'s>),
-    /// `[@frame name]`: the coordinate frame.
-    Frame(&'s str),
+    /// `[@frame name]` and the like: an attribute and its text.
+    Attribute(&'static Attribute, &'s str),
     /// `[@count field]`: counts the entries in use of that array.
     Count(&'s str),
     /// `[@length least, most]`, in pages: characters of a string, or elements of a list.
@@ -102,9 +100,31 @@ pub enum Statement<'s> {
     Format(&'s str),
 }
 
+impl Statement<'_> {
+    /// Its place in the order of annotations. Of two that decide the same, the last counts: they have one rank.
+    pub(crate) fn rank(&self) -> (u8, Option<usize>) {
+        let rank = match self {
+            Self::Unit(_) => 0,
+            Self::Enum(_) | Self::Flags(_) => 1,
+            Self::Range { .. } => 2,
+            Self::Invalid(_) => 3,
+            Self::Uncontrolled(_) => 4,
+            Self::Attribute(attribute, _) => {
+                return (5, ATTRIBUTES.iter().position(|known| known == attribute));
+            }
+            Self::Count(_) => 6,
+            Self::Length { .. } => 7,
+            Self::Unique => 8,
+            Self::Pattern(_) => 9,
+            Self::Format(_) => 10,
+        };
+        (rank, None)
+    }
+}
+
 /// Where annotations stand, which decides which ones there are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Vocabulary {
+pub(crate) enum Vocabulary {
     /// In comments of `.msg` files and their relatives.
     Comment,
     /// In descriptions of the types that a page defines.
@@ -112,7 +132,7 @@ pub enum Vocabulary {
 }
 
 /// The formats that strings of a page may have.
-pub const FORMATS: [&str; 1] = ["base64"];
+pub(crate) const FORMATS: [&str; 1] = ["base64"];
 
 /// Start of the names of constants, in another message where one is named.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -144,12 +164,12 @@ pub enum SpecialValue<'s> {
 }
 
 /// Reads the annotations of a comment. `text` is what follows the `#`, and stands at `span`.
-pub fn read<'s>(text: &'s str, span: Span, diagnostics: &mut Vec<Diagnostic>) -> Note<'s> {
+pub(crate) fn read<'s>(text: &'s str, span: Span, diagnostics: &mut Vec<Diagnostic>) -> Note<'s> {
     read_by(Vocabulary::Comment, text, span, diagnostics)
 }
 
 /// Reads the annotations of a description in a page.
-pub fn read_description<'s>(text: &'s str, span: Span, diagnostics: &mut Vec<Diagnostic>) -> Note<'s> {
+pub(crate) fn read_description<'s>(text: &'s str, span: Span, diagnostics: &mut Vec<Diagnostic>) -> Note<'s> {
     read_by(Vocabulary::Page, text, span, diagnostics)
 }
 
@@ -166,7 +186,11 @@ fn read_by<'s>(
 }
 
 /// Reads a comment whose text may end in parameters between pipes, as those of commands do.
-pub fn read_with_parameters<'s>(text: &'s str, span: Span, diagnostics: &mut Vec<Diagnostic>) -> Note<'s> {
+pub(crate) fn read_with_parameters<'s>(
+    text: &'s str,
+    span: Span,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Note<'s> {
     let bars: Vec<usize> = text.match_indices('|').map(|(at, _)| at).collect();
     if !PARAMETER_BARS.contains(&bars.len()) {
         return read(text, span, diagnostics);
@@ -366,14 +390,17 @@ fn classify(vocabulary: Vocabulary, content: &str, in_parentheses: bool) -> Read
             (Some(Ok(statement)), true) => Reading::NearMiss(statement, format!("[{content}]")),
             (Some(Err(problem)), _) => Reading::Text(Some(problem)),
             (None, true) => Reading::Text(None),
-            (None, false) => Reading::Text(Some(Problem::UnknownAnnotation { name: name.to_owned() })),
+            (None, false) => Reading::Text(Some(unknown(name))),
         };
     }
     if let Some(unit) = unit::lookup(content) {
         return Reading::Statement(Statement::Unit(unit.symbol));
     }
-    if vocabulary == Vocabulary::Comment && FRAMES.contains(&content) {
-        return Reading::NearMiss(Statement::Frame(content), format!("[@frame {content}]"));
+    if vocabulary == Vocabulary::Comment
+        && let Some(attribute) = ATTRIBUTES.iter().find(|attribute| attribute.bare.contains(&content))
+    {
+        let meant = format!("[@{} {content}]", attribute.name);
+        return Reading::NearMiss(Statement::Attribute(attribute, content), meant);
     }
     let (name, argument) = split_word(content);
     if !argument.is_empty()
@@ -392,6 +419,14 @@ fn classify(vocabulary: Vocabulary, content: &str, in_parentheses: bool) -> Read
         return Reading::Statement(Statement::Unit(content));
     }
     Reading::Text(None)
+}
+
+/// The problem of a name that no annotation has.
+fn unknown(name: &str) -> Problem {
+    let attributes = ATTRIBUTES.iter().map(|attribute| attribute.name);
+    let known: Vec<&str> =
+        ["enum", "flags", "range", "invalid", "uncontrolled"].into_iter().chain(attributes).collect();
+    Problem::UnknownAnnotation { name: name.to_owned(), known: format!("{} and count", known.join(", ")) }
 }
 
 /// Reads the annotation `name`; none where no annotation is called so.
@@ -418,9 +453,12 @@ fn statement_of_comment<'s>(name: &str, argument: &'s str) -> Option<Read<'s>> {
         "range" => ("[@range low, high]", range(argument)),
         "invalid" => ("[@invalid value]", special(argument).map(Statement::Invalid)),
         "uncontrolled" => ("[@uncontrolled value]", special(argument).map(Statement::Uncontrolled)),
-        "frame" => ("[@frame name]", (!argument.is_empty()).then_some(Statement::Frame(argument))),
         "count" => ("[@count field]", is_identifier(argument).then_some(Statement::Count(argument))),
-        _ => return None,
+        _ => {
+            let attribute = ATTRIBUTES.iter().find(|attribute| attribute.name == name)?;
+            let statement = Statement::Attribute(attribute, argument);
+            (attribute.form, (!argument.is_empty()).then_some(statement))
+        }
     })
 }
 
@@ -439,7 +477,7 @@ fn statement_of_page<'s>(name: &str, argument: &'s str) -> Option<Read<'s>> {
 /// Whether a text is a regular expression that all readers of JSON Schema take in the same sense: one without
 /// back references and without looking around.
 fn is_pattern(text: &str) -> bool {
-    !text.is_empty() && regex_lite::Regex::new(text).is_ok() && crate::schema::pattern::is_known(text)
+    !text.is_empty() && regex_lite::Regex::new(text).is_ok() && crate::pattern::is_known(text)
 }
 
 /// Lengths: both bounds with a comma between them, of which one may be absent, or the only one there is.
@@ -543,6 +581,7 @@ pub(crate) fn split_word(text: &str) -> (&str, &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::msg::attribute::FRAME;
 
     fn statements(text: &str) -> (Vec<Statement<'_>>, String, Vec<&'static str>) {
         let mut diagnostics = Vec::new();
@@ -590,7 +629,7 @@ mod tests {
         for (text, expected) in [
             ("[enum MODE] x", Statement::Enum(vec![Prefix { message: None, prefix: "MODE" }])),
             ("(@range 1, ) x", Statement::Range { low: int(1), high: None }),
-            ("[FRD] x", Statement::Frame("FRD")),
+            ("[FRD] x", Statement::Attribute(&FRAME, "FRD")),
             ("[0,1] x", Statement::Range { low: int(0), high: int(1) }),
         ] {
             assert_eq!(

@@ -6,7 +6,7 @@ use crate::value::Value;
 
 /// Why a text is no literal of its type.
 #[derive(Debug, PartialEq)]
-pub enum LiteralError {
+pub(crate) enum LiteralError {
     /// Not the form of a value of that type.
     Form,
     /// A number, but not one that the type holds.
@@ -19,7 +19,7 @@ pub enum LiteralError {
 }
 
 /// Reads `text` as a value of type `scalar`: what Python's `int` and `float` read, as ROS does.
-pub fn parse_scalar(text: &str, scalar: Scalar) -> Result<Value, LiteralError> {
+pub(crate) fn parse_scalar(text: &str, scalar: Scalar) -> Result<Value, LiteralError> {
     match scalar {
         Scalar::Bool => parse_bool(text).map(Value::Bool).ok_or(LiteralError::Form),
         Scalar::Float32 | Scalar::Float64 => parse_float(text, scalar),
@@ -35,7 +35,7 @@ pub fn parse_scalar(text: &str, scalar: Scalar) -> Result<Value, LiteralError> {
 }
 
 /// How a literal of type `scalar` is written, for those who wrote it otherwise.
-pub fn form(scalar: Scalar) -> &'static str {
+pub(crate) fn form(scalar: Scalar) -> &'static str {
     match scalar {
         Scalar::Bool => "write `True` or `False`",
         Scalar::Char | Scalar::Byte => "write the number of the character or byte, such as 97",
@@ -46,7 +46,7 @@ pub fn form(scalar: Scalar) -> &'static str {
 
 /// Whether PX4's own generator reads `text` as `value` too. It takes decimal integers, `True` and
 /// `False`, and writes floats as integers.
-pub fn is_portable(text: &str, value: &Value) -> bool {
+pub(crate) fn is_portable(text: &str, value: &Value) -> bool {
     match value {
         Value::Bool(_) => matches!(text, "True" | "False" | "0" | "1"),
         Value::Float(value) => value.fract() == 0.0,
@@ -120,7 +120,7 @@ fn parse_float(text: &str, scalar: Scalar) -> Result<Value, LiteralError> {
 
 /// A string literal at the start of a text.
 #[derive(Debug, PartialEq)]
-pub struct Quoted {
+pub(crate) struct Quoted {
     /// What it says, escapes replaced.
     pub value: String,
     /// Its length in bytes, quotes included.
@@ -130,7 +130,7 @@ pub struct Quoted {
 }
 
 /// Reads the string literal that `text` starts with; none where its closing quote is missing.
-pub fn parse_quoted(text: &str) -> Option<Quoted> {
+pub(crate) fn parse_quoted(text: &str) -> Option<Quoted> {
     let quote = text.chars().next().filter(|quote| matches!(quote, '"' | '\''))?;
     let mut quoted = Quoted { value: String::new(), len: 0, unknown_escapes: Vec::new() };
     let mut characters = text.char_indices().skip(1);

@@ -2,11 +2,12 @@
 
 use uavspec_runtime::Scalar;
 
+use super::annotation;
 use super::ast::{
     Comment, Constant, ConstantType, Definition, Element, Field, Item, Line, Name, Part, Shape, Type,
 };
+use super::kind::{Dialect, Kind, is_identifier};
 use super::literal::{self, LiteralError};
-use super::{Dialect, Kind, annotation, is_identifier};
 use crate::characters;
 use crate::diagnostic::{Diagnostic, Problem, has_errors};
 use crate::directive;

@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Region, Report};
+use super::model::{Region, Report};
 use crate::diagnostic::Level;
 
 pub(super) fn write(report: &Report) -> String {

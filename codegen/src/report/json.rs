@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::{Entry, Place, Region, Report};
+use super::model::{Entry, Place, Region, Report};
 use crate::source::Position;
 
 pub(super) fn write(report: &Report) -> String {

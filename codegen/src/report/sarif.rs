@@ -13,9 +13,9 @@ use std::fmt::Write as _;
 use serde_json::{Map, Value, json};
 use sha2::{Digest as _, Sha256};
 
-use super::{Entry, PROJECT_URL, Place, Region, Report, RuleInfo};
+use super::model::{Entry, PROJECT_URL, Place, Region, Report, RuleInfo};
 use crate::diagnostic::Level;
-use crate::emit::prose::{gist, percent_encoded};
+use crate::prose::{gist, percent_encoded};
 
 /// The schema of the format.
 const SCHEMA: &str = "https://json.schemastore.org/sarif-2.1.0.json";

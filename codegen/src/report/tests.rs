@@ -3,7 +3,9 @@
 use serde_json::{Value, json};
 
 use super::*;
+use crate::diagnostic::{Level, Problem};
 use crate::lint::RULES;
+use crate::source::Position;
 
 /// All that ends, opens or escapes something in one of the formats.
 const HOSTILE: &str =

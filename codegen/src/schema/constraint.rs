@@ -2,7 +2,10 @@
 
 use uavspec_runtime::{Constraint, Number, Scalar};
 
-use super::{Dialect, Element, Field, Form, Message, Schema, Shape, Special};
+use super::model::{Element, Field, Form, Message, Schema};
+use super::range::Special;
+use crate::msg::Dialect;
+use crate::msg::ast::Shape;
 use crate::value::Value;
 
 /// A [`Constraint`] that owns its lists.

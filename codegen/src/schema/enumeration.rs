@@ -1,10 +1,10 @@
 //! Enums and flags: which constants a field holds.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use uavspec_runtime::Scalar;
 
-use super::{Element, Message, MessageId};
+use super::id::MessageId;
 
 /// Last words of constants that count or bound an enum and are no member of it. The list is explicit:
 /// `MIN_SAT_COUNT` of a prefix `GPS` is a member, `COUNT` is not.
@@ -58,75 +58,6 @@ pub struct EnumRef {
     pub index: usize,
 }
 
-/// What an enum would have, but for the range of its type.
-pub(super) struct Candidate {
-    pub(super) found: Enum,
-    /// Constants that the type can't hold: index and value.
-    pub(super) out_of_range: Vec<(usize, i128)>,
-}
-
-/// The constants of a message by the prefix that they belong to: the longest of all claimed prefixes
-/// that they start with.
-pub(super) struct ByPrefix {
-    /// For each claimed prefix its members, in declared order.
-    members: BTreeMap<String, Vec<Member>>,
-    /// All names, sorted.
-    names: BTreeSet<String>,
-}
-
-/// Divides the constants of `message` among the `claimed` prefixes, once for all fields.
-pub(super) fn by_prefix(message: &Message, claimed: &BTreeSet<String>) -> ByPrefix {
-    let mut members: BTreeMap<String, Vec<Member>> = BTreeMap::new();
-    for (index, constant) in message.constants.iter().enumerate() {
-        let (Element::Scalar(_), Some(value)) = (constant.ty, constant.value.as_int()) else { continue };
-        let Some((prefix, rest)) = longest_prefix(&constant.name, claimed) else { continue };
-        if !is_sentinel(rest) {
-            let member = Member { name: rest.to_owned(), constant: index, value };
-            members.entry(prefix.to_owned()).or_default().push(member);
-        }
-    }
-    ByPrefix { members, names: message.constants.iter().map(|constant| constant.name.clone()).collect() }
-}
-
-impl ByPrefix {
-    /// Whether any constant starts with `prefix` and `_`.
-    pub(super) fn is_used(&self, prefix: &str) -> bool {
-        let start = format!("{prefix}_");
-        self.names.range(start.clone()..).next().is_some_and(|name| name.starts_with(&start))
-    }
-
-    /// How many constants belong to `prefix`.
-    pub(super) fn count(&self, prefix: &str) -> usize {
-        self.members.get(prefix).map_or(0, Vec::len)
-    }
-
-    /// Gathers the enum of `prefixes`.
-    pub(super) fn gather(
-        &self,
-        message: &Message,
-        prefixes: &[String],
-        scalar: Scalar,
-        is_flags: bool,
-    ) -> Candidate {
-        let distinct: BTreeSet<&String> = prefixes.iter().collect();
-        let mut members: Vec<Member> =
-            distinct.into_iter().filter_map(|prefix| self.members.get(prefix)).flatten().cloned().collect();
-        members.sort_by_key(|member| member.constant);
-        if is_flags && are_bit_numbers(&members, scalar) {
-            for member in &mut members {
-                member.value = 1 << member.value;
-            }
-        }
-        let (least, greatest) = scalar.integer_bounds().unwrap_or((0, 0));
-        let (fitting, outside): (Vec<Member>, Vec<Member>) =
-            members.into_iter().partition(|member| (least..=greatest).contains(&member.value));
-        let out_of_range = outside.into_iter().map(|member| (member.constant, member.value)).collect();
-        let mut found = Enum { prefixes: prefixes.to_vec(), scalar, is_flags, members: fitting };
-        tell_apart(&mut found, message);
-        Candidate { found, out_of_range }
-    }
-}
-
 /// Whether a constant counts or bounds those of `names` that start like it, whether or not a field claims them.
 pub(crate) fn is_sentinel_among(name: &str, names: &BTreeSet<&str>) -> bool {
     let prefix = SENTINELS.iter().find_map(|word| name.strip_suffix(word)?.strip_suffix('_'));
@@ -150,25 +81,6 @@ pub(crate) fn longest_prefix<'n, 'c>(
 }
 
 /// Whether a constant that belongs to a prefix, after which `rest` follows, counts or bounds an enum.
-fn is_sentinel(rest: &str) -> bool {
+pub(crate) fn is_sentinel(rest: &str) -> bool {
     SENTINELS.contains(&rest) || SENTINEL_ENDINGS.iter().any(|ending| rest.ends_with(ending))
-}
-
-/// Whether the constants of a mask number its bits (`0, 1, 2, 3`) rather than being masks (`1, 2, 4`):
-/// so where not all are powers of two and each is the number of a bit of the type.
-fn are_bit_numbers(members: &[Member], scalar: Scalar) -> bool {
-    let bits = 8 * i128::try_from(scalar.size()).unwrap_or(0);
-    members.iter().all(|member| (0..bits).contains(&member.value))
-        && members.iter().any(|member| member.value.count_ones() > 1)
-}
-
-/// Members of two prefixes may be called the same: those of all but the first prefix then keep it.
-fn tell_apart(found: &mut Enum, message: &Message) {
-    let mut seen = BTreeSet::new();
-    for member in &mut found.members {
-        if !seen.insert(member.name.clone()) {
-            member.name.clone_from(&message.constants[member.constant].name);
-            seen.insert(member.name.clone());
-        }
-    }
 }

@@ -1,10 +1,4 @@
-//! Error codes of a package: the model, and its resolution from all pages at once.
-
-mod alternatives;
-mod prose;
-mod resolve;
-
-pub use resolve::resolve;
+//! Error codes of a package.
 
 use std::ops::RangeInclusive;
 

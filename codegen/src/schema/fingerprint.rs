@@ -1,4 +1,15 @@
 //! Fingerprints of definitions: PX4's message hash and the ROS type hash (RIHS01).
+//!
+//! ```
+//! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+//! # let mut sources = SourceMap::default();
+//! # let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] [@range 0, 60] Speed\n".into()).unwrap();
+//! # let packages = [PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])];
+//! # let (schema, diagnostics) = read(&sources, &packages);
+//! use uavspec_codegen::schema::fingerprint::ros_name;
+//!
+//! assert_eq!(ros_name(&schema, &schema.messages[0]), "px4_msgs/msg/Wind");
+//! ```
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -6,8 +17,11 @@ use std::fmt::Write as _;
 use sha2::{Digest as _, Sha256};
 use uavspec_runtime::Scalar;
 
+use super::id::MessageId;
 use super::layout::EMPTY_MEMBER;
-use super::{Element, Interface, Kind, Message, MessageId, Schema, Shape, Type, shape_text};
+use super::model::{Element, Interface, Message, Schema, Type, shape_text};
+use crate::msg::Kind;
+use crate::msg::ast::Shape;
 
 /// Most fields that a message may have with all that it nests: the hash runs over each of them.
 pub const MAX_NESTED_FIELDS: u64 = 1 << 20;
@@ -27,7 +41,7 @@ impl Fnv1a {
 }
 
 /// PX4's hash of the fields of a message, nested ones inlined after the field that holds them.
-pub(super) fn message_hash(schema: &Schema, message: &Message) -> u32 {
+pub(crate) fn message_hash(schema: &Schema, message: &Message) -> u32 {
     let mut hash = Fnv1a(Fnv1a::OFFSET_BASIS);
     // An explicit stack: how deep messages nest is up to the input.
     let mut open = vec![message.fields.iter()];
@@ -234,7 +248,7 @@ fn describe_all(
 }
 
 /// The ROS type hash of a message.
-pub(super) fn type_hash(schema: &Schema, id: MessageId) -> String {
+pub(crate) fn type_hash(schema: &Schema, id: MessageId) -> String {
     let message = schema.message(id);
     Description {
         type_name: ros_name(schema, message),
@@ -246,7 +260,7 @@ pub(super) fn type_hash(schema: &Schema, id: MessageId) -> String {
 
 /// The ROS type hash of a service, whose description has three members: the request, the response,
 /// and an event that wraps both for introspection. None for actions.
-pub(super) fn service_hash(schema: &Schema, interface: &Interface, package: usize) -> Option<String> {
+pub(crate) fn service_hash(schema: &Schema, interface: &Interface, package: usize) -> Option<String> {
     let (Kind::Service, [request, response]) = (interface.kind, interface.parts.as_slice()) else {
         return None;
     };

@@ -1,15 +1,21 @@
 //! Types and messages of specification tables: what JSON they describe.
+//!
+//! ```
+//! use uavspec_codegen::schema::json_type::Direction;
+//!
+//! assert_eq!(Direction::Request.title(), "Request");
+//! ```
 
-mod endless;
-mod kind;
-mod resolve;
-
-pub use self::resolve::{Resolved, resolve};
-
-use super::{Docs, Range, Schema};
+use super::documentation::Docs;
+use super::range::Range;
 use crate::source::Span;
 pub use crate::table::type_table::Direction;
-use crate::table::type_table::is_number;
+
+/// The name that stands for an error code of the package, where it has error codes.
+pub(crate) const ERROR_CODE: &str = "ErrorCode";
+
+/// The name that stands for a list of such codes.
+pub(crate) const ERROR_LIST: &str = "ErrorList";
 
 /// Names a type of a [`Schema`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -244,68 +250,4 @@ impl JsonPart {
     pub fn fields(&self) -> &[Member] {
         self.body.fields.split_first().map_or(&[], |(_, rest)| rest)
     }
-}
-
-impl Schema {
-    /// The type that `id` names.
-    pub fn json_type(&self, id: JsonTypeId) -> &JsonType {
-        &self.json_types[id.0 as usize]
-    }
-
-    /// The message that `id` names.
-    pub fn json_message(&self, id: JsonMessageId) -> &JsonMessage {
-        &self.json_messages[id.0 as usize]
-    }
-
-    /// What `expression` is once the names in it that stand for other types are read as those; none where nothing
-    /// can be said of its values beyond what the definitions say.
-    pub(crate) fn plain(&self, expression: &Expression) -> Option<Expression> {
-        match expression {
-            Expression::Named(id) => match &self.json_type(*id).definition {
-                // Names don't stand for themselves, so this ends.
-                Definition::Named(typed) => self.plain(&typed.ty),
-                Definition::Object(_) | Definition::Tuple(_) | Definition::Set(_) => None,
-            },
-            Expression::ErrorList => Some(Expression::List(Box::new(Expression::ErrorCode))),
-            Expression::Either(alternatives) => {
-                let plain = |inner: &Expression| self.plain(inner).unwrap_or_else(|| inner.clone());
-                Some(Expression::Either(alternatives.iter().map(plain).collect()))
-            }
-            other => Some(other.clone()),
-        }
-    }
-
-    /// An expression as pages write it; `name` writes the names of types.
-    pub fn expression_text(&self, expression: &Expression, name: &dyn Fn(&str) -> String) -> String {
-        let inner = |inner: &Expression| {
-            let text = self.expression_text(inner, name);
-            if matches!(inner, Expression::Either(_)) { format!("({text})") } else { text }
-        };
-        match expression {
-            Expression::Any => "any".to_owned(),
-            Expression::Null => "null".to_owned(),
-            Expression::Boolean => "boolean".to_owned(),
-            Expression::Integer => "integer".to_owned(),
-            Expression::Number => "number".to_owned(),
-            Expression::String => "string".to_owned(),
-            Expression::ErrorCode => name(resolve::ERROR_CODE),
-            Expression::ErrorList => name(resolve::ERROR_LIST),
-            Expression::Named(id) => name(&self.json_type(*id).name),
-            Expression::List(element) => format!("list of {}", inner(element)),
-            Expression::Map(value) => format!("map of {}", inner(value)),
-            Expression::Either(all) => all.iter().map(inner).collect::<Vec<_>>().join(" or "),
-            Expression::OneOf(constants) => {
-                let constants: Vec<String> = constants.iter().map(|constant| quoted(constant)).collect();
-                format!("one of {}", constants.join(", "))
-            }
-        }
-    }
-}
-
-/// A constant, between quotes where it has to be.
-fn quoted(constant: &str) -> String {
-    let is_word = !constant.is_empty()
-        && !is_number(constant)
-        && !constant.contains(|c: char| c.is_whitespace() || matches!(c, '(' | ')' | ',' | '"'));
-    if is_word { constant.to_owned() } else { format!("\"{constant}\"") }
 }

@@ -2,45 +2,21 @@
 
 use uavspec_runtime::layout::{self, Member};
 
-use super::{CdrSize, Element, Message, MessageId, Schema, Shape, shape_text};
+use super::id::MessageId;
+use super::model::{CdrSize, Element, Message, Schema, Slot, UorbLayout, shape_text};
+use crate::msg::ast::Shape;
 
 /// Longest message that is taken: no transport of either world carries more.
-pub const MAX_MESSAGE_SIZE: u64 = 16 << 20;
+pub(crate) const MAX_MESSAGE_SIZE: u64 = 16 << 20;
 
 /// Bytes before the first member of a CDR payload.
 const CDR_HEADER: u64 = 4;
 
 /// Name of the member that ROS gives to an empty structure.
-pub const EMPTY_MEMBER: &str = "structure_needs_at_least_one_member";
-
-/// Where each member of a message lies in memory.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct UorbLayout {
-    /// Size with the padding at the end, in bytes.
-    pub size: usize,
-    /// Size without it.
-    pub size_no_padding: usize,
-    /// Members and padding in the order of their offsets.
-    pub slots: Vec<Slot>,
-}
-
-/// A member, or padding.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Slot {
-    /// Index of the field; none for padding.
-    pub field: Option<usize>,
-    /// Name of the field, or `_paddingN`.
-    pub name: String,
-    /// Its type as a `.msg` file writes it.
-    pub type_text: String,
-    /// Its first byte.
-    pub offset: usize,
-    /// Its length in bytes.
-    pub size: usize,
-}
+pub(crate) const EMPTY_MEMBER: &str = "structure_needs_at_least_one_member";
 
 /// The layout of a message whose nested messages are laid out already; none where its size varies.
-pub(super) fn uorb(schema: &Schema, message: &Message) -> Option<UorbLayout> {
+pub(crate) fn uorb(schema: &Schema, message: &Message) -> Option<UorbLayout> {
     let members: Option<Vec<Member>> = message
         .fields
         .iter()
@@ -135,7 +111,7 @@ impl CdrLength {
 }
 
 /// Lengths and sizes in CDR of all messages, in the order that `order` gives: nested ones first.
-pub(super) fn cdr(schema: &Schema, order: &[MessageId]) -> Vec<CdrSize> {
+pub(crate) fn cdr(schema: &Schema, order: &[MessageId]) -> Vec<CdrSize> {
     let count = CdrLength::scalar(4);
     let mut lengths = vec![CdrLength::default(); schema.messages.len()];
     let mut sizes = vec![CdrSize::default(); schema.messages.len()];

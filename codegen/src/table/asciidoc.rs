@@ -4,13 +4,12 @@ mod inline;
 
 use std::ops::Range;
 
+use self::inline::Line;
+use super::page::{Cell, Heading, Page, Paragraph, Table, into_rows, lines};
+use super::text::Text;
 use super::text::{TextBuilder, trim};
-use super::{Cell, Heading, Page, Paragraph, Table, Text, into_rows, lines};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::Span;
-
-/// A line and its position.
-type Line<'s> = (usize, &'s str);
 
 /// Whether a text without a telling name is `AsciiDoc`.
 pub(super) fn is_likely(text: &str) -> bool {

@@ -2,15 +2,16 @@
 
 mod block;
 
-pub use block::{Block, range_text};
+pub(crate) use self::block::{Block, parse_code, range_text};
 
-use super::{Cell, Heading, Page, Row, Table, Text};
+use super::page::{Cell, Heading, Page, Row, Table};
+use super::text::Text;
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::Span;
 
 /// All rows under one heading. What the heading stands for may be unreadable; the rows count still.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ErrorCodeTable<'p> {
+pub(crate) struct ErrorCodeTable<'p> {
     /// The heading, or where there is none, the header.
     pub span: Span,
     /// What the heading says.
@@ -23,7 +24,7 @@ pub struct ErrorCodeTable<'p> {
 
 /// A row with all its cells.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ErrorCodeRow<'p> {
+pub(crate) struct ErrorCodeRow<'p> {
     /// The code.
     pub code: u32,
     /// The cell that gives it.
@@ -37,7 +38,7 @@ pub struct ErrorCodeRow<'p> {
 }
 
 /// Reads all error-code tables of a page. Parts of a table under the same heading are one table.
-pub fn read(page: &Page) -> (Vec<ErrorCodeTable<'_>>, Vec<Diagnostic>) {
+pub(crate) fn read(page: &Page) -> (Vec<ErrorCodeTable<'_>>, Vec<Diagnostic>) {
     let mut diagnostics = Vec::new();
     let mut tables: Vec<ErrorCodeTable<'_>> = Vec::new();
     let mut last_heading = None;
@@ -152,12 +153,6 @@ impl Columns {
             });
         }
     }
-}
-
-/// A code in decimal. A sign, a leading zero or another base would be read differently elsewhere.
-pub(crate) fn parse_code(text: &str) -> Option<u32> {
-    let is_plain = text.bytes().all(|byte| byte.is_ascii_digit()) && (text == "0" || !text.starts_with('0'));
-    text.parse().ok().filter(|_| is_plain)
 }
 
 #[cfg(test)]

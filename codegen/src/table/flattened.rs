@@ -12,8 +12,9 @@
 
 use std::ops::Range;
 
+use super::page::{Cell, Heading, Page, Table, into_rows, lines};
+use super::pipe;
 use super::text::{TextBuilder, trim};
-use super::{Cell, Heading, Page, Table, into_rows, lines, pipe};
 use crate::source::Span;
 
 /// A line and its position.

@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 
+use super::page::{Cell, Heading, Page, Paragraph, Row, Table};
+use super::pipe;
 use super::text::{TextBuilder, trim};
-use super::{Cell, Heading, Page, Paragraph, Row, Table, pipe};
 use crate::source::Span;
 
 /// Front matter and `{#anchors}` are no part of the text; documentation generators demand both.

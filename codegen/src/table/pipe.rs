@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::Cell;
+use super::page::Cell;
 use super::text::{TextBuilder, trim};
 use crate::source::Span;
 

@@ -4,10 +4,11 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::catalogue::{Catalogue, Entry, Places, parse};
 use super::language::{self, SOURCE_LANGUAGE, is_tag};
-use super::{Language, Text, Translated, Translations, texts};
+use super::text::{Text, texts};
+use super::translations::{Language, Translated, Translations};
 use crate::diagnostic::{Diagnostic, Problem, has_errors};
 use crate::schema::Schema;
-use crate::source::{SourceId, SourceMap, Span};
+use crate::source::{SourceId, SourceMap, Span, stem};
 
 /// How many missing translations are named; of more it is told how many.
 const MAX_NAMED: usize = 3;
@@ -31,7 +32,7 @@ pub fn resolve(
     let mut known = BTreeMap::new();
     for id in catalogues {
         let place = sources.span(*id).part(0..0);
-        let stem = crate::stem(sources.path(*id));
+        let stem = stem(sources.path(*id));
         let tag = if is_tag(stem) && stem != SOURCE_LANGUAGE { stem } else { "" };
         if tag.is_empty() {
             diagnostics.push(Diagnostic::new(Problem::CatalogueName { stem: stem.to_owned() }, place));

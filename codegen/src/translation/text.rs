@@ -5,7 +5,8 @@
 //! | `px4/Wind` | the summary of a message, or of a part of a service or action (`px4/Tow_Request`) |
 //! | `px4/Wind/description` | the paragraphs after it |
 //! | `px4/Wind.speed` | a field |
-//! | `px4/Wind.speed/invalid`, `/uncontrolled`, `/frame` | what its annotation says in words |
+//! | `px4/Wind.speed/invalid`, `/uncontrolled` | what its annotation says in words |
+//! | `px4/Wind.speed/frame` | an attribute, by its name |
 //! | `px4/Wind.speed/group` | the heading of the group that begins with this field (or constant) |
 //! | `px4/Wind.speed/group/description` | the paragraphs after it |
 //! | `px4/Wind::SPEED_LOW` | a constant: a value of an enum, a flag, a command |
@@ -16,6 +17,7 @@
 
 use std::collections::BTreeSet;
 
+use crate::msg::attribute::Attribute;
 use crate::schema::{ErrorTable, Interface, Message, MessageId, Package, Schema, Special};
 use crate::source::Span;
 
@@ -52,8 +54,8 @@ pub enum MessageText {
     Invalid(usize),
     /// When its special value stands for no set point.
     Uncontrolled(usize),
-    /// Its coordinate frame.
-    Frame(usize),
+    /// The text of one of its attributes.
+    Attribute(usize, &'static Attribute),
     /// The description of a constant.
     Constant(usize),
     /// The description of a parameter of a command, which is the constant that comes first.
@@ -73,7 +75,9 @@ impl MessageText {
             Self::Field(index) => &message.fields[index].description,
             Self::Invalid(index) => meaning(message.fields[index].invalid.as_ref()),
             Self::Uncontrolled(index) => meaning(message.fields[index].uncontrolled.as_ref()),
-            Self::Frame(index) => message.fields[index].frame.as_deref().unwrap_or_default(),
+            Self::Attribute(index, attribute) => {
+                message.fields[index].attribute(attribute).unwrap_or_default()
+            }
             Self::Constant(index) => &message.constants[index].description,
             Self::Parameter(index, number) => &message.constants[index].parameters[number].description,
             Self::ParameterInvalid(index, number) => {
@@ -116,7 +120,7 @@ impl<'s> MessageKeys<'s> {
             MessageText::Field(index) => self.field(index),
             MessageText::Invalid(index) => self.field(index) + "/invalid",
             MessageText::Uncontrolled(index) => self.field(index) + "/uncontrolled",
-            MessageText::Frame(index) => self.field(index) + "/frame",
+            MessageText::Attribute(index, attribute) => format!("{}/{}", self.field(index), attribute.name),
             MessageText::Constant(index) => self.constant(index),
             MessageText::Parameter(index, number) => {
                 format!("{}/parameter/{}", self.constant(index), number + 1)
@@ -200,10 +204,11 @@ fn of_message<'s>(schema: &'s Schema, id: MessageId, unit: &str, texts: &mut Vec
     let keys = MessageKeys::new(schema, message);
     let mut found: Vec<(MessageText, Span)> = Vec::new();
     for (index, field) in message.fields.iter().enumerate() {
-        use MessageText::{Field, Frame, Group, GroupDescription, Invalid, Uncontrolled};
+        use MessageText::{Attribute, Field, Group, GroupDescription, Invalid, Uncontrolled};
         let group = field.group.into_iter().flat_map(|group| [Group(group), GroupDescription(group)]);
-        let own = [Field(index), Invalid(index), Uncontrolled(index), Frame(index)];
-        found.extend(group.chain(own).map(|text| (text, field.span)));
+        let own = [Field(index), Invalid(index), Uncontrolled(index)];
+        let attributes = field.attributes().map(|(attribute, _)| Attribute(index, attribute));
+        found.extend(group.chain(own).chain(attributes).map(|text| (text, field.span)));
     }
     for (index, constant) in message.constants.iter().enumerate() {
         use MessageText::{Group, GroupDescription, Parameter, ParameterInvalid};

@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::catalogue::{Catalogue, Entry, FUZZY};
-use super::{Text, language};
+use super::language;
+use super::text::Text;
 use crate::source::SourceMap;
 
 /// A catalogue without entries. Its header has no date and no names of people, so that it is the same whoever

@@ -5,9 +5,10 @@ use std::fmt::Write as _;
 use proptest::prelude::*;
 use proptest::sample::select;
 use serde_json::Value as Json;
-use uavspec_codegen::diagnostic::{has_errors, render};
+use uavspec_codegen::diagnostic::has_errors;
 use uavspec_codegen::dynamic::{MessageType, Types};
 use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::render;
 use uavspec_codegen::schema::{Form, Message, Schema};
 use uavspec_runtime::cdr::{ByteOrder, HEADER};
 
@@ -164,7 +165,7 @@ fn messages_with_many_parts_are_written_like_those_with_few() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 1000, ..ProptestConfig::default() })]
+    #![proptest_config(support::config(1000))]
 
     #[test]
     fn messages_of_px4_are_read_as_they_were_written(

@@ -12,7 +12,7 @@ use uavspec_codegen::dynamic::{DynamicView, MessageType, Types};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::Form;
 use uavspec_runtime::cdr::ByteOrder;
-use uavspec_runtime::{Message, UorbMessage, record};
+use uavspec_runtime::{Definition, Message, UorbMessage, record};
 
 use super::values::Draw;
 use crate::support;
@@ -76,10 +76,7 @@ record! {
 macro_rules! message {
     ($($type:ident)*) => {$(
         impl Message for $type {
-            const PACKAGE: &'static str = "demo";
-            const NAME: &'static str = stringify!($type);
-            const HASH: u32 = 0;
-            const TYPE_HASH: &'static str = "";
+            const DEFINITION: Definition = Definition::new("demo", stringify!($type));
         }
     )*};
 }
@@ -265,7 +262,7 @@ fn a_payload_is_read_the_same_wherever_it_lies() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 2000, ..ProptestConfig::default() })]
+    #![proptest_config(support::config(2000))]
 
     #[test]
     fn both_say_the_same_of_trees(seed: u64) {
@@ -294,7 +291,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 500, ..ProptestConfig::default() })]
+    #![proptest_config(support::config(500))]
 
     #[test]
     fn both_say_the_same_of_our_definitions(seed: u64) {

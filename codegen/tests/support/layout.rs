@@ -4,10 +4,10 @@ use serde_json::Value as Json;
 use uavspec_codegen::diagnostic::Level;
 use uavspec_codegen::emit::inspect;
 use uavspec_codegen::format::{Formatted, format};
-use uavspec_codegen::msg::annotation::Note;
-use uavspec_codegen::msg::{self, Dialect, Kind};
+use uavspec_codegen::internal::{Note, parse_definition, parse_page};
+use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::Form;
-use uavspec_codegen::{Diagnostic, SourceMap, read, table};
+use uavspec_codegen::{Diagnostic, SourceMap, read};
 
 /// The layout of one file, or what is wrong with it.
 pub(crate) fn laid_out(path: &str, text: &str, form: Form) -> Result<Formatted, Vec<Diagnostic>> {
@@ -39,7 +39,7 @@ fn comments(path: &str, text: &str, dialect: Dialect) -> Vec<String> {
     let mut sources = SourceMap::default();
     let id = sources.add(path, text.as_bytes().to_vec()).expect("a text");
     let kind = Kind::of(path).expect("a definition");
-    let (definition, _) = msg::parse(&sources, id, kind, dialect);
+    let (definition, _) = parse_definition(&sources, id, kind, dialect);
     let lines = definition.parts.iter().flat_map(|part| &part.lines);
     let comments = lines.filter_map(|line| line.comment.as_deref());
     let words_alone = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -50,7 +50,7 @@ fn comments(path: &str, text: &str, dialect: Dialect) -> Vec<String> {
 fn cells(path: &str, text: &str) -> Vec<Vec<String>> {
     let mut sources = SourceMap::default();
     let id = sources.add(path, text.as_bytes().to_vec()).expect("a text");
-    let (page, _) = table::parse(&sources, id);
+    let (page, _) = parse_page(&sources, id);
     let rows =
         page.tables.iter().flat_map(|table| table.rows.iter().map(|row| &row.cells).chain([&table.header]));
     rows.map(|row| row.iter().map(|cell| cell.text.as_str().to_owned()).collect()).collect()

@@ -5,6 +5,7 @@ pub(crate) mod layout;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use proptest::test_runner::Config;
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, Schema};
 use uavspec_codegen::{Diagnostic, PackageInput, SourceMap, read};
@@ -28,6 +29,22 @@ pub(crate) fn shared(path: &str) -> Option<PathBuf> {
     );
     eprintln!("left out: {path} is absent; set UAVSPEC_CORPUS to the corpus to run this test");
     None
+}
+
+/// `full` if `UAVSPEC_TEST_THOROUGH` is set, as in `.ci/run`; otherwise `quick`.
+pub(crate) fn extent<T>(full: T, quick: T) -> T {
+    if std::env::var_os("UAVSPEC_TEST_THOROUGH").is_some_and(|value| value != "0") { full } else { quick }
+}
+
+/// The configuration of a property test: so many cases in a thorough run, a quarter of them in a quick one. It
+/// keeps no file of failures: a failure becomes a test or a fixture.
+pub(crate) fn config(cases: u32) -> Config {
+    Config { failure_persistence: None, cases: extent(cases, cases / 4), ..Config::default() }
+}
+
+/// Like `config`, for a multiple of the default number of cases, which `PROPTEST_CASES` sets.
+pub(crate) fn usual(times: u32) -> Config {
+    config(Config::default().cases * times)
 }
 
 /// A package without sources.

@@ -17,7 +17,7 @@ use super::{Status, deliver};
 use crate::capture::input;
 use crate::check::{self, parallel};
 use crate::definitions::Definitions;
-use crate::report::{Action, Judged, Report, Settings, Subject, Unreadable};
+use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Unreadable};
 
 /// Arguments of `check`.
 #[derive(Args, Debug)]
@@ -120,8 +120,8 @@ pub(super) fn check(args: &CheckArgs) -> Status {
     };
     let settings = settings(args);
     let (mut judged, mut subjects, mut unreadable) = (Vec::new(), Vec::new(), Vec::new());
-    let mut take = |found: Judged| {
-        let subject = Subject::of_source(found, &definitions, &settings);
+    let mut take = |found: CheckedCapture| {
+        let subject = Subject::of_capture(found, &definitions, &settings);
         args.report.print_subject(&subject);
         subjects.push(subject);
     };
@@ -173,13 +173,13 @@ fn judge(
     of: Option<MessageId>,
     definitions: &Definitions,
     progress: &Progress,
-) -> io::Result<Judged> {
+) -> io::Result<CheckedCapture> {
     let started = Instant::now();
     let source = input::unpacked(progress.reading(input::open(path)?))?;
-    let judgement = check::judge(source, of, definitions)?;
-    Ok(Judged {
+    let judgement = check::check_capture(source, of, definitions)?;
+    Ok(CheckedCapture {
         path: path.display().to_string(),
-        judgement,
+        result: judgement,
         notes: Vec::new(),
         elapsed: started.elapsed().as_millis(),
     })

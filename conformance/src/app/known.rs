@@ -9,7 +9,7 @@ use uavspec_codegen::diagnostic::Level;
 use super::Status;
 use crate::check::known::{Checked, Lists, Scope, Stale, excuse_findings, of_findings, of_unread};
 use crate::model::{Date, Extent, Reason};
-use crate::report::{Judged, Unreadable};
+use crate::report::{CheckedCapture, Unreadable};
 
 /// Arguments of commands that know such lists.
 #[derive(Args, Debug)]
@@ -79,20 +79,20 @@ impl Known {
     }
 
     /// Holds the lists against what was found in sources, and notes at each finding what excuses it.
-    pub(super) fn settle_sources(&mut self, judged: &mut [Judged], unread: &[Unreadable]) -> Status {
+    pub(super) fn settle_sources(&mut self, judged: &mut [CheckedCapture], unread: &[Unreadable]) -> Status {
         if self.lists.is_empty() {
             return Status::Conforms;
         }
         let mut checked: Vec<Checked<'_>> = unread.iter().flat_map(|file| of_unread(&file.path)).collect();
         for judged in judged.iter() {
-            checked.extend(of_findings(&judged.path, &judged.judgement.findings));
-            if judged.judgement.extent == Extent::BrokenOff {
+            checked.extend(of_findings(&judged.path, &judged.result.findings));
+            if judged.result.extent == Extent::BrokenOff {
                 checked.extend(of_unread(&judged.path));
             }
         }
         let status = self.settle(Scope::Rules, &checked);
         for judged in judged {
-            excuse_findings(&self.lists, &judged.path, &mut judged.judgement.findings);
+            excuse_findings(&self.lists, &judged.path, &mut judged.result.findings);
         }
         status
     }

@@ -16,7 +16,7 @@ use super::test::seconds;
 use super::{Status, deliver};
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::probe::{Options, probe};
-use crate::report::{Action, Judged, Report, Settings, Subject, Unreadable};
+use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Unreadable};
 
 /// Arguments of `probe`.
 #[derive(Args, Debug)]
@@ -99,12 +99,12 @@ fn prepared(args: &ProbeArgs) -> Result<Status, Status> {
     for unreadable in &unreadable {
         anstream::eprintln!("error: {path}: {}", unreadable.message);
     }
-    let (judgement, elapsed) = (probed.judgement, started.elapsed().as_millis());
-    let mut judged = [Judged { path, judgement, notes: probed.notes, elapsed }];
+    let (result, elapsed) = (probed.result, started.elapsed().as_millis());
+    let mut judged = [CheckedCapture { path, result, notes: probed.notes, elapsed }];
     let settled = known.settle_sources(&mut judged, &unreadable);
     let settings = Settings { command: Some(super::command()), ..Settings::default() };
     let subjects: Vec<Subject> =
-        judged.into_iter().map(|judged| Subject::of_source(judged, &definitions, &settings)).collect();
+        judged.into_iter().map(|judged| Subject::of_capture(judged, &definitions, &settings)).collect();
     for subject in &subjects {
         args.report.print_subject(subject);
     }

@@ -13,7 +13,8 @@ use crate::matrix::live::{cases as cases_of_servers, live};
 use crate::matrix::{Row, conforming, list, matrix};
 use crate::rules::RULES;
 use crate::testee::case::cases;
-use crate::testee::run::{Options, run};
+use crate::testee::options::Options;
+use crate::testee::run::run;
 use crate::testee::target::Target;
 use crate::text::Grouped;
 
@@ -119,7 +120,7 @@ fn servers(definitions: &Definitions) -> bool {
     );
     let mut are_right = true;
     for (case, row) in cases.iter().zip(rows) {
-        let name = case.bug.map_or_else(|| case.name(), |bug| bug.rule.to_owned());
+        let name = case.bug.map_or_else(|| case.name(), |of| of.rule.id.to_owned());
         let (is_right, text) = match row {
             Ok(row) if row.is_right() && case.bug.is_some() => (true, "found".to_owned()),
             Ok(row) if row.is_right() => {
@@ -154,7 +155,7 @@ fn cases_of(definitions: &Definitions, testee: &[OsString]) -> Result<bool, Stri
 
 fn told(row: &Row) -> String {
     let found = list(row.broken.iter().flatten());
-    format!("{}: expected {}, found {found}", row.mutant.name, list(&row.expected()))
+    format!("{}: expected {}, found {found}", row.title, list(&row.expected()))
 }
 
 fn line(is_right: bool, name: &str, text: &str) {

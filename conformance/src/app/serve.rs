@@ -11,7 +11,8 @@ use serde_json::json;
 
 use super::Status;
 use super::test::seconds;
-use crate::serve::{Bug, Options, Server, Transport, bug, bugs, error, loss};
+use crate::rules::flockwave::{self, FlockwaveRule};
+use crate::serve::{Options, Server, Transport, error, loss};
 
 /// Where the server listens where nothing is said: the port that clients of the protocol try first.
 const USUAL: &str = "127.0.0.1:5001";
@@ -80,7 +81,7 @@ pub(super) struct ServeArgs {
     login: Option<(String, String)>,
     /// Break this rule, and as far as can be no other.
     #[arg(long, value_name = "RULE", value_parser = known_bug)]
-    bug: Option<&'static Bug>,
+    bug: Option<&'static FlockwaveRule>,
     /// List the rules that can be broken, and how that is done.
     #[arg(long, conflicts_with_all = ["bug", "tcp", "udp", "http", "socketio"])]
     list_bugs: bool,
@@ -129,8 +130,8 @@ pub(super) fn serve(args: &ServeArgs) -> Status {
             }
         }
     }
-    if let Some(bug) = args.bug {
-        anstream::eprintln!("bug {}: {}", bug.rule, bug.what);
+    if let Some(FlockwaveRule { rule, bug, .. }) = args.bug {
+        anstream::eprintln!("bug {}: {}", rule.id, bug.what);
     }
     // Where nobody is left who could say that it is to end, it ends as well.
     let _ = match args.time {
@@ -192,18 +193,19 @@ fn watch(args: &ServeArgs, sender: Sender<()>) -> Result<(), String> {
 }
 
 fn list(format: super::Format) -> Status {
-    for bug in bugs() {
+    for FlockwaveRule { rule, bug, .. } in flockwave::RULES {
+        let also: Vec<&str> = bug.also.iter().map(|rule| rule.id).collect();
         match format {
             super::Format::Text => {
-                let also = if bug.also.is_empty() {
+                let also = if also.is_empty() {
                     String::new()
                 } else {
-                    format!(" Breaks {} as well.", bug.also.join(", "))
+                    format!(" Breaks {} as well.", also.join(", "))
                 };
-                anstream::println!("{:<18} {}{also}", bug.rule, bug.what);
+                anstream::println!("{:<18} {}{also}", rule.id, bug.what);
             }
             super::Format::Json => {
-                anstream::println!("{}", json!({ "rule": bug.rule, "what": bug.what, "also": bug.also }));
+                anstream::println!("{}", json!({ "rule": rule.id, "what": bug.what, "also": also }));
             }
         }
     }
@@ -214,8 +216,8 @@ fn has_uav(count: u16, id: &str) -> bool {
     (1..=count).any(|number| id == format!("glider-{number}"))
 }
 
-fn known_bug(rule: &str) -> Result<&'static Bug, String> {
-    bug(rule).ok_or_else(|| "no bug breaks this rule: --list-bugs lists all".to_owned())
+fn known_bug(rule: &str) -> Result<&'static FlockwaveRule, String> {
+    flockwave::rule(rule).ok_or_else(|| "no bug breaks this rule: --list-bugs lists all".to_owned())
 }
 
 pub(super) fn login(text: &str) -> Result<(String, String), String> {

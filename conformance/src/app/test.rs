@@ -20,8 +20,9 @@ use crate::report::{Action, Report, Subject};
 use crate::testee::case::{Case, cases};
 use crate::testee::file::{dump, replay};
 use crate::testee::known::{excuse_cases, of_cases};
+use crate::testee::options::Options;
 use crate::testee::outcome::Outcome;
-use crate::testee::run::{Options, run};
+use crate::testee::run::run;
 use crate::testee::target::Target;
 use crate::text::command_line;
 

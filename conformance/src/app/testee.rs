@@ -14,7 +14,7 @@ use crate::net::Address;
 use crate::testee::case::cases;
 use crate::testee::lint::report::{to_json, to_text};
 use crate::testee::lint::{CHECKS, Check, check, lint};
-use crate::testee::run::Options;
+use crate::testee::options::Options;
 
 /// What is to be done with a testee.
 #[derive(Debug, Subcommand)]

@@ -1,4 +1,4 @@
-//! Judges recorded conversations of Flockwave, and files of bare messages.
+//! Judges recorded sessions of Flockwave, and files of bare messages.
 //!
 //! A line of a recording is `{"t": seconds since the epoch, "conn": name, "dir": "in" or "out", "msg": {…}}`, seen from
 //! the client; with `"raw"`, a string, in the place of `"msg"` where what went over the connection is no JSON; or with
@@ -8,16 +8,20 @@
 //! beginning of a connection `"url"`; and at its end `"why"`, which is `"client"` where that ended it. Other members say
 //! nothing here.
 
+mod listeners;
 mod reports;
+mod summary;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
+pub(super) use self::listeners::Listeners;
 use self::reports::{Report, Reports};
-use super::{Course, Judgement, Source};
+pub use self::summary::{FlockwaveSummary, TypeCount};
+use super::{CaptureResult, Course, Summary};
 use uavspec_codegen::schema::json_type;
 
 use crate::definitions::Definitions;
-use crate::flockwave::record::{Connection, Direction, Exchange, Trial};
+use crate::flockwave::record::{Connection, Direction, SessionRecord, Trial};
 use crate::flockwave::session::parts;
 use crate::json::{CUT_OFF, SyntaxError, Tree};
 use crate::model::{Extent, Place};
@@ -39,34 +43,6 @@ const MAX_HOW: usize = 512;
 /// The latest time that is believed, in seconds: in the year 5138.
 const MAX_TIME: f64 = 1e11;
 
-/// What a recording of Flockwave says of itself.
-#[derive(Debug, Default)]
-pub struct FlockwaveSource {
-    /// How many connections it tells apart.
-    pub connections: usize,
-    /// How many requests clients sent, and how many the server.
-    pub requests: u64,
-    /// How many responses there are.
-    pub responses: u64,
-    /// How many notifications the server sent.
-    pub notifications: u64,
-    /// How many messages have each type, by name, that the definitions have.
-    pub types: BTreeMap<String, TypeCount>,
-    /// How many messages have each other type: nothing says what they have to be.
-    pub unknown: BTreeMap<String, TypeCount>,
-    /// How many messages have a type that there was no more room to count by name.
-    pub uncounted: u64,
-}
-
-/// How many messages of a type there are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct TypeCount {
-    /// From clients.
-    pub out: u64,
-    /// From the server.
-    pub incoming: u64,
-}
-
 /// Whether a value is a line of a recording, or a bare message of Flockwave.
 pub(super) fn is_flockwave(tree: &Tree<'_>) -> bool {
     is_line(tree) || is_message(tree)
@@ -87,7 +63,7 @@ fn is_message(tree: &Tree<'_>) -> bool {
 /// Judges what goes over connections, as lines of a recording, whether they come from a file or from a live server.
 pub struct FlockwaveJudge<'d> {
     pub(super) course: Course<'d>,
-    source: FlockwaveSource,
+    source: FlockwaveSummary,
     reports: Reports<'d>,
     /// The number of each connection, by its name.
     connections: HashMap<String, usize>,
@@ -128,7 +104,7 @@ impl<'d> FlockwaveJudge<'d> {
     }
 
     pub(super) fn new(course: Course<'d>) -> Self {
-        let (source, reports) = (FlockwaveSource::default(), Reports::of(course.definitions));
+        let (source, reports) = (FlockwaveSummary::default(), Reports::of(course.definitions));
         Self { course, source, reports, connections: HashMap::new(), names: Vec::new(), latest: 0 }
     }
 
@@ -168,7 +144,7 @@ impl<'d> FlockwaveJudge<'d> {
             trial: None,
             note: None,
         };
-        self.exchange(&happening, place)?;
+        self.record(&happening, place)?;
         self.reports.count(report);
         Ok(())
     }
@@ -191,7 +167,7 @@ impl<'d> FlockwaveJudge<'d> {
             let content = Content::Message(&tree);
             let bare =
                 Happening { name: None, direction, time: None, content, text, trial: None, note: None };
-            return self.exchange(&bare, place);
+            return self.record(&bare, place);
         }
         Err("neither a line of a recording, with `dir` and one of `msg`, `raw` and `event`, nor a message of \
              Flockwave, with `$fw.version`"
@@ -233,25 +209,25 @@ impl<'d> FlockwaveJudge<'d> {
         match (direction, tree.get("msg"), string("raw")) {
             (Direction::Event, ..) => {
                 let event = string("event").ok_or("an event without a name: `event` is no string")?;
-                self.exchange(&Happening { content: Content::Event, text: event, ..happening }, place)
+                self.record(&Happening { content: Content::Event, text: event, ..happening }, place)
             }
             (_, Some(message), _) => {
-                self.exchange(&Happening { content: Content::Message(message), ..happening }, place)
+                self.record(&Happening { content: Content::Message(message), ..happening }, place)
             }
             // What one program takes for no JSON may be some to another.
             (_, None, Some(raw)) => match Tree::read(raw) {
                 Ok(message) => {
                     let content = Content::Message(&message);
-                    self.exchange(&Happening { content, text: raw, ..happening }, place)
+                    self.record(&Happening { content, text: raw, ..happening }, place)
                 }
-                Err(_) => self.exchange(&Happening { text: raw, ..happening }, place),
+                Err(_) => self.record(&Happening { text: raw, ..happening }, place),
             },
             (_, None, None) => Err("neither `msg` nor `raw`, a string".to_owned()),
         }
     }
 
     /// Something goes over a connection, or happens to it.
-    fn exchange(&mut self, happening: &Happening<'_>, place: Place) -> Result<(), String> {
+    fn record(&mut self, happening: &Happening<'_>, place: Place) -> Result<(), String> {
         let Happening { name, direction, time, content, text, trial, note } = *happening;
         let index = self.connection(name.unwrap_or_default())?;
         let name_kept = std::mem::take(&mut self.names[index]);
@@ -260,13 +236,13 @@ impl<'d> FlockwaveJudge<'d> {
             Content::Message(value) | Content::Report(value) => Some(value),
             Content::Raw | Content::Event => None,
         };
-        let exchange = Exchange { connection, direction, time, text, value, trial, note, place };
-        self.happen(&exchange);
-        self.count(&exchange);
+        let record = SessionRecord { connection, direction, time, text, value, trial, note, place };
+        self.happen(&record);
+        self.count(&record);
         if matches!(content, Content::Report(_)) {
-            self.course.reported(&exchange);
+            self.course.reported(&record);
         } else {
-            self.course.exchanged(&exchange);
+            self.course.exchanged(&record);
         }
         self.names[index] = name_kept;
         Ok(())
@@ -296,28 +272,28 @@ impl<'d> FlockwaveJudge<'d> {
     }
 
     /// Follows the beginning and the end of connections.
-    fn happen(&mut self, exchange: &Exchange<'_>) {
-        if exchange.direction != Direction::Event {
+    fn happen(&mut self, record: &SessionRecord<'_>) {
+        if record.direction != Direction::Event {
             return;
         }
-        match exchange.text {
+        match record.text {
             "connect" => {
-                self.course.disconnected(exchange.connection, None);
-                self.course.conversations.opened(exchange.connection.index);
+                self.course.disconnected(record.connection, None);
+                self.course.sessions.opened(record.connection.index);
             }
-            "closed" => self.course.disconnected(exchange.connection, exchange.note),
+            "closed" => self.course.disconnected(record.connection, record.note),
             _ => {}
         }
     }
 
-    fn count(&mut self, exchange: &Exchange<'_>) {
-        self.course.pass_time(exchange.time);
-        if exchange.direction == Direction::Event {
+    fn count(&mut self, record: &SessionRecord<'_>) {
+        self.course.pass_time(record.time);
+        if record.direction == Direction::Event {
             return;
         }
-        let is_of_server = exchange.direction == Direction::In;
+        let is_of_server = record.direction == Direction::In;
         self.course.records += u64::from(is_of_server);
-        let Some(message) = exchange.value else { return };
+        let Some(message) = record.value else { return };
         let name = message.get("body").and_then(|body| body.get("type")).and_then(Tree::as_str);
         let is_answer = message.get("refs").is_some_and(|refs| *refs != Tree::Null);
         let source = &mut self.source;
@@ -330,7 +306,7 @@ impl<'d> FlockwaveJudge<'d> {
             // It is judged all the same where it says that something went wrong, or what is wrong with itself.
             return self.course.judged += u64::from(is_of_server);
         };
-        let is_known = self.course.definitions.is_message_known(name);
+        let is_known = self.course.definitions.body_schemas().has(name);
         self.course.judged += u64::from(is_of_server && is_known);
         let types = if is_known { &mut source.types } else { &mut source.unknown };
         if !types.contains_key(name) {
@@ -344,13 +320,13 @@ impl<'d> FlockwaveJudge<'d> {
     }
 
     /// What came of it, after so many bytes.
-    pub fn finish(mut self, bytes: u64) -> Judgement {
+    pub fn finish(mut self, bytes: u64) -> CaptureResult {
         for (index, name) in self.names.iter().enumerate() {
             let is_told = !name.is_empty() && is_ordered(name);
             self.course.disconnected(Connection { index, name, is_told }, None);
         }
         self.reports.tell(&mut self.course.findings);
-        self.course.finish(bytes, Source::Flockwave(self.source))
+        self.course.finish(bytes, Summary::Flockwave(self.source))
     }
 }
 

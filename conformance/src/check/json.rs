@@ -1,4 +1,4 @@
-//! Judges messages as JSON.
+//! Checks messages as JSON, and tells sessions of Flockwave from them.
 
 mod envelope;
 mod templates;
@@ -6,19 +6,23 @@ mod templates;
 use std::collections::{BTreeSet, HashMap};
 use std::io::Read;
 
+use serde::Serialize;
+use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::schema::MessageId;
 
 use self::envelope::{Channels, Fast, Form, Open, Which, form, read};
 use self::templates::Templates;
 use super::flockwave::{FlockwaveJudge, is_flockwave};
+use super::summary::names;
 use super::topic::{definition_of, topic_of};
-use super::{Course, Judgement, Source};
+use super::{CaptureResult, Course, Describe, Kind, Line, Summary, Totals};
 use crate::capture::json::{Event, Reader};
 use crate::definitions::Definitions;
 use crate::json::{CUT_OFF, SyntaxError, Tree};
 use crate::model::{Channel, Extent, Message, Place};
 use crate::px4::json::{Clean, Dialects, Plans, Told};
 use crate::rules::px4;
+use crate::text::{Grouped, shown};
 
 /// How many topics or types are told apart: hostile input can have any number.
 const MAX_CHANNELS: usize = 10_000;
@@ -29,38 +33,79 @@ const MAX_NAME: usize = 256;
 /// What MCAP calls types of ROS 2, as rosbridge names them.
 const ROS: &str = "ros2msg";
 
-/// What a source of JSON says of itself.
-#[derive(Debug)]
-pub struct JsonSource {
-    /// How many lines it has.
+pub(super) const KIND: Kind = Kind {
+    name: "JSON",
+    detect: |start| !is_binary(start),
+    check: |input, of, definitions| Ok(check_json(input, of, definitions)),
+};
+
+/// True if a capture starts neither like JSON nor like any text. One wrong byte may be damage.
+fn is_binary(start: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(start);
+    if text.trim_start_matches('\u{feff}').trim_start().starts_with(['{', '[']) {
+        return false;
+    }
+    let is_foreign = |character: &char| {
+        *character == char::REPLACEMENT_CHARACTER || character.is_control() && !character.is_whitespace()
+    };
+    text.chars().filter(is_foreign).count() > 1
+}
+
+/// The summary of messages as JSON.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema), schemars(rename = "Json"))]
+pub struct JsonSummary {
+    /// The number of lines.
     pub lines: u64,
-    /// How many types its messages have.
+    /// The number of types that its messages have.
     pub types: usize,
-    /// How many messages of rosbridge say something else than that a message is published.
+    /// The number of rosbridge messages that don't publish anything.
     pub skipped: u64,
     /// The topics or types without a definition, by name.
+    #[cfg_attr(test, schemars(with = "Vec<String>"))]
     pub undefined: BTreeSet<String>,
-    /// How its JSON differs from the published schema.
+    /// The ways in which it differs from the published schemas that are accepted.
     pub dialects: Dialects,
 }
 
-/// Judges messages as JSON: JSON Lines, an array, or a single one. They are all of one type where `of` says so;
-/// otherwise each says its type or its topic. They are judged as far as they can be read.
-pub fn judge_json(input: impl Read, of: Option<MessageId>, definitions: &Definitions) -> Judgement {
-    judge_with(input, of, JsonJudge::new(of, definitions))
+impl Describe for JsonSummary {
+    fn facts(&self, totals: Totals) -> Vec<String> {
+        let types = plural(self.types as u64, "type");
+        vec![plural(self.lines, "line"), format!("{} of {types}", totals.messages())]
+    }
+
+    fn lines(&self) -> Vec<Line> {
+        let mut lines: Vec<Line> =
+            self.dialects.iter().map(|dialect| Line::new("dialect", dialect.to_string())).collect();
+        if self.skipped > 0 {
+            let text = format!("{} that publish nothing (rosbridge)", Grouped(self.skipped));
+            lines.push(Line::new("skipped", text));
+        }
+        if !self.undefined.is_empty() {
+            let line = Line::new("not defined", names(self.undefined.iter().map(String::as_str)));
+            lines.push(Line { details: self.undefined.iter().map(|name| shown(name)).collect(), ..line });
+        }
+        lines
+    }
 }
 
-/// Like [`judge_json`], but compares no message with those before it. It takes several times as long and comes to the same,
-/// which tests and benchmarks see by it.
-pub fn judge_json_thoroughly(
+/// Checks messages as JSON: JSON Lines, an array, or a single one. They are all of one type where `of` says so;
+/// otherwise each says its type or its topic. They are checked as far as they can be read.
+pub fn check_json(input: impl Read, of: Option<MessageId>, definitions: &Definitions) -> CaptureResult {
+    check_with(input, of, JsonJudge::new(of, definitions))
+}
+
+/// Like [`check_json`], but compares no message with those before it. It is several times slower and has the same result:
+/// tests and benchmarks hold the two to each other.
+pub fn check_json_thoroughly(
     input: impl Read,
     of: Option<MessageId>,
     definitions: &Definitions,
-) -> Judgement {
-    judge_with(input, of, JsonJudge { templates: Templates::none(), ..JsonJudge::new(of, definitions) })
+) -> CaptureResult {
+    check_with(input, of, JsonJudge { templates: Templates::none(), ..JsonJudge::new(of, definitions) })
 }
 
-fn judge_with(input: impl Read, of: Option<MessageId>, judge: JsonJudge<'_>) -> Judgement {
+fn check_with(input: impl Read, of: Option<MessageId>, judge: JsonJudge<'_>) -> CaptureResult {
     let mut reader = Reader::new(input);
     let mut judge = Judge::Json { judge, is_decided: of.is_some() };
     loop {
@@ -305,13 +350,13 @@ impl<'d> JsonJudge<'d> {
         Some(at)
     }
 
-    fn finish(mut self, lines: u64, bytes: u64) -> Judgement {
+    fn finish(mut self, lines: u64, bytes: u64) -> CaptureResult {
         let mut types = BTreeSet::new();
         let mut undefined = BTreeSet::new();
         for open in self.channels.open {
             match open.defined {
                 Some((id, _)) => {
-                    self.plans.exercise(id, open.messages, &mut self.course.findings);
+                    self.plans.count(id, open.messages, &mut self.course.findings);
                     if open.messages > 0 {
                         types.insert(id);
                     }
@@ -319,14 +364,14 @@ impl<'d> JsonJudge<'d> {
                 None => _ = undefined.insert(open.name),
             }
         }
-        let source = JsonSource {
+        let summary = JsonSummary {
             lines,
             types: types.len(),
             skipped: self.skipped,
             undefined,
             dialects: self.dialects,
         };
-        self.course.finish(bytes, Source::Json(source))
+        self.course.finish(bytes, Summary::Json(summary))
     }
 }
 

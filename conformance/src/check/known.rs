@@ -43,11 +43,11 @@ use std::fs::{self, File};
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
-use uavspec_codegen::cli::rewrite::Change;
-use uavspec_codegen::diagnostic::{Level, render};
+use uavspec_codegen::diagnostic::Level;
 use uavspec_codegen::finding::Finding;
+use uavspec_codegen::rewrite::{self, Change};
 use uavspec_codegen::source::{SourceId, Span};
-use uavspec_codegen::{SourceMap, cli};
+use uavspec_codegen::{Failure, SourceMap, render};
 
 pub use self::judge::{Checked, Name, Outcome, Scope, Stale, Why};
 use self::pattern::Pattern;
@@ -200,7 +200,7 @@ impl Lists {
     }
 
     /// Writes to their files the texts that differ from those of `old`, all or none.
-    pub fn write(&self, old: &Self) -> Result<(), cli::Failure> {
+    pub fn write(&self, old: &Self) -> Result<(), Failure> {
         let changes =
             self.paths.iter().filter(|(source, _)| self.sources.text(**source) != old.sources.text(**source));
         let change = |(source, path): (&SourceId, &PathBuf)| Change {
@@ -209,7 +209,7 @@ impl Lists {
             old: old.sources.text(*source).to_owned(),
             new: self.sources.text(*source).to_owned(),
         };
-        cli::rewrite::write(&changes.map(change).collect::<Vec<_>>())
+        rewrite::write(&changes.map(change).collect::<Vec<_>>())
     }
 }
 

@@ -1,32 +1,127 @@
-//! Judges logs of PX4.
+//! Checks logs of PX4.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::Read;
+use std::io::{self, Read};
 
+use serde::{Serialize, Serializer};
 use uavspec_codegen::dynamic::{FormatProblem, MessageType};
+use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::schema::MessageId;
 
-use super::{Course, Judgement, Source, timestamp_offset};
+use super::{CaptureResult, Course, Describe, Kind, Line, Summary, Totals, is_begun, timestamp_offset};
 use crate::capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
+use crate::capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
 use crate::definitions::Definitions;
 use crate::model::{Channel, Detail, Extent, Findings, Message, Place, Rule};
 use crate::px4::comparison::{Comparison, compare};
-use crate::px4::plan::Plan;
+use crate::px4::memory::Plan;
+use crate::px4::values::Plans;
 use crate::rules::px4;
+use crate::text::shown;
 
-/// What a log says of itself.
-#[derive(Debug)]
-pub struct LogSource {
-    /// What it says of the firmware, such as its version.
+pub(super) const KIND: Kind = Kind {
+    name: "ULog",
+    detect: |start| is_begun(start, &ULOG_MAGIC),
+    check: |input, _, definitions| Ok(check_ulog(input, definitions)),
+};
+
+/// Encrypted logs can't be read.
+pub(super) const ENCRYPTED: Kind = Kind {
+    name: "ULog",
+    detect: |start| start.starts_with(&ENCRYPTED_MAGIC),
+    check: |_, _, _| {
+        let text = "an encrypted log of PX4 (.ulge): decrypt it first, with its key, as \
+                    https://docs.px4.io/main/en/dev_log/log_encryption tells";
+        Err(io::Error::new(io::ErrorKind::Unsupported, text))
+    },
+};
+
+/// The summary of a log.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema), schemars(rename = "Ulog"))]
+pub struct LogSummary {
+    /// The firmware, such as its version.
     pub firmware: Option<String>,
-    /// How many dropouts it tells of.
+    /// The number of dropouts.
     pub dropouts: u64,
     /// The formats of its topics, compared with the definitions, by name.
+    #[serde(serialize_with = "format_rows")]
+    #[cfg_attr(test, schemars(with = "Vec<Format>"))]
     pub formats: Vec<(String, Comparison)>,
 }
 
-/// Judges a log of PX4, as far as it can be read.
-pub fn judge_ulog(input: impl Read, definitions: &Definitions) -> Judgement {
+/// The format of a topic, compared with its definition.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct Format<'f> {
+    /// The topic.
+    topic: &'f str,
+    /// The result of the comparison.
+    result: FormatResult,
+    /// The differences; empty if there are none.
+    message: String,
+}
+
+/// The result of comparing a format with its definition.
+#[derive(Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+enum FormatResult {
+    /// All fields have equal types and offsets.
+    Equal,
+    /// Something differs.
+    Differs,
+    /// No definition is known for it.
+    Undefined,
+}
+
+impl<'f> Format<'f> {
+    fn of((topic, comparison): &'f (String, Comparison)) -> Self {
+        let (result, message) = match comparison {
+            Comparison::Equal => (FormatResult::Equal, String::new()),
+            Comparison::Undefined => (FormatResult::Undefined, String::new()),
+            Comparison::Differs(differences) => (FormatResult::Differs, differences.to_string()),
+        };
+        Self { topic, result, message }
+    }
+}
+
+fn format_rows<S: Serializer>(formats: &[(String, Comparison)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(formats.iter().map(Format::of))
+}
+
+impl Describe for LogSummary {
+    fn facts(&self, totals: Totals) -> Vec<String> {
+        vec![
+            self.firmware.as_deref().map_or_else(|| "unknown firmware".to_owned(), shown),
+            totals.duration(),
+            plural(self.formats.len() as u64, "topic"),
+            plural(totals.records, "record"),
+            plural(self.dropouts, "dropout"),
+        ]
+    }
+
+    fn lines(&self) -> Vec<Line> {
+        let formats: Vec<Format<'_>> = self.formats.iter().map(Format::of).collect();
+        let of = |wanted| formats.iter().filter(move |format| format.result == wanted);
+        let text = format!(
+            "{} of {} topics equal, {} differ, {} not defined",
+            of(FormatResult::Equal).count(),
+            formats.len(),
+            of(FormatResult::Differs).count(),
+            of(FormatResult::Undefined).count(),
+        );
+        let differing = of(FormatResult::Differs).map(|format| (format.topic, shown(&format.message)));
+        vec![Line::new("definitions", text).list("differs", differing)]
+    }
+
+    fn noun(&self) -> &'static str {
+        "log"
+    }
+}
+
+/// Checks a log of PX4, as far as it can be read.
+pub fn check_ulog(input: impl Read, definitions: &Definitions) -> CaptureResult {
     let mut judge = LogJudge::new(definitions);
     let mut reader = Reader::new(input);
     let mut log = Log::default();
@@ -82,6 +177,7 @@ struct Open {
 
 struct LogJudge<'d> {
     course: Course<'d>,
+    plans: Plans,
     /// By the id of the data.
     open: Vec<Option<Box<Open>>>,
     /// Topics that were seen to have a `timestamp` or not; the log has a format for each.
@@ -93,7 +189,8 @@ struct LogJudge<'d> {
 impl<'d> LogJudge<'d> {
     fn new(definitions: &'d Definitions) -> Self {
         let (open, timed) = (Vec::new(), BTreeSet::new());
-        Self { course: Course::new(definitions), open, timed, firmware: None, dropouts: 0 }
+        let plans = Plans::new(&definitions.schema, &px4::VALUES);
+        Self { course: Course::new(definitions), plans, open, timed, firmware: None, dropouts: 0 }
     }
 
     fn item(&mut self, item: &Item<'_>) {
@@ -166,13 +263,7 @@ impl<'d> LogJudge<'d> {
                 if self.timed.insert(open.topic.clone()) {
                     check_timestamp(record.of, place, &mut self.course);
                 }
-                empty.insert(Plan::new(
-                    record.of,
-                    open.definition,
-                    &self.course.definitions.schema,
-                    &open.topic,
-                    &px4::VALUES,
-                ))
+                empty.insert(Plan::new(record.of, open.definition, &self.plans, &open.topic))
             }
         };
         plan.check(record.payload, place, &mut self.course.findings);
@@ -226,7 +317,7 @@ impl<'d> LogJudge<'d> {
         self.course.lost(open.index, place);
     }
 
-    fn finish(mut self, log: &Log, bytes: u64) -> Judgement {
+    fn finish(mut self, log: &Log, bytes: u64) -> CaptureResult {
         for open in std::mem::take(&mut self.open).into_iter().flatten() {
             open.close(&mut self.course.findings);
         }
@@ -234,8 +325,8 @@ impl<'d> LogJudge<'d> {
             self.course.findings.exercise(rule, self.course.records);
         }
         let formats = formats(log, &self.timed, &mut self.course);
-        let source = LogSource { firmware: self.firmware, dropouts: self.dropouts, formats };
-        self.course.finish(bytes, Source::Log(source))
+        let summary = LogSummary { firmware: self.firmware, dropouts: self.dropouts, formats };
+        self.course.finish(bytes, Summary::Log(summary))
     }
 
     fn information(&mut self, ty: &str, value: &[u8]) {
@@ -269,7 +360,7 @@ impl Open {
 
     fn close(self, findings: &mut Findings) {
         if let Some(plan) = self.plan {
-            plan.exercise(self.messages, findings);
+            plan.count(self.messages, findings);
         }
     }
 }

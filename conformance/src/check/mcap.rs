@@ -1,4 +1,4 @@
-//! Judges MCAP: messages as CDR or as JSON, by the definitions, and what the file itself says of its types.
+//! Checks MCAP: messages as CDR or as JSON, by the definitions, and what the file itself says of its types.
 //!
 //! Which definition a channel has is said by the name of its schema, or by its topic. A schema that the file brings is
 //! compared with it. Where they differ, CDR is read by the schema of the file, and the rules on values hold
@@ -9,6 +9,7 @@ mod json_schema;
 mod open;
 mod schemas;
 mod stated;
+mod summary;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{DefaultHasher, Hasher as _};
@@ -21,8 +22,10 @@ pub use self::open::{Basis, McapChannel, Standing};
 use self::open::{Identity, Open, Reading};
 use self::schemas::Schemas;
 use self::stated::Stated;
+pub use self::summary::McapSummary;
 use super::topic::{definition_of, is_same_type};
-use super::{Course, Judgement, Source};
+use super::{CaptureResult, Course, Kind, Summary, is_begun};
+use crate::capture::MCAP_MAGIC;
 use crate::capture::mcap::{Event, Reader};
 use crate::definitions::Definitions;
 use crate::json::Tree;
@@ -42,21 +45,14 @@ const HASH: &str = "topic_type_hash";
 /// What the hashes that are known begin with.
 const HASH_VERSION: &str = "RIHS01_";
 
-/// What a file says of itself.
-#[derive(Debug)]
-pub struct McapSource {
-    /// What else holds of it, such as `ros2`.
-    pub profile: String,
-    /// What wrote it.
-    pub library: String,
-    /// Its channels, by topic.
-    pub channels: Vec<McapChannel>,
-    /// How its JSON differs from the published schema.
-    pub dialects: Dialects,
-}
+pub(super) const KIND: Kind = Kind {
+    name: "MCAP",
+    detect: |start| is_begun(start, &MCAP_MAGIC),
+    check: |input, _, definitions| Ok(check_mcap(input, definitions)),
+};
 
-/// Judges MCAP, as far as it can be read.
-pub fn judge_mcap(input: impl Read, definitions: &Definitions) -> Judgement {
+/// Checks MCAP, as far as it can be read.
+pub fn check_mcap(input: impl Read, definitions: &Definitions) -> CaptureResult {
     let mut judge = McapJudge::new(definitions);
     let mut reader = Reader::new(input);
     loop {
@@ -108,8 +104,7 @@ struct McapJudge<'d> {
     undeclared: BTreeSet<u16>,
     /// Steps of the plans of all channels.
     steps: usize,
-    /// Made with the first channel of JSON.
-    plans: Option<Plans>,
+    plans: Plans,
     dialects: Dialects,
     /// What the message of JSON says that is read, as it lies in memory.
     values: Vec<u8>,
@@ -125,7 +120,7 @@ impl<'d> McapJudge<'d> {
             channels: BTreeMap::new(),
             undeclared: BTreeSet::new(),
             steps: 0,
-            plans: None,
+            plans: Plans::new(&definitions.schema, &px4::VALUES),
             dialects: Dialects::default(),
             values: Vec::new(),
         }
@@ -167,7 +162,6 @@ impl<'d> McapJudge<'d> {
         (open.standing, open.identity.version) = (Standing::Judged(basis), version);
         self.course.opened(&open.identity.channel());
         if is_json {
-            self.plans.get_or_insert_with(|| Plans::new(&definitions.schema, &px4::VALUES));
             open.reading = Reading::Json(of);
             return self.format(open);
         }
@@ -180,7 +174,7 @@ impl<'d> McapJudge<'d> {
             open.standing = Standing::Judged(Basis::TooMany);
             return;
         }
-        let judge = CdrJudge::new(of, stated, definitions, &open.identity.name);
+        let judge = CdrJudge::new(of, stated, definitions, &self.plans, &open.identity.name);
         self.steps += judge.steps();
         if let Some(lacks) = judge.lacks_timestamp(definitions) {
             let Identity { name, place, .. } = &open.identity;
@@ -274,13 +268,12 @@ impl<'d> McapJudge<'d> {
                 self.course.message(&channel, &Message { timestamp: seen.timestamp, values, place });
             }
             Reading::Json(of) => {
-                let Some(plans) = &self.plans else { return };
                 let told = Told { id: *of, name: channel.topic, place, key: None, is_rosbridge: true };
                 let size =
                     definitions.types().get(*of).size().filter(|_| self.course.wants_values(channel.index));
                 self.values.clear();
                 self.values.resize(size.map_or(0, |size| size.padded), 0);
-                match judge_json(plans, told, payload, &mut self.values, &mut self.course.findings) {
+                match check_message(&self.plans, told, payload, &mut self.values, &mut self.course.findings) {
                     Err(problem) => self.course.gap(place, problem),
                     Ok(Clean { timestamp, dialects }) => {
                         self.dialects.absorb(dialects);
@@ -294,21 +287,21 @@ impl<'d> McapJudge<'d> {
         }
     }
 
-    fn finish(mut self, bytes: u64) -> Judgement {
+    fn finish(mut self, bytes: u64) -> CaptureResult {
         let mut channels = Vec::new();
         for (_, open) in std::mem::take(&mut self.channels) {
-            channels.push(open.close(self.plans.as_ref(), &mut self.course.findings));
+            channels.push(open.close(&self.plans, &mut self.course.findings));
         }
         channels.sort_by(|left, right| left.topic.cmp(&right.topic));
-        let source =
-            McapSource { profile: self.profile, library: self.library, channels, dialects: self.dialects };
-        self.course.finish(bytes, Source::Mcap(source))
+        let summary =
+            McapSummary { profile: self.profile, library: self.library, channels, dialects: self.dialects };
+        self.course.finish(bytes, Summary::Mcap(summary))
     }
 }
 
 /// Judges a message of JSON. `values` gets what it says, or becomes empty where something is wrong with it. An error
 /// says why it isn't JSON.
-fn judge_json(
+fn check_message(
     plans: &Plans,
     told: Told<'_>,
     payload: &[u8],

@@ -10,14 +10,44 @@ mod compile;
 mod defined;
 mod plain;
 mod schemas;
-mod told;
 
+use uavspec_codegen::schema::json_type::Direction;
 use uavspec_codegen::source::Span;
 
 pub use self::bodies::Shapes;
 pub(crate) use self::plain::Members;
 pub use self::schemas::{SchemaError, Schemas};
 use crate::json::{Tree, pointer};
+
+/// The body schemas of all types: those of the definitions, and those of the user for other types.
+#[derive(Clone, Copy, Debug)]
+pub struct BodySchemas<'s> {
+    /// Those of the definitions.
+    pub shapes: &'s Shapes,
+    /// Those of the user.
+    pub schemas: &'s Schemas,
+}
+
+impl BodySchemas<'_> {
+    /// True if there is a body schema of this type.
+    pub fn has(&self, type_name: &str) -> bool {
+        self.shapes.has(type_name) || self.schemas.has(type_name)
+    }
+
+    /// The violations of the schema of a body's type for its direction; none if there is no such schema.
+    pub fn deviations(
+        &self,
+        type_name: &str,
+        direction: Direction,
+        body: &Tree<'_>,
+    ) -> Option<Vec<Deviation>> {
+        if self.shapes.has(type_name) {
+            self.shapes.check(type_name, direction, body)
+        } else {
+            self.schemas.check(type_name, direction, body)
+        }
+    }
+}
 
 /// What a value has to be.
 #[derive(Clone, Copy, Debug)]
@@ -60,7 +90,7 @@ pub struct Mismatch {
 
 /// What is wrong with a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Fault {
+pub enum Fault {
     /// It isn't there, and has to be.
     Absent,
     /// It is null.
@@ -73,11 +103,22 @@ pub(crate) enum Fault {
     Further,
 }
 
+/// A step into a body.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// Into a field that the definition has.
+    Field(String),
+    /// Into an element, or a value of a map.
+    Other,
+}
+
 /// Something in a body that hasn't the shape that it should have.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Deviation {
-    /// The rule of its own that this has; without one it is a matter of `FW-ENV-18`.
-    pub told_by: Option<&'static str>,
+    /// The steps that lead to it.
+    pub steps: Vec<Step>,
+    /// The kind of violation; none if the body schema is one of the user.
+    pub fault: Option<Fault>,
     /// The fields of the definition that lead to it, with dots between them; empty where it is in none.
     pub field: String,
     /// Where the definition says what should be.

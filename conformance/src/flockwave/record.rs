@@ -27,18 +27,18 @@ pub enum Direction {
     Event,
 }
 
-/// What a client tries a server with: an exchange that is there to see whether a rule holds.
+/// What a client tries a server with: a record that is there to see whether a rule holds.
 #[derive(Clone, Copy, Debug)]
 pub struct Trial<'e> {
     /// The rule.
     pub rule: &'static Rule,
-    /// How it is tried: how the exchange comes about, or what goes before it. May be empty.
+    /// How it is tried: how the record comes about, or what goes before it. May be empty.
     pub how: &'e str,
 }
 
 /// Something that goes over a connection of Flockwave, or happens to it.
 #[derive(Clone, Copy, Debug)]
-pub struct Exchange<'e> {
+pub struct SessionRecord<'e> {
     /// Where it goes.
     pub connection: Connection<'e>,
     /// Which way.

@@ -1,5 +1,5 @@
 //! What went over connections of Flockwave before: requests that wait for an answer, ids that were used, operations
-//! under way. It is kept in this one place, and rules are told of each exchange what it means ([`Turn`]).
+//! under way. It is kept in this one place, and rules are told of each record what it means ([`Exchange`]).
 //!
 //! A recording rarely shows all. So only what is certain is called so:
 //!
@@ -8,23 +8,25 @@
 //! - Where time goes back, times say nothing any more.
 //! - All memories have a bound; what was forgotten for lack of room is unknown, not absent.
 
+mod exchange;
 pub(crate) mod ids;
 mod operation;
 pub(crate) mod remembered;
-mod turn;
 mod vocabulary;
 
 use std::collections::BTreeSet;
 
+pub(crate) use self::exchange::seconds;
+pub use self::exchange::{ClockMove, ConnectionId, Exchange, Reference, Role};
 use self::ids::Ids;
 pub use self::operation::{Named, Operation, Stage};
 use self::remembered::Remembered;
-pub(crate) use self::turn::seconds;
-pub use self::turn::{ClockMove, Reference, Role, Turn};
 pub(crate) use self::vocabulary::OPERATIONS;
+#[cfg(test)]
+pub(crate) use self::vocabulary::{OPERATION, PARTS};
 pub use self::vocabulary::{Parts, parts};
-use crate::definitions::Definitions;
-use crate::flockwave::record::{Direction, Exchange};
+use crate::flockwave::body_schema::BodySchemas;
+use crate::flockwave::record::{Direction, SessionRecord};
 use crate::json::Tree;
 use crate::model::{Place, Rule};
 
@@ -109,7 +111,7 @@ struct State {
 
 /// All connections of a source.
 #[derive(Debug)]
-pub struct Conversations {
+pub struct Sessions {
     /// By index.
     states: Vec<State>,
     serials: u64,
@@ -123,7 +125,7 @@ pub struct Conversations {
     operations: Ids<Operation>,
 }
 
-impl Default for Conversations {
+impl Default for Sessions {
     fn default() -> Self {
         Self {
             states: Vec::new(),
@@ -136,40 +138,40 @@ impl Default for Conversations {
     }
 }
 
-impl Conversations {
-    /// What an exchange means after all that went before it, where bodies have the shapes of these definitions.
-    pub fn follow<'t>(&mut self, exchange: &'t Exchange<'t>, definitions: &Definitions) -> Turn<'t> {
-        let time = self.at(exchange);
-        let turn = Turn::new(exchange, time);
-        let deviations = turn.deviations_from(definitions);
-        self.placed(Turn { deviations, ..turn })
+impl Sessions {
+    /// A record with what it means after all that precedes it, and with the violations of its body schema.
+    pub fn follow<'t>(&mut self, record: &'t SessionRecord<'t>, schemas: BodySchemas<'_>) -> Exchange<'t> {
+        let time = self.at(record);
+        let exchange = Exchange::new(record, time);
+        let deviations = exchange.deviations_from(schemas);
+        self.placed(Exchange { deviations, ..exchange })
     }
 
-    /// The same, where what deviates from the shape of the body was told already.
-    pub(crate) fn follow_told<'t>(&mut self, exchange: &'t Exchange<'t>) -> Turn<'t> {
-        let time = self.at(exchange);
-        self.placed(Turn { deviations: Some(Vec::new()), ..Turn::new(exchange, time) })
+    /// Like [`follow`](Self::follow), for a record whose message was checked already.
+    pub(crate) fn follow_checked<'t>(&mut self, record: &'t SessionRecord<'t>) -> Exchange<'t> {
+        let time = self.at(record);
+        self.placed(Exchange { deviations: Some(Vec::new()), ..Exchange::new(record, time) })
     }
 
-    /// A turn with its place in the conversation.
-    fn placed<'t>(&mut self, mut turn: Turn<'t>) -> Turn<'t> {
-        let exchange = turn.exchange;
-        let state = &self.states[exchange.connection.index];
-        turn.clock = state.clock;
-        turn.serial = state.serial;
-        match turn.role {
+    /// An exchange with its place in the session.
+    fn placed<'t>(&mut self, mut exchange: Exchange<'t>) -> Exchange<'t> {
+        let record = exchange.record;
+        let state = &self.states[record.connection.index];
+        exchange.clock = state.clock;
+        exchange.serial = state.serial;
+        match exchange.role {
             Role::Event | Role::Unanswered => {}
             Role::Unreadable => {
                 // Nobody knows what it was, as little as of what was lost.
-                if exchange.direction == Direction::In {
-                    self.lose_of(exchange.connection.index);
+                if record.direction == Direction::In {
+                    self.lose_of(record.connection.index);
                 }
             }
-            Role::Request => self.request(&mut turn),
-            Role::Response => self.response(&mut turn),
-            Role::Notification => self.notification(&mut turn),
+            Role::Request => self.request(&mut exchange),
+            Role::Response => self.response(&mut exchange),
+            Role::Notification => self.notification(&mut exchange),
         }
-        turn
+        exchange
     }
 
     /// The requests that got no answer until a connection ended, or began anew, with what told that connection from
@@ -242,11 +244,11 @@ impl Conversations {
         }
     }
 
-    /// The time of an exchange, where it can be trusted.
-    fn at(&mut self, exchange: &Exchange<'_>) -> Option<f64> {
-        self.grow(exchange.connection.index);
-        let state = &mut self.states[exchange.connection.index];
-        let time = exchange.time?;
+    /// The time of a record, where it can be trusted.
+    fn at(&mut self, record: &SessionRecord<'_>) -> Option<f64> {
+        self.grow(record.connection.index);
+        let state = &mut self.states[record.connection.index];
+        let time = record.time?;
         if time < state.latest - JITTER {
             state.is_time_lost = true;
             state.clock = None;
@@ -255,32 +257,32 @@ impl Conversations {
         if state.is_time_lost {
             return None;
         }
-        if exchange.direction == Direction::In {
+        if record.direction == Direction::In {
             state.heard = Some(time);
         }
         Some(time)
     }
 
-    fn request(&mut self, turn: &mut Turn<'_>) {
-        let side = side(turn);
-        let asked = Asked::of(turn);
-        if side == Side::Client && asked.is_setting && turn.type_name == Some("SYS-TIME") {
+    fn request(&mut self, exchange: &mut Exchange<'_>) {
+        let side = side(exchange);
+        let asked = Asked::of(exchange);
+        if side == Side::Client && asked.is_setting && exchange.type_name == Some("SYS-TIME") {
             // Other connections may lead to the same server.
             self.states.iter_mut().for_each(|state| state.clock = None);
         }
-        let state = &mut self.states[turn.exchange.connection.index];
+        let state = &mut self.states[exchange.record.connection.index];
         if side == Side::Client {
-            if turn.type_name == Some("SYS-TIME") && turn.field("adjustment") == Some(&Tree::Int(0)) {
+            if exchange.type_name == Some("SYS-TIME") && exchange.field("adjustment") == Some(&Tree::Int(0)) {
                 state.adjusted_by_nothing = Some(asked.place);
             }
             release(&mut self.operations, state.serial, &asked);
         }
-        let Some(id) = turn.id.filter(|id| id.len() <= MAX_ID) else {
+        let Some(id) = exchange.id.filter(|id| id.len() <= MAX_ID) else {
             // Its answer may have any `refs`.
             return state.is_whole = false;
         };
         let key = (state.serial, side, id.to_owned());
-        turn.is_id_in_use = turn.exchange.connection.is_told && self.open.contains(&key);
+        exchange.is_id_in_use = exchange.record.connection.is_told && self.open.contains(&key);
         let waiting = self.open.remove(&key);
         let count = waiting.as_ref().map_or(1, |asked| asked.count + 1);
         let asked = Asked { is_ambiguous: waiting.is_some(), count, ..asked };
@@ -288,43 +290,43 @@ impl Conversations {
         self.open.insert(key, asked, room);
     }
 
-    fn response(&mut self, turn: &mut Turn<'_>) {
-        let from = side(turn);
+    fn response(&mut self, exchange: &mut Exchange<'_>) {
+        let from = side(exchange);
         if from == Side::Server {
-            self.send(turn, false);
+            self.send(exchange, false);
         }
-        self.refer(turn, if from == Side::Server { Side::Client } else { Side::Server });
+        self.refer(exchange, if from == Side::Server { Side::Client } else { Side::Server });
         if from == Side::Server {
-            self.learn_time(turn);
-            self.resumed(turn);
-            self.receipts(turn);
+            self.learn_time(exchange);
+            self.resumed(exchange);
+            self.receipts(exchange);
         }
     }
 
     /// Finds what `refs` is about.
-    fn refer(&mut self, turn: &mut Turn<'_>, asker: Side) {
-        let connection = turn.exchange.connection;
+    fn refer(&mut self, exchange: &mut Exchange<'_>, asker: Side) {
+        let connection = exchange.record.connection;
         let state = &self.states[connection.index];
         let is_certain = state.is_whole
             && connection.is_told
             && !self.open.has_forgotten()
             && !self.answered.has_forgotten();
-        let Some(refs) = turn.refs.filter(|refs| refs.len() <= MAX_ID) else { return };
+        let Some(refs) = exchange.refs.filter(|refs| refs.len() <= MAX_ID) else { return };
         let key = (state.serial, asker, refs.to_owned());
         if let Some(asked) = self.open.remove(&key) {
-            turn.reference = Reference::Request;
+            exchange.reference = Reference::Request;
             let size = refs.len() + asked.size();
             if asked.count > 1 {
                 self.open.insert(key, Asked { count: asked.count - 1, ..asked }, size);
                 return;
             }
             self.answered.insert(key, (), refs.len());
-            turn.asked = Some(asked).filter(|asked| !asked.is_ambiguous);
+            exchange.asked = Some(asked).filter(|asked| !asked.is_ambiguous);
         } else if self.answered.contains(&key) {
-            turn.reference = if connection.is_told { Reference::Answered } else { Reference::Unclear };
+            exchange.reference = if connection.is_told { Reference::Answered } else { Reference::Unclear };
         } else {
             let named = self.sent.get_mut(state.serial, refs).copied();
-            turn.reference = match named {
+            exchange.reference = match named {
                 // A message can't be about itself either, but that is no notification.
                 Some(true) if is_certain => Reference::Notification,
                 _ if is_certain => Reference::Unknown,
@@ -333,21 +335,21 @@ impl Conversations {
         }
     }
 
-    fn notification(&mut self, turn: &mut Turn<'_>) {
-        self.send(turn, true);
-        if turn.type_name == Some("SYS-CLOSE") {
-            self.states[turn.exchange.connection.index].ending = turn.time;
+    fn notification(&mut self, exchange: &mut Exchange<'_>) {
+        self.send(exchange, true);
+        if exchange.type_name == Some("SYS-CLOSE") {
+            self.states[exchange.record.connection.index].ending = exchange.time;
         }
-        let receipts: Vec<String> = match (turn.type_name, turn.body) {
+        let receipts: Vec<String> = match (exchange.type_name, exchange.body) {
             (Some("ASYNC-RESP" | "ASYNC-ST"), Some(body)) => {
                 body.get("id").and_then(Tree::as_str).map(str::to_owned).into_iter().collect()
             }
             (Some("ASYNC-TIMEOUT"), Some(body)) => strings(body.get("ids")).unwrap_or_default(),
             _ => return,
         };
-        let is_suspended = turn.field("suspended") == Some(&Tree::Bool(true));
-        let is_final = turn.type_name != Some("ASYNC-ST");
-        let State { serial, is_whole, .. } = self.states[turn.exchange.connection.index];
+        let is_suspended = exchange.field("suspended") == Some(&Tree::Bool(true));
+        let is_final = exchange.type_name != Some("ASYNC-ST");
+        let State { serial, is_whole, .. } = self.states[exchange.record.connection.index];
         let is_known = is_whole && !self.operations.has_forgotten();
         let mut seen = BTreeSet::new();
         // That a message names one twice is another matter.
@@ -367,70 +369,70 @@ impl Conversations {
             let was_suspended = of.was_suspended || is_suspended || !is_known;
             let size = receipt.len() + of.type_name.as_ref().map_or(0, String::len);
             self.operations.insert(serial, &receipt, Operation { stage, was_suspended, ..of }, size);
-            turn.operations.push(Named { receipt, before, is_known });
+            exchange.operations.push(Named { receipt, before, is_known });
         }
     }
 
     /// A server's message has an id.
-    fn send(&mut self, turn: &mut Turn<'_>, is_notification: bool) {
-        let connection = turn.exchange.connection;
-        let Some(id) = turn.id.filter(|id| id.len() <= MAX_ID) else { return };
+    fn send(&mut self, exchange: &mut Exchange<'_>, is_notification: bool) {
+        let connection = exchange.record.connection;
+        let Some(id) = exchange.id.filter(|id| id.len() <= MAX_ID) else { return };
         let serial = self.states[connection.index].serial;
-        turn.is_id_in_use = connection.is_told && self.sent.contains(serial, id);
-        if !turn.is_id_in_use {
+        exchange.is_id_in_use = connection.is_told && self.sent.contains(serial, id);
+        if !exchange.is_id_in_use {
             self.sent.insert(serial, id, is_notification, id.len());
         }
     }
 
     /// What a reply opens.
-    fn receipts(&mut self, turn: &mut Turn<'_>) {
-        let receipts: Vec<String> = match turn.field("receipt") {
+    fn receipts(&mut self, exchange: &mut Exchange<'_>) {
+        let receipts: Vec<String> = match exchange.field("receipt") {
             Some(Tree::Text(receipt)) => vec![receipt.to_string()],
             Some(Tree::Object(members)) => {
                 members.iter().filter_map(|(_, receipt)| Some(receipt.as_str()?.to_owned())).collect()
             }
             _ => return,
         };
-        let serial = self.states[turn.exchange.connection.index].serial;
+        let serial = self.states[exchange.record.connection.index].serial;
         for receipt in receipts.into_iter().take(MAX_RECEIPTS).filter(|receipt| receipt.len() <= MAX_ID) {
             let before = self.operations.remove(serial, &receipt);
-            let type_name = turn.type_name.map(str::to_owned);
+            let type_name = exchange.type_name.map(str::to_owned);
             let size = receipt.len() + type_name.as_ref().map_or(0, String::len);
             let operation = Operation { type_name, stage: Stage::Open, was_suspended: false };
             self.operations.insert(serial, &receipt, operation, size);
-            turn.opened.push(Named { receipt, before, is_known: turn.exchange.connection.is_told });
+            exchange.opened.push(Named { receipt, before, is_known: exchange.record.connection.is_told });
         }
     }
 
     /// What a client made to go on, or to end.
-    fn resumed(&mut self, turn: &mut Turn<'_>) {
-        if !matches!(turn.type_name, Some("ASYNC-CANCEL" | "ASYNC-RESUME")) {
+    fn resumed(&mut self, exchange: &mut Exchange<'_>) {
+        if !matches!(exchange.type_name, Some("ASYNC-CANCEL" | "ASYNC-RESUME")) {
             return;
         }
-        let serial = self.states[turn.exchange.connection.index].serial;
-        for receipt in strings(turn.field("success")).unwrap_or_default() {
+        let serial = self.states[exchange.record.connection.index].serial;
+        for receipt in strings(exchange.field("success")).unwrap_or_default() {
             let operation = self.operations.get_mut(serial, &receipt);
             let before = operation.as_deref().cloned();
             // It may have been suspended only after it was asked.
             if let Some(operation) = operation.filter(|known| known.stage == Stage::Suspended) {
                 operation.stage = Stage::Released;
             }
-            turn.operations.push(Named { receipt, before, is_known: turn.exchange.connection.is_told });
+            exchange.operations.push(Named { receipt, before, is_known: exchange.record.connection.is_told });
         }
     }
 
     /// Learns how the clocks of both sides stand to each other.
-    fn learn_time(&mut self, turn: &mut Turn<'_>) {
-        let (Some(now), Some(time)) = (turn.clock_reading(), turn.time) else { return };
-        let state = &mut self.states[turn.exchange.connection.index];
-        turn.clock_move = turn.clock.map(|before| ClockMove {
+    fn learn_time(&mut self, exchange: &mut Exchange<'_>) {
+        let (Some(now), Some(time)) = (exchange.clock_reading(), exchange.time) else { return };
+        let state = &mut self.states[exchange.record.connection.index];
+        exchange.clock_move = exchange.clock.map(|before| ClockMove {
             // An offset that both answers allow is no move.
             by: (now.0 - before.1).max(before.0 - now.1).max(0.0),
             since: time - state.clock_time,
             is_after_nothing: state.adjusted_by_nothing.is_some(),
         });
         (state.clock, state.clock_time) = (Some(now), time);
-        let asked = turn.asked.as_ref().map(|asked| asked.place);
+        let asked = exchange.asked.as_ref().map(|asked| asked.place);
         state.adjusted_by_nothing = state.adjusted_by_nothing.filter(|place| asked <= Some(*place));
     }
 }
@@ -449,33 +451,33 @@ fn release(operations: &mut Ids<Operation>, serial: u64, asked: &Asked) {
     }
 }
 
-fn side(turn: &Turn<'_>) -> Side {
-    if turn.exchange.direction == Direction::In { Side::Server } else { Side::Client }
+fn side(exchange: &Exchange<'_>) -> Side {
+    if exchange.record.direction == Direction::In { Side::Server } else { Side::Client }
 }
 
 impl Asked {
-    fn of(turn: &Turn<'_>) -> Self {
-        let parts = turn.type_name.and_then(parts);
-        let objects = parts.and_then(|parts| strings(turn.field(parts.asked)));
+    fn of(exchange: &Exchange<'_>) -> Self {
+        let parts = exchange.type_name.and_then(parts);
+        let objects = parts.and_then(|parts| strings(exchange.field(parts.asked)));
         let repeated = objects.as_deref().and_then(repeated);
         let objects: Option<BTreeSet<String>> = objects.map(BTreeSet::from_iter);
-        let filter = turn.field("filter").map(|filter| strings(Some(filter)).unwrap_or_default());
-        let is_setting = match turn.type_name {
-            Some("RTK-SOURCE") => turn.field("id").is_some(),
-            Some("SYS-TIME") => turn.field("adjustment").is_some_and(|by| *by != Tree::Int(0)),
+        let filter = exchange.field("filter").map(|filter| strings(Some(filter)).unwrap_or_default());
+        let is_setting = match exchange.type_name {
+            Some("RTK-SOURCE") => exchange.field("id").is_some(),
+            Some("SYS-TIME") => exchange.field("adjustment").is_some_and(|by| *by != Tree::Int(0)),
             _ => false,
         };
         Self {
-            type_name: turn.type_name.filter(|name| name.len() <= MAX_ID).map(str::to_owned),
+            type_name: exchange.type_name.filter(|name| name.len() <= MAX_ID).map(str::to_owned),
             repeated,
             objects,
             filter: filter.map(BTreeSet::from_iter),
             is_setting,
-            time: turn.time,
-            place: turn.exchange.place,
+            time: exchange.time,
+            place: exchange.record.place,
             waited: None,
-            is_sound: turn.is_sound(),
-            trial: turn.exchange.trial.map(|trial| (trial.rule, trial.how.to_owned())),
+            is_sound: exchange.is_sound(),
+            trial: exchange.record.trial.map(|trial| (trial.rule, trial.how.to_owned())),
             is_ambiguous: false,
             count: 1,
         }

@@ -8,11 +8,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use super::list;
-use crate::check::{Judgement, judge, parallel};
+use crate::check::{CaptureResult, check_capture, parallel};
 use crate::definitions::Definitions;
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::probe::{self, probe};
-use crate::serve::{self, Bug, Server, Transport, bugs};
+use crate::rules::flockwave::{FlockwaveRule, Needs, RULES};
+use crate::serve::{self, Server, Transport};
 
 /// How many servers are probed at the same time: most of it is waiting.
 const JOBS: usize = 32;
@@ -53,7 +54,7 @@ const WAYS: [(Transport, &str); 7] = [
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
     /// The bug that it has.
-    pub bug: Option<&'static Bug>,
+    pub bug: Option<&'static FlockwaveRule>,
     /// What it is reached over.
     pub transport: Transport,
     /// What follows host and port in its URL.
@@ -92,7 +93,8 @@ impl Row {
     /// The rules that it should break.
     pub fn expected(&self) -> BTreeSet<&'static str> {
         let bug = self.case.bug;
-        bug.into_iter().flat_map(|bug| bug.also.iter().copied().chain([bug.rule])).collect()
+        let rules = bug.into_iter().flat_map(|of| of.bug.also.iter().copied().chain([&of.rule]));
+        rules.map(|rule| rule.id).collect()
     }
 
     /// What should have been found, and what was.
@@ -117,17 +119,17 @@ pub fn cases() -> Vec<Case> {
     let plain = |(transport, rest)| Case { bug: None, transport, rest, has_login: false, is_parting: false };
     let tcp = plain((Transport::Tcp, ""));
     let odd = [Case { has_login: true, ..tcp }, Case { is_parting: true, ..tcp }];
-    let with_bug = |bug: &'static Bug| {
-        let transport = match &bug.rule[..6] {
-            "FW-UDP" => Transport::Udp,
-            "FW-SIO" => Transport::SocketIo,
-            _ => Transport::Tcp,
+    let with_bug = |of: &'static FlockwaveRule| {
+        let case = match of.bug.needs {
+            Needs::Nothing => tcp,
+            Needs::Udp => Case { transport: Transport::Udp, ..tcp },
+            Needs::SocketIo => Case { transport: Transport::SocketIo, ..tcp },
+            Needs::Login => Case { has_login: true, ..tcp },
+            Needs::Farewell => Case { is_parting: true, ..tcp },
         };
-        let has_login = matches!(bug.rule, "FW-ACK-06" | "FW-AUTH-01");
-        let is_parting = bug.rule == "FW-SYS-CLOSE-01";
-        Case { bug: Some(bug), transport, has_login, is_parting, ..tcp }
+        Case { bug: Some(of), ..case }
     };
-    WAYS.into_iter().map(plain).chain(odd).chain(bugs().map(with_bug)).collect()
+    WAYS.into_iter().map(plain).chain(odd).chain(RULES.into_iter().map(with_bug)).collect()
 }
 
 /// Probes a server for each case, and hands on what came of it, in their order.
@@ -160,21 +162,21 @@ fn row(case: &Case, definitions: &Definitions) -> io::Result<Row> {
     let tape = Tape::default();
     let probed = probe(&endpoint, &options, definitions, Some(Box::new(tape.clone())), &|_, _| {});
     let recording = tape.0.lock().unwrap_or_else(PoisonError::into_inner);
-    let replayed = judge(&**recording, None, definitions)?;
+    let replayed = check_capture(&**recording, None, definitions)?;
     Ok(Row {
         case: *case,
-        broken: broken(&probed.judgement),
+        broken: broken(&probed.result),
         replayed: broken(&replayed),
-        exercised: exercised(&probed.judgement),
+        exercised: exercised(&probed.result),
         failure: probed.failure,
     })
 }
 
-fn broken(judgement: &Judgement) -> BTreeSet<&'static str> {
+fn broken(judgement: &CaptureResult) -> BTreeSet<&'static str> {
     judgement.findings.groups().map(|group| group.rule.id).collect()
 }
 
-fn exercised(judgement: &Judgement) -> BTreeSet<&'static str> {
+fn exercised(judgement: &CaptureResult) -> BTreeSet<&'static str> {
     let is_exercised = |rule: &&&'static crate::model::Rule| judgement.findings.exercised(rule) > 0;
     crate::rules::RULES.iter().filter(is_exercised).map(|rule| rule.id).collect()
 }

@@ -6,7 +6,9 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use super::Probe;
-use super::survey::{NOBODY, with_nobody};
+use super::survey::with_nobody;
+use crate::rules::flockwave::trial::NOBODY;
+use crate::rules::flockwave::{FlockwaveRule, asy_10, asy_19, env_07};
 
 /// How many steps there are, more or less.
 pub(super) const STEPS: usize = 25;
@@ -57,7 +59,7 @@ impl Probe<'_, '_> {
         let calibrate = json!({ "type": "UAV-CALIB", "ids": [uav, NOBODY], "component": "compass" });
         let Some(receipt) = receipt(self.ask(calibrate).as_ref()) else { return };
         let resume = json!({ "type": "ASYNC-RESUME", "ids": [receipt], "values": {} });
-        self.ask_trying("FW-ASY-19", "", resume.clone());
+        self.ask_trying(&asy_19::RULE, resume.clone());
         let is_word = |message: &Value| message["body"]["suspended"] == true || is_end(message, &receipt);
         let word = self.wait(WORD, is_word);
         // Whoever is suspended has to stay so; and of whom nothing is heard may be suspended, too.
@@ -90,9 +92,9 @@ impl Probe<'_, '_> {
     fn fly(&mut self, uavs: &[String], first: &str) {
         let ids = with_nobody(uavs);
         let test = json!({ "type": "UAV-TEST", "ids": ids, "component": "led" });
-        self.operate("FW-ASY-10", test);
+        self.operate(&asy_10::RULE, END, test);
         self.ask(json!({ "type": "UAV-SIGNAL", "ids": ids, "signals": ["light"], "duration": 500 }));
-        self.operate("FW-ENV-07", json!({ "type": "UAV-TAKEOFF", "ids": ids }));
+        self.operate(&env_07::RULE, WORD, json!({ "type": "UAV-TAKEOFF", "ids": ids }));
         self.listen(FLIGHT);
         let state = self.ask(json!({ "type": "UAV-INF", "ids": [first] }));
         let position = state.map(|answer| answer["body"]["status"][first]["position"].clone());
@@ -106,23 +108,23 @@ impl Probe<'_, '_> {
         for kind in ["UAV-HOVER", "UAV-RTH"] {
             self.ask(json!({ "type": kind, "ids": ids }));
         }
-        self.operate("FW-ENV-07", json!({ "type": "UAV-LAND", "ids": ids }));
+        self.operate(&env_07::RULE, WORD, json!({ "type": "UAV-LAND", "ids": ids }));
     }
 
     /// UAVs that sleep answer nothing, which has to be told as well.
     fn sleep(&mut self, uavs: &[String]) {
-        self.operate("FW-ENV-07", json!({ "type": "UAV-SLEEP", "ids": uavs }));
+        self.operate(&env_07::RULE, WORD, json!({ "type": "UAV-SLEEP", "ids": uavs }));
         self.operate(
-            "FW-ENV-07",
+            &env_07::RULE,
+            WORD,
             json!({ "type": "UAV-SIGNAL", "ids": uavs, "signals": ["light"], "duration": 500 }),
         );
-        self.operate("FW-ENV-07", json!({ "type": "UAV-WAKEUP", "ids": uavs }));
+        self.operate(&env_07::RULE, WORD, json!({ "type": "UAV-WAKEUP", "ids": uavs }));
     }
 
     /// A command, and the end of the first operation that it starts.
-    fn operate(&mut self, rule: &str, body: Value) {
-        let limit = if rule == "FW-ASY-10" { END } else { WORD };
-        if let Some(receipt) = receipt(self.ask_trying(rule, "", body).as_ref()) {
+    fn operate(&mut self, of: &'static FlockwaveRule, limit: Duration, body: Value) {
+        if let Some(receipt) = receipt(self.ask_trying(of, body).as_ref()) {
             self.wait(limit, |message| is_end(message, &receipt));
         }
     }

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use serde_json::value::RawValue;
 use serde_json::{Value, json};
 
-use super::tape::{Tape, Trial};
-use crate::flockwave::record::Direction;
+use super::tape::Tape;
+use crate::flockwave::record::{Direction, Trial};
 use crate::flockwave::transport::client::{Client, Heard, connect};
 use crate::flockwave::transport::endpoint::Endpoint;
 

@@ -6,14 +6,11 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use super::Probe;
-use super::tape::Trial;
-use crate::rules::rule;
+use crate::rules::flockwave::trial::{self, NOBODY};
+use crate::rules::flockwave::{ack_06, env_24, sys_ping_01};
 
 /// How many steps there are, more or less.
 pub(super) const STEPS: usize = 70;
-
-/// An id that no object has.
-pub(super) const NOBODY: &str = "nobody-knows-this";
 
 /// A type that no message has.
 const NOTHING: &str = "PROBE-NONE";
@@ -35,8 +32,7 @@ impl Probe<'_, '_> {
         }
         let uavs = self.fleet();
         self.lists(&uavs);
-        self.unknown(&uavs);
-        self.envelopes();
+        self.trials(&uavs);
         self.ask(json!({ "type": "SYS-TIME" }));
         self.observe();
         self.command(&uavs);
@@ -46,10 +42,10 @@ impl Probe<'_, '_> {
 
     /// The server itself; whether it serves at all.
     fn server(&mut self) -> bool {
-        let login = self.ask_trying("FW-ENV-24", "", json!({ "type": "AUTH-INF" }));
+        let login = self.ask_trying(&env_24::RULE, json!({ "type": "AUTH-INF" }));
         let is_required = login.is_some_and(|answer| answer["body"]["required"] == true);
         if is_required {
-            self.ask_trying("FW-ACK-06", "", json!({ "type": "UAV-LIST" }));
+            self.ask_trying(&ack_06::RULE, json!({ "type": "UAV-LIST" }));
             if self.options.login.is_none() {
                 self.fail("it wants a login: give one with --login".to_owned());
                 return false;
@@ -57,8 +53,8 @@ impl Probe<'_, '_> {
         }
         self.log_in();
         self.ask(json!({ "type": "AUTH-WHOAMI" }));
-        self.ask_trying("FW-SYS-PING-01", "", json!({ "type": "SYS-PING" }));
-        self.ask_trying("FW-ENV-24", "", json!({ "type": "SYS-VER" }));
+        self.ask_trying(&sys_ping_01::RULE, json!({ "type": "SYS-PING" }));
+        self.ask_trying(&env_24::RULE, json!({ "type": "SYS-VER" }));
         self.ask(json!({ "type": "SYS-VER" }));
         for _ in 0..2 {
             self.ask(json!({ "type": "SYS-TIME" }));
@@ -71,7 +67,7 @@ impl Probe<'_, '_> {
     /// Which UAVs there are, how they are, and what else there is.
     fn fleet(&mut self) -> Vec<String> {
         let began = Instant::now();
-        let mut uavs = ids(self.ask_trying("FW-ENV-24", "", json!({ "type": "UAV-LIST" })).as_ref());
+        let mut uavs = ids(self.ask_trying(&env_24::RULE, json!({ "type": "UAV-LIST" })).as_ref());
         while uavs.is_empty() && began.elapsed() < UAVS && !self.is_late() && self.standing() {
             self.listen(LOOK);
             uavs = ids(self.ask(json!({ "type": "UAV-LIST" })).as_ref());
@@ -84,7 +80,7 @@ impl Probe<'_, '_> {
             self.listen(LOOK * 4);
         }
         self.ask(json!({ "type": "UAV-LIST" }));
-        self.ask_trying("FW-ENV-24", "", json!({ "type": "OBJ-LIST", "filter": ["uav"] }));
+        self.ask_trying(&env_24::RULE, json!({ "type": "OBJ-LIST", "filter": ["uav"] }));
         uavs = ids(self.ask(json!({ "type": "UAV-LIST" })).as_ref());
         self.ask(json!({ "type": "OBJ-LIST" }));
         for kind in ["uav", "beacon", "weatherStation", "dock"] {
@@ -103,7 +99,7 @@ impl Probe<'_, '_> {
 
     /// What else there is, family by family.
     fn lists(&mut self, uavs: &[String]) {
-        let connections = ids(self.ask_trying("FW-ENV-24", "", json!({ "type": "CONN-LIST" })).as_ref());
+        let connections = ids(self.ask_trying(&env_24::RULE, json!({ "type": "CONN-LIST" })).as_ref());
         self.ask(json!({ "type": "CONN-INF", "ids": with_nobody(&connections) }));
         let clocks = ids(self.ask(json!({ "type": "CLK-LIST" })).as_ref());
         self.ask(json!({ "type": "CLK-INF", "ids": with_nobody(&clocks) }));
@@ -114,21 +110,21 @@ impl Probe<'_, '_> {
         let stations = ids(self.ask(json!({ "type": "WTH-LIST" })).as_ref());
         self.ask(json!({ "type": "WTH-INF", "ids": with_nobody(&stations) }));
         self.ask(json!({ "type": "WTH-AT", "position": [474_863_000, 189_151_000] }));
-        let presets = ids(self.ask_trying("FW-ENV-24", "", json!({ "type": "RTK-LIST" })).as_ref());
+        let presets = ids(self.ask_trying(&env_24::RULE, json!({ "type": "RTK-LIST" })).as_ref());
         self.ask(json!({ "type": "RTK-INF", "ids": with_nobody(&presets) }));
         for kind in ["RTK-SOURCE", "RTK-STAT", "RTK-SURVEY"] {
             self.ask(json!({ "type": kind }));
         }
-        let extensions = self.ask_trying("FW-ENV-24", "", json!({ "type": "EXT-LIST" }));
+        let extensions = self.ask_trying(&env_24::RULE, json!({ "type": "EXT-LIST" }));
         let extensions = strings(extensions.as_ref().map(|answer| &answer["body"]["loaded"]));
-        self.ask_trying("FW-ENV-24", "", json!({ "type": "EXT-INF", "ids": with_nobody(&extensions) }));
+        self.ask_trying(&env_24::RULE, json!({ "type": "EXT-INF", "ids": with_nobody(&extensions) }));
         self.devices(uavs);
     }
 
     /// The devices of a UAV, and a channel of one.
     fn devices(&mut self, uavs: &[String]) {
         let asked = with_nobody(&uavs[..uavs.len().min(2)]);
-        let trees = self.ask_trying("FW-ENV-24", "", json!({ "type": "DEV-LIST", "ids": asked }));
+        let trees = self.ask_trying(&env_24::RULE, json!({ "type": "DEV-LIST", "ids": asked }));
         let channel = trees.as_ref().and_then(|answer| {
             let trees = answer["body"]["devices"].as_object()?;
             trees.iter().find_map(|(id, tree)| channel(&format!("/{id}"), tree, 0))
@@ -137,42 +133,16 @@ impl Probe<'_, '_> {
         for kind in ["DEV-INF", "DEV-SUB", "DEV-UNSUB"] {
             self.ask(json!({ "type": kind, "paths": paths }));
         }
-        self.ask_trying("FW-ENV-24", "", json!({ "type": "DEV-LISTSUB", "pathFilter": ["/"] }));
+        self.ask_trying(&env_24::RULE, json!({ "type": "DEV-LISTSUB", "pathFilter": ["/"] }));
     }
 
-    /// What nobody knows.
-    fn unknown(&mut self, uavs: &[String]) {
-        self.ask_trying("FW-OBJ-LIST-03", "", json!({ "type": "OBJ-LIST", "filter": ["kite-of-nobody"] }));
-        self.ask_trying("FW-UAV-INF-06", "", json!({ "type": "UAV-INF", "ids": [NOBODY] }));
-        self.ask_trying("FW-UAV-INF-07", "no ids", json!({ "type": "UAV-INF", "ids": [] }));
-        if let Some(first) = uavs.first() {
-            let body = json!({ "type": "UAV-INF", "ids": [first, first] });
-            self.ask_trying("FW-UAV-INF-07", "an id twice", body);
+    /// The requests that try rules.
+    fn trials(&mut self, uavs: &[String]) {
+        for (rule, request) in trial::requests(uavs) {
+            self.request(rule, request);
         }
-        self.ask_trying("FW-ASY-18", "cancelled", json!({ "type": "ASYNC-CANCEL", "ids": [NOBODY] }));
         let resume = json!({ "type": "ASYNC-RESUME", "ids": [NOBODY], "values": {} });
-        self.ask_trying("FW-ASY-18", "resumed", resume.clone());
-        self.ask_trying("FW-ENV-24", "", resume);
-    }
-
-    /// Envelopes that are unusual, and right.
-    fn envelopes(&mut self) {
-        let tried = |id, how| rule(id).map(|rule| Trial { rule, how });
-        let body = json!({ "type": "SYS-VER" });
-        self.step();
-        if !self.is_late() && self.standing() {
-            let (id, until) = (self.next_id(), Instant::now() + self.patience());
-            let message = json!({ "$fw.version": "1.0", "id": id, "wind": "west", "body": body });
-            self.post_message(&id, &message, tried("FW-ENV-13", "a key that nobody knows"), until);
-        }
-        self.step();
-        if !self.is_late() && self.standing() {
-            let (id, until) = (self.next_id(), Instant::now() + self.patience());
-            let message = json!({ "$fw.version": "1.0", "id": id, "body": body });
-            if self.post_message(&id, &message, super::plain(), until).is_some() {
-                self.post_message(&id, &message, tried("FW-ENV-19", "an id that is answered"), until);
-            }
-        }
+        self.ask_trying(&env_24::RULE, resume);
     }
 
     /// Listens for what comes by itself.

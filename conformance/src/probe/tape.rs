@@ -6,23 +6,13 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde_json::Value;
 
-use crate::check::{FlockwaveJudge, Judgement};
+use crate::check::{CaptureResult, FlockwaveJudge};
 use crate::definitions::Definitions;
-use crate::flockwave::record::Direction;
+use crate::flockwave::record::{Direction, Trial};
 use crate::json::Tree;
-use crate::model::Rule;
 
 /// What stands in the place of a message that was too long to be kept.
 const TOO_LONG: &[u8] = b"(more than 16 MiB)";
-
-/// What is tried: a rule, and how.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Trial<'t> {
-    /// The rule.
-    pub(super) rule: &'static Rule,
-    /// How it is tried, in a few words.
-    pub(super) how: &'t str,
-}
 
 /// A recording under way.
 pub(super) struct Tape<'d> {
@@ -111,7 +101,7 @@ impl<'d> Tape<'d> {
     }
 
     /// What came of it all; or why the recording couldn't be written to its end.
-    pub(super) fn finish(mut self) -> (Judgement, Option<io::Error>) {
+    pub(super) fn finish(mut self) -> (CaptureResult, Option<io::Error>) {
         let flushed = self.file.as_mut().map_or(Ok(()), Write::flush);
         (self.judge.finish(self.bytes), self.failure.or(flushed.err()))
     }

@@ -34,7 +34,7 @@ struct Entry {
 #[derive(Serialize)]
 struct MatrixEntry<'r> {
     rule: &'static str,
-    mutant: &'static str,
+    mutant: &'r str,
     broken: Option<&'r BTreeSet<&'static str>>,
     expected: BTreeSet<&'static str>,
 }
@@ -60,7 +60,7 @@ pub fn to_json(rules: &[&'static Rule]) -> String {
 pub fn matrix_json(rows: &[Row]) -> String {
     let entries = rows.iter().map(|row| MatrixEntry {
         rule: row.rule.id,
-        mutant: row.mutant.name,
+        mutant: &row.title,
         broken: row.broken.as_ref(),
         expected: row.expected(),
     });

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{About, Action, Subject, Unreadable, Verdict};
+use super::{Action, Subject, Unreadable, Verdict};
 use crate::model::Extent;
 
 /// What something comes to.
@@ -59,7 +59,7 @@ impl Conclusion {
     }
 
     /// Of a source, by how many of its rules are broken and warned of.
-    pub(super) fn of_source(judged: u64, failed: usize, warned: usize, remarks: Vec<String>) -> Self {
+    pub(super) fn of_capture(judged: u64, failed: usize, warned: usize, remarks: Vec<String>) -> Self {
         let conclusion = match (failed, warned) {
             (0, _) if judged == 0 => Self::new(Outcome::Nothing, "Nothing was judged"),
             (0, 0) => Self::new(Outcome::Conforms, "Conforms"),
@@ -148,7 +148,7 @@ impl Conclusion {
             ids.dedup();
             ids.len()
         };
-        let is_testee = subjects.iter().any(|subject| matches!(subject.about, About::Testee(_)));
+        let is_testee = subjects.iter().any(Subject::is_testee);
         let text = match (worst, of(Verdict::Warn)) {
             (Outcome::Conforms | Outcome::Nothing, 0) => "Conforms".to_owned(),
             (Outcome::Conforms | Outcome::Nothing, warned) => {
@@ -182,7 +182,9 @@ fn to_look_at(rules: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::{Json, RuleVerdict};
+    use crate::check::{JsonSummary, Summary};
+    use crate::px4::json::Dialects;
+    use crate::report::{About, RuleVerdict};
     use crate::rules::RULES;
 
     /// A source of which rules came to these verdicts, and how much of it was judged.
@@ -194,10 +196,16 @@ mod tests {
             exercised: 1,
             findings: 1,
         };
-        let json = Json { lines: 1, types: 1, skipped: 0, undefined: Vec::new(), dialects: Vec::new() };
+        let json = JsonSummary {
+            lines: 1,
+            types: 1,
+            skipped: 0,
+            undefined: std::collections::BTreeSet::new(),
+            dialects: Dialects::default(),
+        };
         let mut subject = Subject {
             path: "a.jsonl".to_owned(),
-            about: About::Json(json),
+            about: About::Capture(Summary::Json(json)),
             records: judged,
             judged,
             duration_us: 0,

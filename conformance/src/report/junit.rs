@@ -51,7 +51,7 @@ const READABLE: &str = "can be read";
 fn suite(subject: &Subject, rules: &[RuleReport]) -> Suite {
     let cases = match &subject.about {
         About::Testee(testee) => of_testee(subject, testee),
-        About::Ulog(_) | About::Json(_) | About::Mcap(_) | About::Flockwave(_) => {
+        About::Capture(_) => {
             let of_rules = subject.rules.iter().filter_map(|found| {
                 let rule = rules.iter().find(|rule| rule.id == found.id)?;
                 Some(of_rule(subject, rule, found))

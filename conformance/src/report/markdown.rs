@@ -101,8 +101,7 @@ fn rules(page: &mut Page, report: &Report) {
 
 fn of_subject(page: &mut Page, subject: &Subject) {
     page.heading(2, &code(&shown(&subject.path)));
-    let judged =
-        plural(subject.judged, if matches!(subject.about, About::Testee(_)) { "case" } else { "message" });
+    let judged = plural(subject.judged, if subject.is_testee() { "case" } else { "message" });
     page.block(&format!("{}. {judged} judged.", text(&subject.conclusion.text)));
     list(page, &subject.conclusion.remarks);
     if let About::Testee(testee) = &subject.about {

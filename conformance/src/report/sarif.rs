@@ -74,7 +74,7 @@ pub(super) fn write(report: &Report) -> String {
 fn cases(subject: &Subject) -> impl Iterator<Item = &Case> {
     let cases = match &subject.about {
         About::Testee(testee) => &testee.cases[..],
-        About::Ulog(_) | About::Json(_) | About::Mcap(_) | About::Flockwave(_) => &[],
+        About::Capture(_) => &[],
     };
     cases.iter().filter(|case| case.verdict.is_failure())
 }

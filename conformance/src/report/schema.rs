@@ -8,8 +8,8 @@ use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use serde_json::{Map, Value, json};
 
-use super::{Action, Judged, Reason, Report, Settings, Subject, Unreadable};
-use crate::check::judge;
+use super::{Action, CheckedCapture, Reason, Report, Settings, Subject, Unreadable};
+use crate::check::check_capture;
 use crate::definitions::Definitions;
 use crate::rules::mutants;
 use crate::rules::sample::Flight;
@@ -88,13 +88,13 @@ fn everything_in_the_form_is_described() {
 fn a_report_with_every_rule_broken_keeps_to_it() {
     let definitions = Definitions::built_in();
     let flight = Flight::new(&definitions);
-    let mutants = mutants().filter_map(|mutant| mutant.make(&flight));
+    let mutants = mutants().flat_map(|mutant| mutant.captures(&flight));
     let subject = |bytes: Vec<u8>| {
-        let judgement = judge(&bytes[..], None, &definitions).expect("bytes can be read");
-        Subject::of_source(
-            Judged {
+        let judgement = check_capture(&bytes[..], None, &definitions).expect("bytes can be read");
+        Subject::of_capture(
+            CheckedCapture {
                 path: "a\nb".to_owned(),
-                judgement,
+                result: judgement,
                 notes: vec!["the wind turned".to_owned()],
                 elapsed: 7,
             },
@@ -102,7 +102,7 @@ fn a_report_with_every_rule_broken_keeps_to_it() {
             &Settings::default(),
         )
     };
-    let mut subjects: Vec<Subject> = mutants.map(subject).collect();
+    let mut subjects: Vec<Subject> = mutants.map(|(_, bytes)| subject(bytes)).collect();
     subjects.push(subject(b"no JSON\n".to_vec()));
     let unreadable = Unreadable { path: "gone".to_owned(), message: "absent".to_owned() };
     let reasons = vec![Reason::from("something was required".to_owned())];

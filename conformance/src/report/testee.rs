@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 
 use super::{
     About, Case, CaseVerdict, Conclusion, Counts, Definition, Known, Remark, Row, RuleVerdict, Subject,
-    Testee, Verdict,
+    Testee, TesteeKind, Verdict,
 };
 use crate::definitions::Definitions;
 use crate::model::Extent;
@@ -41,6 +41,7 @@ impl Subject {
             counts: self::counts(found),
         };
         let testee = Testee {
+            kind: TesteeKind::Testee,
             version,
             counts,
             table: outcome.table().into_iter().map(row).collect(),

@@ -1,21 +1,17 @@
 //! For people, at a terminal.
 
-mod flockwave;
-mod mcap;
 mod testee;
 
 use std::fmt::{self, Write as _};
 
 use anstyle::{AnsiColor, Style};
-use uavspec_codegen::emit::docs::markdown::plural;
 
-use super::{About, Finding, FormatResult, Json, Known, Report, Subject, Ulog, Verdict};
+use super::{About, Finding, Known, Report, Subject, Verdict};
+use crate::check::{Describe, Line, List, MAX_LISTED as MAX_SHOWN};
 use crate::model::{Extent, Level};
+use crate::rules::px4;
 use crate::text::Grouped;
 use crate::text::shown;
-
-/// How many formats that differ are shown, and how many places of damage.
-const MAX_SHOWN: usize = 8;
 
 /// How wide the column of rules is at least.
 const MIN_WIDTH: usize = 12;
@@ -44,26 +40,16 @@ pub(super) fn write(report: &Report) -> String {
 pub fn subject(subject: &Subject) -> String {
     let mut text = String::new();
     let _ = match &subject.about {
-        About::Ulog(log) => of_source(subject, &mut text, |text| {
-            head(subject, log, text)?;
-            formats(log, text)
-        }),
-        About::Json(found) => of_source(subject, &mut text, |text| json(subject, found, text)),
-        About::Mcap(found) => of_source(subject, &mut text, |text| mcap::write(subject, found, text)),
-        About::Flockwave(found) => {
-            of_source(subject, &mut text, |text| flockwave::write(subject, found, text))
-        }
+        About::Capture(summary) => capture(subject, summary.describe(), &mut text),
         About::Testee(testee) => testee::write(subject, testee, &mut text),
     };
     text
 }
 
-fn of_source(
-    subject: &Subject,
-    text: &mut String,
-    head: impl FnOnce(&mut String) -> std::fmt::Result,
-) -> std::fmt::Result {
-    head(text)?;
+fn capture(subject: &Subject, summary: &dyn Describe, text: &mut String) -> fmt::Result {
+    let (facts, elapsed) = (summary.facts(subject.totals()).join(", "), subject.elapsed);
+    writeln!(text, "{}  {facts} ({elapsed} ms)\n", shown(&subject.path))?;
+    lines(&summary.lines(), text)?;
     damage(subject, text)?;
     for note in &subject.notes {
         writeln!(text, "note         {}", shown(note))?;
@@ -75,88 +61,30 @@ fn of_source(
         subject.findings.iter().map(|found| found.rule.len()).max().unwrap_or_default().max(MIN_WIDTH);
     for level in [Level::Must, Level::Should, Level::Info] {
         // The formats that differ stand above already.
-        let is_of_level = |found: &&Finding| found.level == level && found.rule != "PX-FMT-01";
+        let is_of_level = |found: &&Finding| found.level == level && found.rule != px4::FMT_01.rule.id;
         for found in subject.findings.iter().filter(is_of_level) {
             finding(found, width, text)?;
         }
     }
-    verdicts(subject, text)
+    verdicts(subject, summary.noun(), text)
 }
 
-fn head(subject: &Subject, log: &Ulog, text: &mut String) -> std::fmt::Result {
-    let firmware = log.firmware.as_deref().map_or_else(|| "unknown firmware".to_owned(), shown);
-    writeln!(
-        text,
-        "{}  {firmware}, {}, {}, {}, {} ({} ms)\n",
-        shown(&subject.path),
-        duration(subject),
-        plural(log.formats.len() as u64, "topic"),
-        plural(subject.records, "record"),
-        plural(log.dropouts, "dropout"),
-        subject.elapsed,
-    )
+fn lines(lines: &[Line], text: &mut String) -> fmt::Result {
+    for line in lines {
+        writeln!(text, "{:<12} {}", line.label, line.text)?;
+        for List { label, items } in &line.lists {
+            for item in items.iter().take(MAX_SHOWN) {
+                writeln!(text, "  {label:<10} {item}")?;
+            }
+            if items.len() > MAX_SHOWN {
+                writeln!(text, "             … and {} more", items.len() - MAX_SHOWN)?;
+            }
+        }
+    }
+    if lines.is_empty() { Ok(()) } else { writeln!(text) }
 }
 
-/// From the first to the last timestamp.
-fn duration(subject: &Subject) -> String {
-    let seconds = subject.duration_us / 1_000_000;
-    match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
-        (0, 0, seconds) => format!("{seconds} s"),
-        (0, minutes, seconds) => format!("{minutes} min {seconds} s"),
-        (hours, minutes, _) => format!("{} h {minutes} min", Grouped(hours)),
-    }
-}
-
-fn json(subject: &Subject, found: &Json, text: &mut String) -> std::fmt::Result {
-    writeln!(
-        text,
-        "{}  {}, {} of {} ({} ms)\n",
-        shown(&subject.path),
-        plural(found.lines, "line"),
-        plural(subject.records, "message"),
-        plural(found.types, "type"),
-        subject.elapsed,
-    )?;
-    let mut has_notes = false;
-    let mut note = |word: &str, what: &dyn std::fmt::Display| {
-        has_notes = true;
-        writeln!(text, "{word:<12} {what}")
-    };
-    for dialect in &found.dialects {
-        note("dialect", dialect)?;
-    }
-    if found.skipped > 0 {
-        note("skipped", &format_args!("{} that publish nothing (rosbridge)", Grouped(found.skipped)))?;
-    }
-    if !found.undefined.is_empty() {
-        let first: Vec<String> = found.undefined.iter().take(MAX_SHOWN).map(|name| shown(name)).collect();
-        let more = found.undefined.len() - first.len();
-        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-        note("not defined", &format_args!("{}{more}", first.join(", ")))?;
-    }
-    if has_notes { writeln!(text) } else { Ok(()) }
-}
-
-fn formats(log: &Ulog, text: &mut String) -> std::fmt::Result {
-    let of = |wanted| log.formats.iter().filter(move |format| format.result == wanted);
-    let differing = of(FormatResult::Differs).count();
-    writeln!(
-        text,
-        "definitions  {} of {} topics equal, {differing} differ, {} not defined",
-        of(FormatResult::Equal).count(),
-        log.formats.len(),
-        of(FormatResult::Undefined).count(),
-    )?;
-    for format in of(FormatResult::Differs).take(MAX_SHOWN) {
-        writeln!(text, "  differs    {}: {}", shown(&format.topic), shown(&format.message))?;
-    }
-    if differing > MAX_SHOWN {
-        writeln!(text, "             … and {} more", differing - MAX_SHOWN)?;
-    }
-    writeln!(text)
-}
-
-fn damage(subject: &Subject, text: &mut String) -> std::fmt::Result {
+fn damage(subject: &Subject, text: &mut String) -> fmt::Result {
     for damage in subject.damage.iter().take(MAX_SHOWN) {
         writeln!(text, "{WARN}damage{WARN:#}       {}: {}", damage.place, shown(&damage.message))?;
     }
@@ -168,7 +96,7 @@ fn damage(subject: &Subject, text: &mut String) -> std::fmt::Result {
 }
 
 /// `width` is that of the column of rules.
-fn finding(finding: &Finding, width: usize, text: &mut String) -> std::fmt::Result {
+fn finding(finding: &Finding, width: usize, text: &mut String) -> fmt::Result {
     let (style, word) = match (&finding.known, finding.verdict) {
         (Some(known), _) => (PLAIN, known.kind.as_str()),
         (None, Verdict::Fail) => (FAIL, "FAIL"),
@@ -204,7 +132,7 @@ impl fmt::Display for Known {
     }
 }
 
-fn verdicts(subject: &Subject, text: &mut String) -> std::fmt::Result {
+fn verdicts(subject: &Subject, noun: &str, text: &mut String) -> fmt::Result {
     let of = |verdict| subject.rules.iter().filter(move |rule| rule.verdict == verdict);
     let idle: Vec<&str> = of(Verdict::NotExercised).map(|rule| rule.id).collect();
     let idle = match idle.len() {
@@ -214,12 +142,11 @@ fn verdicts(subject: &Subject, text: &mut String) -> std::fmt::Result {
     };
     writeln!(text, "{PASS}pass{PASS:#}  {} rules{idle}\n", subject.count(Verdict::Pass))?;
     let (failed, warned) = (subject.count(Verdict::Fail), subject.count(Verdict::Warn));
-    let damaged = match (subject.extent, &subject.about) {
-        (Extent::Whole, _) if subject.damage.is_empty() => "",
-        (Extent::Whole, About::Ulog(_)) => ", and the log is damaged",
-        (Extent::Whole, _) => ", and the file is damaged",
-        (Extent::EndsEarly | Extent::WithGaps, _) => ", and not all can be read",
-        (Extent::BrokenOff, _) => "; it could not be read to its end",
+    let damaged = match subject.extent {
+        Extent::Whole if subject.damage.is_empty() => String::new(),
+        Extent::Whole => format!(", and the {noun} is damaged"),
+        Extent::EndsEarly | Extent::WithGaps => ", and not all can be read".to_owned(),
+        Extent::BrokenOff => "; it could not be read to its end".to_owned(),
     };
     let known = subject.findings.iter().filter(|finding| finding.known.is_some()).count();
     let known = if known > 0 { format!(", {known} known") } else { String::new() };

@@ -3,29 +3,32 @@
 mod ack_01;
 mod ack_03;
 mod ack_04;
-mod ack_06;
+pub(crate) mod ack_06;
 mod asy_01;
 mod asy_02;
 mod asy_03;
-mod asy_04;
-mod asy_04i;
+pub(crate) mod asy_04;
+pub(crate) mod asy_04i;
 mod asy_06;
 mod asy_07;
 mod asy_08;
 mod asy_09;
-mod asy_10;
+pub(crate) mod asy_10;
 mod asy_11;
 mod asy_12;
 mod asy_13;
-mod asy_14;
+pub(crate) mod asy_14;
 mod asy_16;
-mod asy_17;
-mod asy_18;
-mod asy_19;
+pub(crate) mod asy_17;
+pub(crate) mod asy_18;
+pub(crate) mod asy_19;
 mod asy_20;
 mod asy_20j;
 mod asy_22;
+mod attribution;
 mod auth_01;
+mod body;
+mod bug;
 mod conn_inf_01;
 mod conn_inf_02;
 mod conn_inf_03;
@@ -38,23 +41,24 @@ mod env_03j;
 mod env_04;
 mod env_05;
 mod env_06;
-mod env_07;
+pub(crate) mod env_07;
 mod env_08;
 mod env_09;
 mod env_10;
 mod env_11;
 mod env_12;
-mod env_13;
+pub(crate) mod env_13;
 mod env_14;
 mod env_15;
 mod env_16;
 mod env_17;
 mod env_18;
-mod env_19;
-mod env_22;
+pub(crate) mod env_19;
+pub(crate) mod env_21;
+pub(crate) mod env_22;
 mod env_23;
-mod env_24;
-mod env_25;
+pub(crate) mod env_24;
+pub(crate) mod env_25;
 mod err_01;
 mod err_02;
 mod err_03;
@@ -64,39 +68,53 @@ mod err_07;
 mod err_08;
 mod err_09;
 mod err_10;
-mod fw;
 mod inf_01;
+mod lines;
+mod listed_uavs;
+mod malformed;
+mod mutant;
 mod obj_del_01;
-mod obj_del_02;
+pub(crate) mod obj_del_02;
 mod obj_list_01;
 mod obj_list_01j;
-mod obj_list_02;
-mod obj_list_03;
-mod obj_list_04;
+pub(crate) mod obj_list_02;
+pub(crate) mod obj_list_03;
+pub(crate) mod obj_list_04;
+mod per_connection;
 mod prm_01;
+mod reply;
+mod served;
+pub(crate) mod sio_01;
+pub(crate) mod sio_02;
+pub(crate) mod sio_03;
+mod source;
 mod sys_close_01;
 mod sys_close_02;
 mod sys_msg_01;
 mod sys_msg_02;
-mod sys_ping_01;
+pub(crate) mod sys_ping_01;
 mod sys_ping_02;
 mod sys_ports_01;
 mod sys_ports_02;
 mod sys_time_01;
 mod sys_time_02;
-mod sys_time_03;
+pub(crate) mod sys_time_03;
 mod sys_ver_01;
 mod sys_ver_02;
 mod sys_ver_03;
 mod sys_ver_04;
-mod tcp_01;
-mod trials;
+pub(crate) mod tcp_01;
+pub(crate) mod tcp_02;
+pub(crate) mod tcp_03;
+pub(crate) mod tcp_04;
+pub(crate) mod trial;
 mod uav_inf_01;
 mod uav_inf_02;
 mod uav_inf_03;
 mod uav_inf_04;
 mod uav_inf_05;
-mod uav_inf_06;
+pub(crate) mod uav_inf_06;
+pub(crate) mod uav_inf_07;
 mod uav_inf_08;
 mod uav_inf_09;
 mod uav_list_01;
@@ -104,15 +122,44 @@ mod uav_list_01j;
 mod uav_list_02;
 mod uav_list_03;
 mod udp;
-mod udp_01;
+pub(crate) mod udp_01;
+pub(crate) mod udp_02;
+pub(crate) mod udp_03;
 mod ust;
+mod ust_attitude;
+mod ust_battery;
+mod ust_debug;
+mod ust_errors;
+mod ust_gps;
+mod ust_heading;
+mod ust_id;
+mod ust_light;
+mod ust_mode;
+mod ust_position;
+mod ust_positionxyz;
+mod ust_rssi;
+mod ust_timestamp;
+mod ust_velocity;
+mod ust_velocityxyz;
+mod view;
 mod wth_01;
 
-use super::Judged;
-use crate::flockwave::session::Turn;
+use self::attribution::Attribution;
+pub use self::attribution::attributed;
+use self::bug::Bug;
+pub use self::bug::Needs;
+pub(crate) use self::bug::Outgoing;
+use self::lines::Lines;
+use self::malformed::Malformed;
+use self::per_connection::PerConnection;
+use self::trial::{Attempt, Request, SOON, Sent, Step, Strain, Trial};
+pub use self::view::{Message, StatusReport};
+use super::RuleContext;
+use super::sample::Session;
+use crate::flockwave::body_schema::{Fault, INTEGER, Shape};
+use crate::flockwave::session::{Exchange, OPERATIONS, Reference, Role, Stage};
+use crate::json::Tree;
 use crate::model::{Detail, Level, Place, Rule, Status};
-
-pub(crate) use self::asy_22::TYPES as TYPES_WITH_RESULTS;
 
 /// The rules on Flockwave, by id.
 pub static RULES: [&FlockwaveRule; 128] = [
@@ -167,7 +214,7 @@ pub static RULES: [&FlockwaveRule; 128] = [
     &env_17::RULE,
     &env_18::RULE,
     &env_19::RULE,
-    &trials::ENV_21,
+    &env_21::RULE,
     &env_22::RULE,
     &env_23::RULE,
     &env_24::RULE,
@@ -190,9 +237,9 @@ pub static RULES: [&FlockwaveRule; 128] = [
     &obj_list_03::RULE,
     &obj_list_04::RULE,
     &prm_01::RULE,
-    &trials::SIO_01,
-    &trials::SIO_02,
-    &trials::SIO_03,
+    &sio_01::RULE,
+    &sio_02::RULE,
+    &sio_03::RULE,
     &sys_close_01::RULE,
     &sys_close_02::RULE,
     &sys_msg_01::RULE,
@@ -209,16 +256,16 @@ pub static RULES: [&FlockwaveRule; 128] = [
     &sys_ver_03::RULE,
     &sys_ver_04::RULE,
     &tcp_01::RULE,
-    &trials::TCP_02,
-    &trials::TCP_03,
-    &trials::TCP_04,
+    &tcp_02::RULE,
+    &tcp_03::RULE,
+    &tcp_04::RULE,
     &uav_inf_01::RULE,
     &uav_inf_02::RULE,
     &uav_inf_03::RULE,
     &uav_inf_04::RULE,
     &uav_inf_05::RULE,
     &uav_inf_06::RULE,
-    &uav_list_03::REPEATED,
+    &uav_inf_07::RULE,
     &uav_inf_08::RULE,
     &uav_inf_09::RULE,
     &uav_list_01::RULE,
@@ -226,70 +273,75 @@ pub static RULES: [&FlockwaveRule; 128] = [
     &uav_list_02::RULE,
     &uav_list_03::RULE,
     &udp_01::RULE,
-    &udp::UDP_02,
-    &udp::UDP_03,
-    &ust::ATTITUDE,
-    &ust::BATTERY,
-    &ust::DEBUG,
-    &ust::ERRORS,
-    &ust::GPS,
-    &ust::HEADING,
-    &ust::ID,
-    &ust::LIGHT,
-    &ust::MODE,
-    &ust::POSITION,
-    &ust::POSITIONXYZ,
-    &ust::RSSI,
-    &ust::TIMESTAMP,
-    &ust::VELOCITY,
-    &ust::VELOCITYXYZ,
+    &udp_02::RULE,
+    &udp_03::RULE,
+    &ust_attitude::RULE,
+    &ust_battery::RULE,
+    &ust_debug::RULE,
+    &ust_errors::RULE,
+    &ust_gps::RULE,
+    &ust_heading::RULE,
+    &ust_id::RULE,
+    &ust_light::RULE,
+    &ust_mode::RULE,
+    &ust_position::RULE,
+    &ust_positionxyz::RULE,
+    &ust_rssi::RULE,
+    &ust_timestamp::RULE,
+    &ust_velocity::RULE,
+    &ust_velocityxyz::RULE,
     &wth_01::RULE,
 ];
+
+/// The rule of an id.
+pub fn rule(id: &str) -> Option<&'static FlockwaveRule> {
+    RULES.binary_search_by_key(&id, |of| of.rule.id).ok().map(|at| RULES[at])
+}
 
 /// A rule on Flockwave.
 #[derive(Debug)]
 pub struct FlockwaveRule {
     /// What it says.
     pub rule: Rule,
-    /// Finds violations.
-    pub check: Check,
+    /// The code that finds violations.
+    pub checks: &'static [Check],
+    /// The violations of body schemas that it reports in place of `FW-ENV-18`.
+    pub covers: &'static [Attribution],
+    /// The bug of the reference server that violates it.
+    pub bug: Bug,
+    /// The requests of a probe that show whether a server keeps it. Without a trial it shows in any session, or the
+    /// survey of the probe tries it on its way.
+    pub(crate) trial: Option<Trial>,
     /// Captures that violate it.
     pub mutants: &'static [Mutant],
 }
 
-/// The code of a rule.
+/// A check of a rule. Its kind says what it sees.
 #[derive(Clone, Copy, Debug)]
 pub enum Check {
-    /// A state that follows the records of a session. Of the states in reports on UAVs it is but the ids and timestamps that
-    /// it looks at.
-    State(fn() -> Box<dyn Checker>),
-    /// What a conversation knows of each exchange. A report on UAVs, which is about no other message, is judged by what it
-    /// says alone.
-    Exchange(fn(&Turn<'_>, &mut Judged<'_>)),
-    /// The same; and of reports on UAVs it counts when they come, over which connection, and after what. Of the states in
-    /// them it is but the ids and timestamps that count.
-    Context(fn(&Turn<'_>, &mut Judged<'_>)),
+    /// Sees a message of the server alone.
+    Message(fn(&Message<'_>, &mut RuleContext<'_>)),
+    /// Sees any record that is no status report, with the request and the operations that it belongs to.
+    Exchange(fn(&Exchange<'_>, &mut RuleContext<'_>)),
+    /// Sees a status report in its session.
+    StatusReport(fn(&StatusReport<'_>, &mut RuleContext<'_>)),
+    /// Keeps a state over the session.
+    Session(fn() -> Box<dyn SessionCheck>),
 }
 
-/// Follows the records of one session.
-pub trait Checker {
-    /// Something goes over a connection, or happens to it.
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>);
+/// A check that keeps a state over a session.
+pub trait SessionCheck {
+    /// Sees a record that is no status report.
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>);
 
-    /// Something can't be read, and records may be lost with it.
+    /// Sees a status report.
+    fn status_report(&mut self, _report: &StatusReport<'_>, _context: &mut RuleContext<'_>) {}
+
+    /// Records may be missing here, since something is unreadable.
     fn damage(&mut self, _place: Place) {}
 
     /// The session ends.
-    fn end(&mut self, _judged: &mut Judged<'_>) {}
-}
-
-/// Looks at each exchange alone.
-pub(crate) struct EachExchange(pub(crate) fn(&Turn<'_>, &mut Judged<'_>));
-
-impl Checker for EachExchange {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
-        (self.0)(turn, judged);
-    }
+    fn end(&mut self, _context: &mut RuleContext<'_>) {}
 }
 
 /// A capture that violates a rule: a small change of one that conforms.
@@ -299,6 +351,6 @@ pub struct Mutant {
     pub name: &'static str,
     /// Makes it.
     pub make: fn() -> Option<Vec<u8>>,
-    /// The ids of other rules that it violates too.
-    pub also: &'static [&'static str],
+    /// The other rules that it violates.
+    pub also: &'static [&'static Rule],
 }

@@ -30,15 +30,15 @@ mod time_01;
 mod time_02;
 mod ver_01;
 
-use super::{Judged, sample::Flight};
+use super::RuleContext;
+use super::sample::{Bag, Encoding, Flight, Lines, Log};
 use crate::model::{Channel, Detail, Level, Message, Place, Rule, Status};
 use crate::px4::ValueRules;
 
 /// The rules that sources of messages report violations of while they read them.
 pub(crate) use self::{
-    bool_01::RULE as BOOL_01, cdr_01::RULE as CDR_01, cdr_02::RULE as CDR_02, data_01::RULE as DATA_01,
-    data_02::RULE as DATA_02, fmt_01::RULE as FMT_01, fmt_02::RULE as FMT_02, fmt_03::RULE as FMT_03,
-    hash_01::RULE as HASH_01,
+    cdr_01::RULE as CDR_01, cdr_02::RULE as CDR_02, data_01::RULE as DATA_01, data_02::RULE as DATA_02,
+    fmt_01::RULE as FMT_01, fmt_02::RULE as FMT_02, fmt_03::RULE as FMT_03, hash_01::RULE as HASH_01,
 };
 
 /// The rules on messages of PX4, by id.
@@ -78,7 +78,6 @@ pub(crate) static VALUES: ValueRules = ValueRules {
     bool: &bool_01::RULE.rule,
     text: &str_01::RULE.rule,
     count: &len_01::RULE.rule,
-    bound: &cdr_02::RULE.rule,
     range: &range_01::RULE.rule,
     documented: &enum_01::RULE.rule,
     nan: &nan_01::RULE.rule,
@@ -109,15 +108,60 @@ pub enum Check {
     State(fn() -> Box<dyn Checker>),
 }
 
-/// A capture that violates a rule: a small change of one that conforms.
+/// A small change of a flight or of its capture, which then violates a rule.
 #[derive(Debug)]
 pub struct Mutant {
-    /// The change.
+    /// The change, in words.
     pub name: &'static str,
-    /// Makes it of a flight; none if the definitions have nothing that could be changed so.
-    pub make: fn(&Flight<'_>) -> Option<Vec<u8>>,
-    /// The ids of other rules that it violates too.
-    pub also: &'static [&'static str],
+    /// The change.
+    pub change: Change,
+    /// Other rules that it violates too.
+    pub also: &'static [&'static Px4Rule],
+}
+
+/// The change that makes a mutant; none if the definitions have nothing that could be changed so.
+#[derive(Clone, Copy, Debug)]
+pub enum Change {
+    /// A change of the flight, which is written in each encoding that shows it.
+    Flight(for<'d> fn(&Flight<'d>) -> Option<Flight<'d>>),
+    /// A change of the log of a flight.
+    Ulog(fn(&Flight<'_>, Log) -> Option<Log>),
+    /// A change of the MCAP of a flight.
+    Mcap(fn(&Flight<'_>, Bag) -> Option<Bag>),
+    /// A change of the text of JSON Lines, of each kind.
+    Json(fn(Lines) -> Option<Lines>),
+}
+
+impl Change {
+    /// The changed captures of a flight, one for each encoding that shows the change.
+    pub(super) fn captures(&self, flight: &Flight<'_>) -> Vec<(Encoding, Vec<u8>)> {
+        let written: [Option<(Encoding, Vec<u8>)>; Encoding::ALL.len()] = match self {
+            Self::Flight(change) => {
+                let changed = change(flight);
+                Encoding::ALL
+                    .map(|encoding| Some((encoding, encoding.write_change(flight, changed.as_ref()?)?)))
+            }
+            Self::Ulog(change) => {
+                let log = change(flight, flight.log());
+                [log.map(|log| (Encoding::Ulog, log.to_bytes())), None, None, None]
+            }
+            Self::Mcap(change) => {
+                let bag = change(flight, flight.bag());
+                [bag.map(|bag| (Encoding::Mcap, bag.to_bytes())), None, None, None]
+            }
+            Self::Json(change) => {
+                let [typed, published] =
+                    [flight.lines(), flight.rosbridge()].map(|lines| Some(change(lines)?.to_bytes()));
+                [
+                    typed.map(|bytes| (Encoding::Lines, bytes)),
+                    published.map(|bytes| (Encoding::Rosbridge, bytes)),
+                    None,
+                    None,
+                ]
+            }
+        };
+        written.into_iter().flatten().collect()
+    }
 }
 
 /// What a rule wants to know of a channel.
@@ -135,7 +179,7 @@ pub enum Interest {
 /// Follows the records of one capture.
 pub trait Checker {
     /// A channel is opened: a topic with its type. Only messages of channels that are of interest come.
-    fn opened(&mut self, _channel: &Channel<'_>, _judged: &mut Judged<'_>) -> Interest {
+    fn opened(&mut self, _channel: &Channel<'_>, _context: &mut RuleContext<'_>) -> Interest {
         Interest::Nothing
     }
 
@@ -146,7 +190,7 @@ pub trait Checker {
     fn started(&mut self, _time: u64) {}
 
     /// A message comes.
-    fn message(&mut self, _channel: &Channel<'_>, _message: &Message<'_>, _judged: &mut Judged<'_>) {}
+    fn message(&mut self, _channel: &Channel<'_>, _message: &Message<'_>, _context: &mut RuleContext<'_>) {}
 
     /// Records were lost, for so many milliseconds.
     fn dropout(&mut self, _milliseconds: u16, _place: Place) {}
@@ -155,7 +199,7 @@ pub trait Checker {
     fn damage(&mut self, _place: Place) {}
 
     /// The source ends.
-    fn end(&mut self, _judged: &mut Judged<'_>) {}
+    fn end(&mut self, _context: &mut RuleContext<'_>) {}
 }
 
 /// A state for each channel.
@@ -182,9 +226,9 @@ impl<T> Default for PerChannel<T> {
     }
 }
 
-impl Judged<'_> {
+impl RuleContext<'_> {
     /// A field of the messages of a channel breaks the rule.
-    fn report_field(
+    fn violation_in_field(
         &mut self,
         channel: &Channel<'_>,
         name: &str,
@@ -192,6 +236,6 @@ impl Judged<'_> {
         detail: impl FnOnce() -> Detail,
     ) {
         let definition = self.field(channel.definition, name);
-        self.report_defined(&format!("{}.{name}", channel.topic), place, definition, detail);
+        self.violation_of(&format!("{}.{name}", channel.topic), place, definition, detail);
     }
 }

@@ -2,13 +2,14 @@
 //! rules are made of.
 //!
 //! The same definitions give the same bytes. All values are typical ones of the test vectors, so neighbours differ
-//! and nothing is zero by chance; time, and the talk between flight controller and external component, are as they
+//! and nothing is zero by chance; time, and the session between flight controller and external component, are as they
 //! would be.
 
 mod bag;
-mod conversation;
+mod encoding;
 mod lines;
 mod log;
+mod session;
 
 use std::collections::BTreeMap;
 
@@ -20,9 +21,10 @@ use uavspec_codegen::schema::{Element, Field, Form, Message, MessageId, Restrict
 use uavspec_runtime::{Number, Rule};
 
 pub use self::bag::{Bag, BagChannel};
-pub use self::conversation::Conversation;
+pub use self::encoding::Encoding;
 pub use self::lines::Lines;
 pub use self::log::{Entry, Log};
+pub use self::session::Session;
 use crate::definitions::Definitions;
 
 /// How many messages a topic has, if it comes regularly: enough for rules that learn its period.
@@ -61,7 +63,7 @@ pub struct Topic {
 }
 
 /// A message that was published.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Sent {
     /// Index of its topic.
     pub topic: usize,
@@ -260,7 +262,7 @@ fn is_published(message: &Message, definitions: &Definitions) -> bool {
     package.form == Form::Msg(Dialect::Px4) && message.kind == Kind::Message
 }
 
-/// Messages of a talk, in the order in which a round has them.
+/// Messages of a session, in the order in which a round has them.
 const STORY: [&str; 5] = [
     "RegisterExtComponentRequest",
     "RegisterExtComponentReply",

@@ -18,6 +18,7 @@ mod weather;
 use uavspec::flockwave::json::Request;
 
 use super::hub::{Answer, Hub, SessionId};
+use crate::rules::flockwave::env_24;
 
 /// What answers the requests of a family.
 type Family = fn(&mut Hub, SessionId, Request) -> Answer;
@@ -45,7 +46,7 @@ pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Ans
     let name = request.message_type().split('-').next().unwrap_or_default();
     let family = FAMILIES.iter().find(|(known, _)| *known == name).map(|(_, family)| family);
     match family {
-        Some(_) if name == "DEV" && hub.breaks("FW-ENV-24") => Err(unknown(&request)),
+        Some(_) if name == "DEV" && hub.has_bug(&env_24::RULE) => Err(unknown(&request)),
         Some(family) => family(hub, session, request),
         None if ["ACK-ACK", "ACK-NAK"].contains(&request.message_type()) => {
             Err("acknowledgments come as responses only".to_owned())

@@ -13,13 +13,14 @@ use uavspec::flockwave::json::{
 };
 
 use super::Options;
-use super::bug::Outgoing;
 use super::family;
 use super::message::{envelope, enveloped, refusal, text, value};
 use super::operation::{Operation, Report};
 use super::request::{Incoming, read};
 use super::uav::Uav;
 use super::world::World;
+use crate::rules::flockwave::{FlockwaveRule, Outgoing};
+use crate::rules::flockwave::{ack_06, asy_04, asy_04i, asy_14, env_19, env_22, obj_del_02};
 
 /// The step of the simulation, in seconds.
 const STEP: f64 = 0.05;
@@ -118,8 +119,8 @@ impl Hub {
     }
 
     /// Whether the server is to break this rule.
-    pub(super) fn breaks(&self, rule: &str) -> bool {
-        self.options.bug.is_some_and(|bug| bug.rule == rule)
+    pub(super) fn has_bug(&self, of: &FlockwaveRule) -> bool {
+        self.options.bug.is_some_and(|bug| std::ptr::eq(bug, of))
     }
 
     /// The time of the server, in milliseconds since 1970.
@@ -189,7 +190,7 @@ impl Hub {
         match incoming {
             Incoming::Request { id: request, kind, body } => {
                 let answer = self.answer(id, &request, &body).unwrap_or_else(refusal);
-                if self.breaks("FW-ENV-19") {
+                if self.has_bug(&env_19::RULE) {
                     self.remember(id, &request);
                 }
                 self.send(id, Some((&request, &body)), &answer);
@@ -197,7 +198,7 @@ impl Hub {
                     self.greet(id);
                 }
             }
-            Incoming::Malformed { .. } if self.breaks("FW-ENV-22") => self.cut(id),
+            Incoming::Malformed { .. } if self.has_bug(&env_22::RULE) => self.cut(id),
             Incoming::Malformed { id: request, reason } => {
                 self.send(id, Some((&request, &Value::Null)), &refusal(reason));
             }
@@ -264,7 +265,7 @@ impl Hub {
         if ids.is_empty() {
             return;
         }
-        if self.breaks("FW-OBJ-DEL-02") {
+        if self.has_bug(&obj_del_02::RULE) {
             self.ghosts.extend_from_slice(ids);
         } else {
             self.world.uavs.retain(|uav| !ids.contains(&uav.id));
@@ -304,9 +305,9 @@ impl Hub {
         operation: impl FnOnce(String) -> Operation,
     ) -> Result<String, String> {
         let mut receipt = format!("r{}", self.next_receipt);
-        if self.breaks("FW-ASY-04") {
+        if self.has_bug(&asy_04::RULE) {
             receipt = format!("{receipt:0>70}");
-        } else if self.breaks("FW-ASY-04I") {
+        } else if self.has_bug(&asy_04i::RULE) {
             "r1".clone_into(&mut receipt);
         }
         let session = self.sessions.get_mut(&session).ok_or("the connection has ended")?;
@@ -370,11 +371,11 @@ impl Hub {
 
     fn answer(&mut self, id: SessionId, name: &str, body: &Value) -> Answer {
         let request = read(body)?;
-        if !is_open(&request) && !self.may_hear(id) && !self.breaks("FW-ACK-06") {
+        if !is_open(&request) && !self.may_hear(id) && !self.has_bug(&ack_06::RULE) {
             return Err("log in first".to_owned());
         }
         let is_known = |session: &Session| session.answered.iter().any(|known| known == name);
-        if self.breaks("FW-ENV-19") && self.sessions.get(&id).is_some_and(is_known) {
+        if self.has_bug(&env_19::RULE) && self.sessions.get(&id).is_some_and(is_known) {
             return Err("this id was used before".to_owned());
         }
         family::answer(self, id, request)
@@ -389,7 +390,7 @@ impl Hub {
     }
 
     fn advance_operations(&mut self, seconds: f64) {
-        let is_overrunning = self.breaks("FW-ASY-14");
+        let is_overrunning = self.has_bug(&asy_14::RULE);
         let mut reports = Vec::new();
         for (id, session) in &mut self.sessions {
             session.operations.retain_mut(|operation| {
@@ -443,12 +444,12 @@ impl Hub {
         session.sent += 1;
         let name = format!("s{}", session.sent);
         let refs = request.map(|(refs, _)| refs);
-        let Some(bug) = self.options.bug else {
+        let Some(of) = self.options.bug else {
             return session.sink.send(&enveloped(&name, refs, &text(body)));
         };
         let mut outgoing =
             Outgoing::new(envelope(&name, refs, value(body)), request.map(|(_, body)| body), session.sent);
-        bug.apply(&mut outgoing);
+        of.bug.apply(&mut outgoing);
         for text in outgoing.into_texts() {
             session.sink.send(&text);
         }

@@ -15,8 +15,9 @@ use std::time::{Duration, Instant};
 
 use self::engine::Sessions;
 use super::hub::{Hub, Manner, SessionId, Sink};
-use super::{Bug, Listening, Options, Transport};
+use super::{Listening, Options, Transport};
 use crate::flockwave::transport::http::is_silence;
+use crate::rules::flockwave::FlockwaveRule;
 
 /// How many connections there may be at a time. Each takes threads.
 const CONNECTION_LIMIT: usize = 256;
@@ -43,7 +44,7 @@ const FAREWELL: Duration = Duration::from_secs(2);
 pub(super) struct Shared {
     hub: Mutex<Hub>,
     sessions: Sessions,
-    bug: Option<&'static Bug>,
+    bug: Option<&'static FlockwaveRule>,
     started: Instant,
     /// When it began to end.
     ending: OnceLock<Instant>,
@@ -99,8 +100,8 @@ impl Shared {
         self.started.elapsed()
     }
 
-    fn breaks(&self, rule: &str) -> bool {
-        self.bug.is_some_and(|bug| bug.rule == rule)
+    fn has_bug(&self, of: &FlockwaveRule) -> bool {
+        self.bug.is_some_and(|bug| std::ptr::eq(bug, of))
     }
 
     fn open(&self, manner: Manner, sink: Arc<dyn Sink>) -> SessionId {

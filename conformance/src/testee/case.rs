@@ -7,10 +7,11 @@ use uavspec_codegen::emit::vectors;
 use super::protocol::{Format, Hello, Op};
 use super::wire::{to_base64, to_wire};
 use crate::definitions::Definitions;
+use crate::rules::px4::{self, Px4Rule};
 
 /// Rules that a payload breaks as a whole: no message comes of it, so decoding must fail. Of payloads that break
 /// others, such as a `bool` of 153, codecs may make something, or refuse them.
-const PAYLOAD_RULES: [&str; 3] = ["PX-DATA-01", "PX-CDR-01", "PX-CDR-02"];
+static PAYLOAD_RULES: [&Px4Rule; 3] = [&px4::DATA_01, &px4::CDR_01, &px4::CDR_02];
 
 /// A question, and its right answers.
 #[derive(Clone, Debug, PartialEq)]
@@ -248,7 +249,7 @@ fn decoded(rule: Option<&str>, wanted: Option<&Value>) -> Expected {
     let want = wanted.map_or(Want::Anything, |value| Want::Message(value.clone()));
     match rule {
         None => Expected::ok(want),
-        Some(rule) if PAYLOAD_RULES.contains(&rule) => Expected::REJECTED,
+        Some(id) if PAYLOAD_RULES.iter().any(|known| known.rule.id == id) => Expected::REJECTED,
         Some(_) => Expected::either(want),
     }
 }

@@ -6,9 +6,10 @@ use serde_json::{Value, json};
 use uavspec_codegen::dynamic::Types;
 
 use super::case::{Case, Want};
+use super::options::{LINE_LIMIT, excerpt};
 use super::outcome::{Manners, Outcome, Verdict};
 use super::protocol::{Answer, Hello};
-use super::run::{LINE_LIMIT, excerpt, judge};
+use super::run::judge;
 use super::wire::{to_base64, to_wire};
 
 /// Writes the selected cases, a line each: what is sent, and beside it the name, the description and what is right.

@@ -11,9 +11,9 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, s
 use std::thread;
 use std::time::{Duration, Instant};
 
+use super::options::{Options, excerpt};
 use super::process::Process;
 use super::protocol::Hello;
-use super::run::{Options, excerpt};
 use super::target::Target;
 use crate::net::Connection;
 

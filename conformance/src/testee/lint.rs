@@ -16,8 +16,8 @@ use uavspec_codegen::dynamic::Types;
 use self::session::{Session, Strays};
 use super::case::Case;
 use super::link::Link;
+use super::options::Options;
 use super::protocol::Hello;
-use super::run::Options;
 
 /// Something that a testee should do.
 pub struct Check {

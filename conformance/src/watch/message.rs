@@ -1,6 +1,6 @@
 //! What a server said, as far as it is about the fleet: never more than a fleet may need, whatever came.
 
-use super::roster::{ID_LIMIT, UAV_LIMIT};
+use super::roster::{ID_LIMIT, List, UAV_LIMIT};
 use super::state::State;
 use super::words::kept;
 use crate::json::Tree;
@@ -35,15 +35,6 @@ pub enum News {
     Other,
     /// Nothing that is a message.
     Unreadable,
-}
-
-/// A list of ids.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct List {
-    /// The ids.
-    pub ids: Vec<String>,
-    /// Whether these are all of it, and none had to be left out.
-    pub is_whole: bool,
 }
 
 impl Message {

@@ -3,8 +3,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
 
-use super::message::List;
-
 /// How many UAVs are kept. The largest fleets that have flown are about half of that.
 pub const UAV_LIMIT: usize = 10_000;
 
@@ -14,6 +12,15 @@ pub const ID_LIMIT: usize = 256;
 /// For how long a UAV stays of which the server told by itself, although a list doesn't have it: the list may be older,
 /// and some servers tell of UAVs that they don't list.
 const GRACE: Duration = Duration::from_secs(10);
+
+/// A list of ids.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct List {
+    /// The ids.
+    pub ids: Vec<String>,
+    /// Whether these are all of it, and none had to be left out.
+    pub is_whole: bool,
+}
 
 /// A UAV, and what is kept of it.
 #[derive(Debug)]

@@ -1,12 +1,7 @@
 //! What several tests need: the corpus, and logs of our own.
 
-pub(crate) mod hostile;
-
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-
-use uavspec_conformance::capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader};
 
 /// A folder beside the corpus, such as `corpus/ulog` or `oracle/ulog`; none where there is no corpus.
 ///
@@ -27,6 +22,11 @@ pub(crate) fn shared(path: &str) -> Option<PathBuf> {
     );
     eprintln!("left out: {path} is absent; set UAVSPEC_CORPUS to the corpus to run this test");
     None
+}
+
+/// `full` if `UAVSPEC_TEST_THOROUGH` is set, as in `.ci/run`; otherwise `quick`.
+pub(crate) fn extent<T>(full: T, quick: T) -> T {
+    if std::env::var_os("UAVSPEC_TEST_THOROUGH").is_some_and(|value| value != "0") { full } else { quick }
 }
 
 /// Writes logs.
@@ -135,111 +135,6 @@ pub(crate) fn typical(rounds: u64) -> Vec<u8> {
         }
     }
     log.bytes
-}
-
-/// An item of a reader, without what it lends.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Seen {
-    pub(crate) offset: u64,
-    /// A checksum of the event.
-    pub(crate) digest: u64,
-    /// The kind of the event where it is a message.
-    pub(crate) kind: &'static str,
-    pub(crate) problem: Option<Problem>,
-}
-
-impl Seen {
-    fn new(item: &Item<'_>) -> Self {
-        let mut hasher = DefaultHasher::new();
-        let kind = match &item.event {
-            Event::Data { id, payload } => {
-                (id, payload).hash(&mut hasher);
-                "data"
-            }
-            Event::Start { .. } => "start",
-            Event::Problem(_) => "problem",
-            other => {
-                format!("{other:?}").hash(&mut hasher);
-                "other"
-            }
-        };
-        let problem = match &item.event {
-            Event::Problem(problem) => Some(problem.clone()),
-            _ => None,
-        };
-        Self { offset: item.offset, digest: hasher.finish(), kind, problem }
-    }
-
-    pub(crate) fn is_message(&self) -> bool {
-        matches!(self.kind, "data" | "other")
-    }
-}
-
-/// All items of a log, which must lie one behind the other without a gap.
-pub(crate) fn read(bytes: &[u8]) -> Vec<Seen> {
-    let seen = read_from(bytes);
-    check_extents(bytes, &seen);
-    seen
-}
-
-/// All items of a log.
-pub(crate) fn read_from(input: impl Read) -> Vec<Seen> {
-    let mut reader = Reader::new(input);
-    let mut seen = Vec::new();
-    while let Some(item) = reader.next().expect("an input without errors") {
-        seen.push(Seen::new(&item));
-    }
-    assert_eq!(reader.next().expect("an end"), None, "nothing follows the end");
-    seen
-}
-
-/// All problems of both layers as text, each with its offset; and how many records were typed.
-pub(crate) fn problems(bytes: &[u8]) -> (Vec<String>, usize) {
-    let (mut reader, mut log) = (Reader::new(bytes), Log::default());
-    let (mut found, mut records) = (Vec::new(), 0);
-    while let Some(item) = reader.next().expect("a slice") {
-        if let Event::Problem(problem) = &item.event {
-            found.push(format!("{}: {problem}", item.offset));
-        }
-        let mut tell = |offset, problem: LogProblem| found.push(format!("{offset}: {problem}"));
-        if let Some(record) = log.take(&item, &mut tell) {
-            record.of.view_uorb(record.payload).expect("data of the right size");
-            records += 1;
-        }
-    }
-    log.finish(&mut |offset, problem| found.push(format!("{offset}: {problem}")));
-    (found, records)
-}
-
-/// Holds items to what the documentation says: every byte behind the header belongs to exactly one of them.
-fn check_extents(bytes: &[u8], seen: &[Seen]) {
-    let size = bytes.len() as u64;
-    let message_end = |offset: u64| {
-        let at = usize::try_from(offset).expect("an offset");
-        offset + 3 + u64::from(u16::from_le_bytes([bytes[at], bytes[at + 1]]))
-    };
-    let mut position = 0;
-    let mut is_refused = false;
-    for item in seen {
-        let end = match (&item.problem, item.kind) {
-            (None, "start") => 16,
-            (None | Some(Problem::Malformed { .. }), _) => message_end(item.offset),
-            (Some(Problem::Skipped { to, .. } | Problem::Straddles { appended: to }), _) => *to,
-            (Some(Problem::EndsInHeader { .. } | Problem::EndsInPayload { .. }), _) => size,
-            (Some(problem), _) => {
-                is_refused |= matches!(
-                    problem,
-                    Problem::ForeignMagic(_) | Problem::ShortHeader { .. } | Problem::UnknownIncompatible(_)
-                );
-                assert!(item.offset <= position, "{item:?} is ahead of {position}");
-                continue;
-            }
-        };
-        assert_eq!(item.offset, position, "{item:?}");
-        assert!(end <= size, "{item:?} goes beyond {size}");
-        position = end;
-    }
-    assert!(is_refused || position == size, "read up to {position} of {size}");
 }
 
 /// Numbers that are the same in every run (splitmix64).

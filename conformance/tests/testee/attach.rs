@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use uavspec_conformance::testee::lint::check;
 use uavspec_conformance::testee::outcome::Verdict;
-use uavspec_conformance::testee::run::{Options, run};
+use uavspec_conformance::testee::{options::Options, run::run};
 
 use super::lint::{assert_good, caught, manners};
 use super::{Target, ask, culprit, everything, failures, impatient, options, some, suite, testee};

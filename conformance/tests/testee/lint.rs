@@ -8,7 +8,7 @@ use std::time::Duration;
 use serde_json::Value;
 use uavspec_conformance::check::parallel;
 use uavspec_conformance::testee::lint::{CHECKS, Check, Found, check, lint};
-use uavspec_conformance::testee::run::Options;
+use uavspec_conformance::testee::options::Options;
 
 use super::{impatient, options, suite, testee};
 

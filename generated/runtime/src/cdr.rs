@@ -8,6 +8,14 @@
 //! Wide strings are UTF-16 without a NUL, their length in code units. Each unit is a `uint32`: so
 //! `rosidl_typesupport_fastrtps`, from which ROS 2 has its form, writes it for the sake of other
 //! implementations of DDS.
+//!
+//! ```
+//! use uavspec_runtime::cdr::{ByteOrder, HEADER};
+//!
+//! let payload = [ByteOrder::LittleEndian.header(), [42, 0, 0, 0]].concat();
+//! assert_eq!(ByteOrder::of(&payload), Ok(ByteOrder::LittleEndian));
+//! assert_eq!(payload[HEADER..], 42_u32.to_le_bytes());
+//! ```
 
 use crate::descriptor::{Element, MessageDescriptor, Shape};
 use crate::error::{DecodeError, EncodeError, Fault};

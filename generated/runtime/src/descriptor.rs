@@ -1,5 +1,14 @@
 //! What is known of a message while compiling, as data: the types of its fields, where they lie, and
 //! what their values may be. Generated code builds it with the `const` functions of [`field`].
+//!
+//! ```
+//! use uavspec_runtime::descriptor::{Element, FieldDescriptor, Shape, field};
+//! use uavspec_runtime::Scalar;
+//!
+//! const CELLS: FieldDescriptor = field::float32("cells", 8).array(14);
+//! assert_eq!((CELLS.name, CELLS.offset, CELLS.shape), ("cells", 8, Shape::Array(14)));
+//! assert_eq!(CELLS.element, Element::Scalar(Scalar::Float32));
+//! ```
 
 use crate::layout::Size;
 use crate::{Constraint, Scalar};
@@ -152,9 +161,8 @@ impl FieldDescriptor {
 pub mod field {
     use super::{Element, FieldDescriptor, Shape};
     use crate::record::Record;
-    use crate::{Number, Open, Scalar};
-
-    pub use crate::Constraint;
+    // Not public: generated code imports all of this module next to its types.
+    use crate::{Constraint, Number, Open, Scalar};
 
     const fn new(name: &'static str, element: Element, offset: usize) -> FieldDescriptor {
         FieldDescriptor { name, element, shape: Shape::Single, offset, constraint: None }

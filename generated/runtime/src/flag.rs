@@ -11,20 +11,30 @@ pub struct Flag {
     pub label: &'static str,
 }
 
-/// Gives a message `set_flags()` from its flags: the field, whether it is set, its group and its label.
+impl Flag {
+    /// The flags whose entry in `are_set` is true. A text is a field, its group and its label.
+    #[doc(hidden)]
+    pub fn set<const N: usize>(
+        are_set: [bool; N],
+        texts: &'static [[&'static str; 3]; N],
+    ) -> impl Iterator<Item = Self> {
+        let flags = are_set.into_iter().zip(texts);
+        flags.filter_map(|(is_set, [field, group, label])| is_set.then_some(Self { field, group, label }))
+    }
+}
+
+/// Gives a message `set_flags()`. A line holds the field, its name, its group and its label; a field that is not a
+/// `bool` is followed by the comparison that makes it one.
 #[macro_export]
 macro_rules! flags {
-    ($type:ident; $($field:ident $name:literal $group:literal $label:literal;)*) => {
+    ($type:ident; $($field:ident $(. $inner:tt)? $(!= $unset:literal)? $name:literal $group:literal $label:literal;)*) => {
         impl $type {
             /// The flags that are set, in declared order.
             pub fn set_flags(&self) -> impl ::core::iter::Iterator<Item = $crate::Flag> {
-                [$((
-                    // Of a `bool`, a number and an enum alike.
-                    u8::from(self.$field) != 0,
-                    $crate::Flag { field: $name, group: $group, label: $label },
-                )),*]
-                .into_iter()
-                .filter_map(|(is_set, flag)| is_set.then_some(flag))
+                $crate::Flag::set(
+                    [$(self.$field $(.$inner)? $(!= $unset)?),*],
+                    &[$([$name, $group, $label]),*],
+                )
             }
         }
     };

@@ -9,6 +9,27 @@
 //! Fields go out as they do for every format, each as a [`Field`]; reading takes them in any order, by
 //! [`Fields`]. That is far less code than serde's own derive makes, so it compiles faster; and as the
 //! next key is mostly the next field, reading compares one name a field.
+//!
+//! ```
+//! # use uavspec_runtime::{Definition, Message, record};
+//! # #[derive(Clone, Debug, Default, PartialEq)]
+//! # struct Wind {
+//! #     speed: f32,
+//! # }
+//! # impl Message for Wind {
+//! #     const DEFINITION: Definition = Definition::new("example", "Wind");
+//! # }
+//! # record! {
+//! #     Wind;
+//! #     0 speed: f32 = float32("speed", 0).within(&number().from(int(0)).not_nan());
+//! # }
+//! # #[cfg(feature = "json")] {
+//! let text = r#"{"speed": 1.5}"#;
+//! let wind: Wind = serde_json::from_str(text).expect("a wind");
+//! assert_eq!(wind.speed, 1.5);
+//! assert!(serde_json::from_str::<Wind>("{}").is_err());
+//! # }
+//! ```
 
 #[cfg(feature = "alloc")]
 use alloc::vec::Vec;
@@ -24,6 +45,7 @@ use crate::descriptor::MessageDescriptor;
 use crate::record::{FieldSink, Record, Value};
 
 /// A message whose fields can be read one by one, in any order.
+#[doc(hidden)]
 pub trait Fields: Record + Default {
     /// Names of its fields, in declared order.
     const NAMES: &'static [&'static str];
@@ -37,6 +59,7 @@ pub trait Fields: Record + Default {
 }
 
 /// The names of the `N` fields of a message.
+#[doc(hidden)]
 pub const fn names<const N: usize>(message: &MessageDescriptor) -> [&'static str; N] {
     let mut names = [""; N];
     let mut index = 0;
@@ -48,6 +71,7 @@ pub const fn names<const N: usize>(message: &MessageDescriptor) -> [&'static str
 }
 
 /// A value of a field.
+#[doc(hidden)]
 pub trait Field: Sized {
     /// Writes it; `field` is the name to mention in an error.
     fn serialize<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error>;
@@ -57,6 +81,7 @@ pub trait Field: Sized {
 }
 
 /// Where values come from: the members of an object, or the elements of a sequence.
+#[doc(hidden)]
 pub trait Source<'de> {
     /// Why there is no value.
     type Error: serde::de::Error;
@@ -84,6 +109,7 @@ impl<S: SerializeStruct> FieldSink for Writer<S> {
 }
 
 /// Writes a message.
+#[doc(hidden)]
 pub fn serialize<T: Fields, S: Serializer>(record: &T, serializer: S) -> Result<S::Ok, S::Error> {
     let out = serializer.serialize_struct(T::DESCRIPTOR.name, T::NAMES.len())?;
     let mut writer = Writer { out, error: None };
@@ -95,12 +121,14 @@ pub fn serialize<T: Fields, S: Serializer>(record: &T, serializer: S) -> Result<
 }
 
 /// Reads a message.
+#[doc(hidden)]
 pub fn deserialize<'de, T: Fields, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
     let visitor = RecordVisitor { is_text: deserializer.is_human_readable(), of: PhantomData };
     deserializer.deserialize_struct(T::DESCRIPTOR.name, T::NAMES, visitor)
 }
 
 /// Says that reading came to a field that isn't there, which generated code can't cause.
+#[doc(hidden)]
 pub fn no_field<E: serde::de::Error>(index: usize) -> E {
     E::custom(format_args!("there is no field {index}"))
 }

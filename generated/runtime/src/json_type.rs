@@ -7,6 +7,26 @@
 //! `null`: `null` is refused where the page doesn't name it. Integers are read where they stand without a fraction: `1.0`
 //! is refused, which JSON Schema takes for the integer 1. Ranges, lengths and patterns are not looked at, so that
 //! what is wrong with a message can be told by who reads it.
+//!
+//! ```
+//! use uavspec_runtime::json_object;
+//!
+//! #[derive(Debug, PartialEq)]
+//! struct Mark {
+//!     name: String,
+//!     height: Option<f64>,
+//! }
+//!
+//! json_object! {
+//!     Mark open;
+//!     name "name" required;
+//!     height "height" optional;
+//! }
+//!
+//! let mark: Mark = serde_json::from_str(r#"{"name": "A", "colour": "red"}"#)?;
+//! assert_eq!(mark, Mark { name: "A".to_owned(), height: None });
+//! # Ok::<(), serde_json::Error>(())
+//! ```
 
 use alloc::borrow::Cow;
 use alloc::format;

@@ -3,7 +3,17 @@
 //! PX4's generator orders the members of a message by the size of their element type, largest first
 //! and otherwise as declared; nested messages come last, each aligned to 8 bytes; the whole is
 //! padded to a multiple of 8. The generator computes layouts with [`place`], and generated code has
-//! the compiler compute them again and compare.
+//! the compiler compute those of nested messages again and compare.
+//!
+//! ```
+//! use uavspec_runtime::layout::{Member, Size, place};
+//!
+//! // The members `uint8 a` and `uint64 b`.
+//! let members = [1, 8].map(|element_size| Member { element_size, count: 1, is_nested: false });
+//! let mut offsets = [0; 2];
+//! assert_eq!(place(&members, &mut offsets), Size { padded: 16, no_padding: 9 });
+//! assert_eq!(offsets, [8, 0]);
+//! ```
 
 use crate::descriptor::{Element, FieldDescriptor, MessageDescriptor, Shape};
 

@@ -103,20 +103,28 @@ pub use serde;
 pub use constraint::{Constraint, Number, Rule};
 pub use error::{DecodeError, EncodeError, Fault};
 pub use flag::Flag;
-pub use message::{Message, UorbMessage};
-pub use open::{Open, flag_names, fmt_enum, fmt_flags};
+pub use message::{Definition, Message, UorbMessage};
+pub use open::Open;
 pub use path::Path;
 pub use scalar::Scalar;
 pub use severity::{ErrorClass, ErrorList, Severity};
 pub use text::{Text, TextError};
 pub use validate::Violation;
 
+/// Functions that only the macros of this crate call.
+#[doc(hidden)]
+pub mod __private {
+    pub use crate::open::{flag_names, fmt_enum, fmt_flags};
+}
+
 /// A value as JSON; nothing is asked of it without the feature `serde`.
 #[cfg(feature = "serde")]
+#[doc(hidden)]
 pub use json::Field as JsonField;
 
 /// A value as JSON; nothing is asked of it without the feature `serde`.
 #[cfg(not(feature = "serde"))]
+#[doc(hidden)]
 pub use without::JsonField;
 
 /// Leaves generated code in, which without the feature `json` it takes out.
@@ -128,8 +136,10 @@ macro_rules! with_json {
 
 /// A message with a JSON Schema; nothing is asked of it without the feature `schemars`.
 #[cfg(feature = "schemars")]
+#[doc(hidden)]
 pub use schema::SchemaRecord;
 
 /// A message with a JSON Schema; nothing is asked of it without the feature `schemars`.
 #[cfg(not(feature = "schemars"))]
+#[doc(hidden)]
 pub use without::SchemaRecord;

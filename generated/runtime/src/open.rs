@@ -88,7 +88,7 @@ macro_rules! open {
 
         impl ::core::fmt::Debug for $type {
             fn fmt(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
-                $crate::fmt_enum(formatter, stringify!($type), self.name(), self.0)
+                $crate::__private::fmt_enum(formatter, stringify!($type), self.name(), self.0)
             }
         }
 
@@ -109,7 +109,7 @@ macro_rules! open {
 
             /// The names of the flags that are set.
             pub fn names(self) -> impl ::core::iter::Iterator<Item = &'static str> {
-                $crate::flag_names::<Self>(self.0)
+                $crate::__private::flag_names::<Self>(self.0)
             }
 
             /// Whether the definition names all flags that are set.
@@ -133,7 +133,7 @@ macro_rules! open {
 
         impl ::core::fmt::Debug for $type {
             fn fmt(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
-                $crate::fmt_flags::<Self, $number>(formatter, self.0, self.unknown())
+                $crate::__private::fmt_flags::<Self, $number>(formatter, self.0, self.unknown())
             }
         }
 

@@ -4,6 +4,14 @@
 //! come in ([`Record::read_fields`]). Each format is a sink and a source that takes or gives one field after the
 //! other. They keep the first fault and go on with zeros, so that generated code needs no `?` for
 //! each field: that costs the compiler more than all else, and the processor a branch.
+//!
+//! ```
+//! use uavspec_runtime::Scalar;
+//! use uavspec_runtime::record::Primitive;
+//!
+//! assert_eq!(u16::SCALAR, Scalar::UInt16);
+//! assert_eq!((u16::read_le(&[1, 2]), u16::read_be(&[1, 2])), (0x0201, 0x0102));
+//! ```
 
 use crate::descriptor::{FieldDescriptor, MessageDescriptor, Shape};
 use crate::{Number, Scalar};
@@ -280,40 +288,37 @@ macro_rules! record {
             $($index $field $descriptor;)*);
 
         impl $crate::UorbMessage for $type {
-            const SIZE: usize = $size;
-            const SIZE_NO_PADDING: usize = $no_padding;
             type Bytes = [u8; $size];
-            const ZEROS: [u8; $size] = [0; $size];
             type View<'b> = $view<'b>;
 
             #[inline]
             fn view_at(bytes: &[u8], offset: usize) -> $view<'_> {
-                $view($crate::uorb::chunk(bytes, offset))
+                $view($crate::uorb::Fields::at(bytes, offset))
             }
 
             #[inline]
             fn from_view(view: $view<'_>) -> Self {
-                $crate::uorb::read(view.0)
+                view.0.read()
             }
         }
 
-        #[doc = concat!("[`", stringify!($type), "`] in the bytes of a payload: each field is read when it is asked for.")]
+        #[doc = concat!("A view of a payload that holds a [`", stringify!($type), "`]: a method reads the field of its name.")]
         #[derive(Clone, Copy)]
-        pub struct $view<'b>(&'b [u8; $no_padding]);
+        pub struct $view<'b>($crate::uorb::Fields<'b, $type, $no_padding>);
 
         impl<'b> $view<'b> {
             $(
-                #[doc = concat!("See [`", stringify!($type), "::", stringify!($field), "`].")]
+                /// Reads the field of this name.
                 #[inline]
                 pub fn $field(self) -> $crate::uorb::View<'b, $field_type> {
-                    $crate::uorb::look::<$type, $field_type>(self.0, $index)
+                    self.0.get::<$field_type>($index)
                 }
             )*
         }
 
         impl ::core::fmt::Debug for $view<'_> {
             fn fmt(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
-                ::core::fmt::Debug::fmt(&<$type as $crate::UorbMessage>::from_view(*self), formatter)
+                ::core::fmt::Debug::fmt(&self.0, formatter)
             }
         }
     };

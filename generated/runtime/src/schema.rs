@@ -7,6 +7,25 @@
 //!
 //! They are made from the description of a message when they are asked for, so that a message costs no
 //! code of its own here.
+//!
+//! ```
+//! # use uavspec_runtime::{Definition, Message, record};
+//! # #[derive(Clone, Debug, Default, PartialEq)]
+//! # struct Wind {
+//! #     speed: f32,
+//! # }
+//! # impl Message for Wind {
+//! #     const DEFINITION: Definition = Definition::new("example", "Wind");
+//! # }
+//! # record! {
+//! #     Wind;
+//! #     0 speed: f32 = float32("speed", 0).within(&number().from(int(0)).not_nan());
+//! # }
+//! use uavspec_runtime::schemars::schema_for;
+//!
+//! let schema = schema_for!(Wind);
+//! assert_eq!(schema.get("required").map(ToString::to_string).as_deref(), Some(r#"["speed"]"#));
+//! ```
 
 use alloc::string::ToString as _;
 use alloc::vec::Vec;
@@ -18,11 +37,13 @@ use crate::record::{FieldSource, Primitive, Record, Source, Value};
 use crate::{Constraint, Number, Open, Scalar};
 
 /// A message that has a schema.
+#[doc(hidden)]
 pub trait SchemaRecord: JsonSchema {}
 
 impl<T: JsonSchema> SchemaRecord for T {}
 
 /// The schema of a message.
+#[doc(hidden)]
 pub fn message<T: Record>(generator: &mut SchemaGenerator) -> Schema {
     let message = T::DESCRIPTOR;
     let mut properties = Schema::default();
@@ -44,6 +65,7 @@ pub fn message<T: Record>(generator: &mut SchemaGenerator) -> Schema {
 }
 
 /// The schema of an enum, flags or error codes: any number of its type, of which some have names.
+#[doc(hidden)]
 pub fn open<T: Open>() -> Schema {
     let known =
         Constraint { known: Some(T::KNOWN), names: T::NAMES, is_flags: T::IS_FLAGS, ..Constraint::NONE };

@@ -10,18 +10,29 @@
 //! [`broken`] gives the opposite: a value that breaks one rule in one place, and says which and where.
 //! [`undocumented`] gives values of an enum, bits of flags or error codes that no definition names.
 //!
-//! ```ignore
-//! proptest! {
-//!     #[test]
-//!     fn a_battery_survives_the_link(battery in any::<BatteryStatus>()) {
-//!         prop_assert_eq!(receive(&send(&battery)), battery);
-//!     }
+//! ```
+//! # use uavspec_runtime::{Definition, Message, record};
+//! # #[derive(Clone, Debug, Default, PartialEq)]
+//! # struct Wind {
+//! #     speed: f32,
+//! # }
+//! # impl Message for Wind {
+//! #     const DEFINITION: Definition = Definition::new("example", "Wind");
+//! # }
+//! # record! {
+//! #     Wind;
+//! #     0 speed: f32 = float32("speed", 0).within(&number().from(int(0)).not_nan());
+//! # }
+//! use uavspec_runtime::proptest::prelude::*;
+//! use uavspec_runtime::strategy::{broken, valid};
 //!
-//!     #[test]
-//!     fn the_gateway_refuses_broken_batteries(broken in broken::<BatteryStatus>().expect("it has ranges")) {
-//!         prop_assert!(gateway(&broken.value).is_err(), "{} at {}", broken.rule, broken.path);
-//!     }
-//! }
+//! proptest!(|(wind in valid::<Wind>())| prop_assert!(wind.validate().is_empty()));
+//!
+//! let broken = broken::<Wind>().expect("the speed has a range");
+//! proptest!(|(broken in broken)| {
+//!     let found = broken.value.validate();
+//!     prop_assert_eq!((found[0].rule, found[0].path.to_string()), (broken.rule, broken.path));
+//! });
 //! ```
 //!
 //! Values are drawn from the description of a message, number by number, and read from the list of numbers

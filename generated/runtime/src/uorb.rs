@@ -2,6 +2,31 @@
 //!
 //! Little-endian, at the offsets of [`layout`](crate::layout). A payload has the full size or lacks
 //! the padding at its end. Padding is written as zeros and read as anything.
+//!
+//! ```
+//! use uavspec_runtime::{Definition, Message, UorbMessage, record};
+//!
+//! #[derive(Clone, Debug, Default, PartialEq)]
+//! pub struct Wind {
+//!     pub timestamp: u64,
+//!     pub speed: [f32; 2],
+//! }
+//!
+//! impl Message for Wind {
+//!     const DEFINITION: Definition = Definition::new("example", "Wind");
+//! }
+//!
+//! record! {
+//!     Wind, WindView, 16, 16;
+//!     0 timestamp: u64 = uint64("timestamp", 0);
+//!     1 speed: [f32; 2] = float32("speed", 8).array(2);
+//! }
+//!
+//! let payload = Wind { timestamp: 1, speed: [2.0, 3.0] }.to_uorb();
+//! let view = Wind::view(&payload)?;
+//! assert_eq!((view.timestamp(), view.speed().get(1)), (1, Some(3.0)));
+//! # Ok::<(), uavspec_runtime::DecodeError>(())
+//! ```
 
 use core::fmt;
 use core::marker::PhantomData;
@@ -15,7 +40,7 @@ use crate::{Path, Text, UorbMessage};
 
 /// The bytes that hold all fields of a message: the payload without the padding at its end.
 #[inline]
-pub fn payload<T: UorbMessage>(bytes: &[u8]) -> Result<&[u8], DecodeError> {
+pub(crate) fn payload<T: UorbMessage>(bytes: &[u8]) -> Result<&[u8], DecodeError> {
     let has_size = bytes.len() == T::SIZE || bytes.len() == T::SIZE_NO_PADDING;
     match bytes.get(..T::SIZE_NO_PADDING) {
         Some(fields) if has_size => Ok(fields),
@@ -74,23 +99,57 @@ impl Form for Memory {
     }
 }
 
-/// Reads a message from the bytes of its view.
-#[inline]
-pub fn read<T: Record>(bytes: &[u8]) -> T {
-    fixed::read::<T, Memory, false>(bytes, &mut None)
+/// An array of bytes that holds a payload.
+pub trait Bytes: AsRef<[u8]> + AsMut<[u8]> + Copy {
+    /// Zeros.
+    const ZEROS: Self;
 }
 
-/// The bytes of a message at `offset`, for its view; zeros where there are too few, which generated code
-/// can't cause.
-#[inline]
-pub fn chunk<const N: usize>(bytes: &[u8], offset: usize) -> &[u8; N] {
-    bytes.get(offset..).and_then(<[u8]>::first_chunk).unwrap_or(&[0; N])
+impl<const N: usize> Bytes for [u8; N] {
+    const ZEROS: Self = [0; N];
 }
 
-/// Looks at the field `index` of a message.
-#[inline]
-pub fn look<M: Record, T: Viewed>(bytes: &[u8], index: usize) -> T::View<'_> {
-    <T as Viewed>::view_at(bytes, M::DESCRIPTOR.fields[index].offset)
+/// The fields of a message of type `M` in `N` bytes of a payload: the content of its view type.
+#[doc(hidden)]
+pub struct Fields<'b, M, const N: usize> {
+    bytes: &'b [u8; N],
+    message: PhantomData<M>,
+}
+
+impl<M, const N: usize> Clone for Fields<'_, M, N> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<M, const N: usize> Copy for Fields<'_, M, N> {}
+
+impl<'b, M: Record, const N: usize> Fields<'b, M, N> {
+    /// The message at `offset`; zeros if there are too few bytes, which generated code can't cause.
+    #[inline]
+    pub fn at(bytes: &'b [u8], offset: usize) -> Self {
+        let bytes = bytes.get(offset..).and_then(<[u8]>::first_chunk).unwrap_or(&[0; N]);
+        Self { bytes, message: PhantomData }
+    }
+
+    /// The view of field `index`, which has the type `T`.
+    #[inline]
+    pub fn get<T: Viewed>(self, index: usize) -> T::View<'b> {
+        <T as Viewed>::view_at(self.bytes, M::DESCRIPTOR.fields[index].offset)
+    }
+
+    /// The whole message.
+    #[inline]
+    pub fn read(self) -> M {
+        fixed::read::<M, Memory, false>(self.bytes, &mut None)
+    }
+}
+
+/// The message itself.
+impl<M: Record + fmt::Debug, const N: usize> fmt::Debug for Fields<'_, M, N> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.read().fmt(formatter)
+    }
 }
 
 /// A type of fixed size that can be looked at in the bytes of a message, without reading all of it.

@@ -1,7 +1,7 @@
 //! Messages of fixed size, in memory and in CDR, written here as the generator writes them.
 
 use uavspec_runtime::cdr::{ByteOrder, HEADER};
-use uavspec_runtime::{DecodeError, Fault, Message, UorbMessage};
+use uavspec_runtime::{DecodeError, Definition, Fault, Message, UorbMessage};
 
 macro_rules! sample {
     ($type:ident, $cdr:literal { $($field:ident: $field_type:ty),* }) => {
@@ -11,11 +11,8 @@ macro_rules! sample {
         }
 
         impl Message for $type {
-            const PACKAGE: &'static str = "samples";
-            const NAME: &'static str = stringify!($type);
-            const HASH: u32 = 0;
-            const TYPE_HASH: &'static str = "";
-            const CDR_SIZE: Option<usize> = Some($cdr);
+            const DEFINITION: Definition =
+                Definition { cdr_size: Some($cdr), ..Definition::new("samples", stringify!($type)) };
         }
     };
 }

@@ -4,7 +4,7 @@
 use proptest::collection::vec;
 use proptest::prelude::*;
 use uavspec_runtime::cdr::ByteOrder;
-use uavspec_runtime::{Fault, Message};
+use uavspec_runtime::{Definition, Fault, Message};
 
 macro_rules! sample {
     ($type:ident { $($field:ident: $field_type:ty),* }) => {
@@ -14,10 +14,7 @@ macro_rules! sample {
         }
 
         impl Message for $type {
-            const PACKAGE: &'static str = "samples";
-            const NAME: &'static str = stringify!($type);
-            const HASH: u32 = 0;
-            const TYPE_HASH: &'static str = "";
+            const DEFINITION: Definition = Definition::new("samples", stringify!($type));
         }
     };
 }

@@ -94,10 +94,8 @@ record! {
 macro_rules! message {
     ($($type:ident)*) => {$(
         impl uavspec_runtime::Message for $type {
-            const PACKAGE: &'static str = "test";
-            const NAME: &'static str = stringify!($type);
-            const HASH: u32 = 0;
-            const TYPE_HASH: &'static str = "";
+            const DEFINITION: uavspec_runtime::Definition =
+                uavspec_runtime::Definition::new("test", stringify!($type));
         }
     )*};
 }

@@ -54,7 +54,7 @@ fn generate(root: &Path, folder: &Path) -> Result<usize, String> {
     );
     fs::write(folder.join("uavspec.toml"), config).map_err(at)?;
     let generated =
-        uavspec_codegen::cli::generate(folder.join("uavspec.toml")).map_err(|failure| failure.to_string())?;
+        uavspec_codegen::generate(folder.join("uavspec.toml")).map_err(|failure| failure.to_string())?;
     Ok(generated.inputs.len() - 1)
 }
 

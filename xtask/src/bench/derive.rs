@@ -70,7 +70,7 @@ fn structs(module: &str) -> String {
 fn plain(field: &str) -> String {
     let Some((name, ty)) = field.split_once(": ") else { return field.to_owned() };
     let ty = ty.trim_end_matches(',');
-    if ty.starts_with("::uavspec_runtime::Text<") {
+    if ty.contains("Text<") {
         return format!("{name}: Vec<u8>,");
     }
     let array = ty.strip_prefix('[').and_then(|ty| ty.strip_suffix(']')?.split_once("; "));

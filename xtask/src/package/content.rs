@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use uavspec_codegen::cli::read_definitions_translated;
 use uavspec_codegen::emit::{OutputFile, json_schema, python, typescript, vectors};
+use uavspec_codegen::load::read_definitions_translated;
 
 use super::metadata::VERSION;
 use crate::told;

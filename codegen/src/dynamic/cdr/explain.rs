@@ -7,9 +7,10 @@ use uavspec_runtime::cdr::{ByteOrder, HEADER, WIDE_UNIT, is_filling, wide_charac
 use uavspec_runtime::record::Primitive as _;
 
 use crate::dynamic::error::{Error, Reason};
-use crate::dynamic::plan::{Bounds, Element, Field, Plan};
+use crate::dynamic::plan::{Element, Field, Plan};
+use crate::dynamic::step::Bounds;
 use crate::dynamic::trail::Trail;
-use crate::dynamic::{MessageType, Types};
+use crate::dynamic::types::{MessageType, Types};
 use crate::schema::Shape;
 
 /// What is wrong with a payload, if anything is. Of a message of fixed size, that it ends too soon comes

@@ -3,10 +3,12 @@
 use uavspec_runtime::cdr::{ByteOrder, HEADER, WIDE_UNIT, is_filling, wide_characters};
 
 use super::explain;
-use crate::dynamic::compile::GROWTH;
+use crate::dynamic::bytes::copy;
 use crate::dynamic::error::{Error, Reason};
-use crate::dynamic::plan::{Bounds, Plan, Run, SLOT, Sequence, Step, Width};
-use crate::dynamic::{DynamicMessage, MessageType, Types};
+use crate::dynamic::message::DynamicMessage;
+use crate::dynamic::plan::{GROWTH, Plan, SLOT};
+use crate::dynamic::step::{Bounds, Run, Sequence, Step, Width};
+use crate::dynamic::types::{MessageType, Types};
 
 /// Reads a message; in strict mode each `bool` must be 0 or 1.
 pub(in crate::dynamic) fn decode<'t>(
@@ -181,52 +183,6 @@ impl<'b, const BIG: bool> Reader<'b, BIG> {
         bytes[..4].copy_from_slice(&u32::try_from(start).ok()?.to_le_bytes());
         bytes[4..].copy_from_slice(&u32::try_from(count).ok()?.to_le_bytes());
         Some(())
-    }
-}
-
-/// Copies numbers to the order of bytes in memory, which is little-endian.
-#[inline]
-pub(in crate::dynamic) fn copy<const BIG: bool>(from: &[u8], to: &mut [u8], width: Width) {
-    if BIG { copy_swapped(from, to, width) } else { copy_short(from, to) }
-}
-
-/// Copies bytes, without a call where they are few: most runs of a message are.
-#[inline]
-pub(in crate::dynamic) fn copy_short(from: &[u8], to: &mut [u8]) {
-    match from.len() {
-        8..=16 => copy_ends::<8>(from, to),
-        4..=7 => copy_ends::<4>(from, to),
-        2..=3 => copy_ends::<2>(from, to),
-        1 => copy_ends::<1>(from, to),
-        _ => to.copy_from_slice(from),
-    }
-}
-
-/// Copies the first and the last `N` bytes, which is all where there are at most twice as many.
-#[inline]
-fn copy_ends<const N: usize>(from: &[u8], to: &mut [u8]) {
-    if let (Some(from), Some(to)) = (from.first_chunk::<N>(), to.first_chunk_mut()) {
-        *to = *from;
-    }
-    if let (Some(from), Some(to)) = (from.last_chunk::<N>(), to.last_chunk_mut()) {
-        *to = *from;
-    }
-}
-
-fn copy_swapped(from: &[u8], to: &mut [u8], width: Width) {
-    match width {
-        Width::One => copy_short(from, to),
-        Width::Two => swap::<2>(from, to),
-        Width::Four => swap::<4>(from, to),
-        Width::Eight => swap::<8>(from, to),
-    }
-}
-
-#[inline]
-fn swap<const N: usize>(from: &[u8], to: &mut [u8]) {
-    for (from, to) in from.as_chunks::<N>().0.iter().zip(to.as_chunks_mut::<N>().0) {
-        *to = *from;
-        to.reverse();
     }
 }
 

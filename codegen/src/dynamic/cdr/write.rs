@@ -5,12 +5,14 @@ use std::ops::ControlFlow;
 use uavspec_runtime::Fault;
 use uavspec_runtime::cdr::{ByteOrder, HEADER};
 
-use super::read::copy;
-use crate::dynamic::Types;
+use crate::dynamic::bytes::copy;
+use crate::dynamic::bytes::{part, slot};
 use crate::dynamic::error::{Error, Reason};
-use crate::dynamic::plan::{Bounds, Element, Field, Plan, Run, SLOT, Sequence, Step, Width};
+use crate::dynamic::plan::{Element, Field, Plan, SLOT};
+use crate::dynamic::step::{Bounds, Run, Sequence, Step, Width};
 use crate::dynamic::trail::Trail;
-use crate::dynamic::view::{DynamicView, part, slot};
+use crate::dynamic::types::Types;
+use crate::dynamic::view::DynamicView;
 use crate::dynamic::walk::{Stop, Walk, walk};
 
 /// The payload of a message.

@@ -7,9 +7,10 @@ use serde::de::{DeserializeSeed, Error as _, IgnoredAny, MapAccess, SeqAccess, V
 
 use super::number::NumberSeed;
 use crate::dynamic::members::{KeySeed, Seen};
+use crate::dynamic::message::DynamicMessage;
 use crate::dynamic::plan::{Element, Field, Plan, SLOT};
 use crate::dynamic::trail::Trail;
-use crate::dynamic::{DynamicMessage, MessageType};
+use crate::dynamic::types::MessageType;
 use crate::schema::Shape;
 
 /// A message while it is read.

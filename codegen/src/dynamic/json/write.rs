@@ -7,11 +7,12 @@ use serde::{Serialize, Serializer};
 use uavspec_runtime::record::Primitive;
 use uavspec_runtime::{Number, Scalar};
 
-use crate::dynamic::DynamicMessage;
+use crate::dynamic::bytes::until_nul;
 use crate::dynamic::error::{Error, Reason};
+use crate::dynamic::message::DynamicMessage;
 use crate::dynamic::plan::{Element, Field, Plan};
 use crate::dynamic::trail::Trail;
-use crate::dynamic::view::{DynamicView, Elements, scalar_value, until_nul};
+use crate::dynamic::view::{DynamicView, Elements, scalar_value};
 use crate::dynamic::walk::{Stop, Walk, walk};
 use crate::schema::Shape;
 

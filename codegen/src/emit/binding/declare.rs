@@ -2,47 +2,13 @@
 
 use std::collections::BTreeSet;
 
+use super::declaration::{Declaration, Kind, KnownCode, Module, Type};
+use super::declarer::Declarer;
 use super::names::{Names, identifier};
-use super::{Declaration, Kind, KnownCode, Module, Type, json_type, message, text};
+use super::{json_type, message, text};
 use crate::emit::identifier::error_code_names;
 use crate::schema::json_type::Direction;
-use crate::schema::{EnumRef, ErrorCode, MessageId, Package, Schema};
-
-/// What declarations are made from.
-pub(super) struct Declarer<'s> {
-    pub(super) schema: &'s Schema,
-    pub(super) names: &'s Names,
-    /// Names of the modules that were referred to.
-    imports: BTreeSet<String>,
-}
-
-impl Declarer<'_> {
-    /// The type of a message, as the module of `package` writes it.
-    pub(super) fn message(&mut self, package: usize, id: MessageId) -> Type {
-        let module = self.module(package, self.schema.message(id).package);
-        Type::Named { module, name: self.names.message(id).to_owned() }
-    }
-
-    /// The type of an enum, as the module of `package` writes it.
-    pub(super) fn enumeration(&mut self, package: usize, reference: EnumRef) -> Type {
-        let owner = reference.message;
-        if self.names.message(owner).is_empty() {
-            return Type::Integer;
-        }
-        let module = self.module(package, self.schema.message(owner).package);
-        let name = self.names.enums[owner.0 as usize][reference.index].clone();
-        Type::Enumeration { module, name }
-    }
-
-    fn module(&mut self, from: usize, to: usize) -> Option<String> {
-        let name = &self.names.modules[to];
-        if from == to {
-            return None;
-        }
-        self.imports.insert(name.clone());
-        Some(name.clone())
-    }
-}
+use crate::schema::{ErrorCode, Package, Schema};
 
 /// The modules of all packages that define something, by name.
 pub(in crate::emit) fn modules(schema: &Schema) -> Vec<Module> {

@@ -1,7 +1,8 @@
 //! Declarations of types and messages of pages.
 
-use super::declare::Declarer;
-use super::{Declaration, ERROR_CODE, Kind, Property, Type, text};
+use super::declaration::{Declaration, ERROR_CODE, Kind, Property, Type};
+use super::declarer::Declarer;
+use super::text;
 use crate::schema::json_type::{
     Definition, Expression, JsonMessage, JsonPart, JsonType, Member, Object, Set, SetValues,
 };

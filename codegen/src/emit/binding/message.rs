@@ -1,8 +1,9 @@
 //! Declarations of messages of `.msg` files, with their enums and constants.
 
-use super::declare::Declarer;
+use super::declaration::{Declaration, Kind, Named, Property, Type};
+use super::declarer::Declarer;
 use super::names::identifier;
-use super::{Declaration, Kind, Named, Property, Type, text};
+use super::text;
 use crate::emit::identifier::{Scope, upper_case};
 use crate::schema::{Element, Enum, Field, Form, Message, MessageId, Shape};
 use crate::value::Value;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{ERROR_CODE, ERROR_CODE_INFO, SEVERITY};
+use super::declaration::{ERROR_CODE, ERROR_CODE_INFO, SEVERITY};
 use crate::emit::identifier::{Scope, pascal_case, snake_case, type_name};
 use crate::schema::json_type::Direction;
 use crate::schema::{JsonMessageId, JsonTypeId, MessageId, Package, Schema};

@@ -54,7 +54,7 @@ pub(super) fn field(schema: &Schema, message: &Message, field: &Field) -> String
     facts.extend(field.range.as_ref().and_then(range).map(|range| format!("range: {range}")));
     facts.extend(field.invalid.as_ref().map(|invalid| format!("no data: {}", special(invalid))));
     facts.extend(field.uncontrolled.as_ref().map(|found| format!("not controlled: {}", special(found))));
-    facts.extend(field.frame.as_ref().map(|frame| format!("frame: {frame}")));
+    facts.extend(field.attributes().map(|(attribute, text)| attribute.said(text)));
     let counted = field.counts.and_then(|array| message.fields.get(array));
     facts.extend(counted.map(|array| format!("counts the entries in use of {}", array.name)));
     let is_float = matches!(field.ty.element, Element::Scalar(scalar) if scalar.is_float());

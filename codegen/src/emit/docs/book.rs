@@ -3,12 +3,12 @@
 use super::error_codes;
 use super::interface::kind_name;
 use super::json::Json;
-use super::language::path_in;
-use super::markdown::{append, href, inline, link};
+use super::markdown::{append, href, inline, link, notice};
+use super::options::Options;
 use super::rules::{self, Rules};
+use super::site::path_in;
 use super::site::{Site, interface_path};
-use super::{Options, notice};
-use crate::emit::OutputFile;
+use crate::emit::file::OutputFile;
 use crate::schema::Package;
 use crate::translation::{interface_unit, message_unit};
 

@@ -1,12 +1,12 @@
 //! Constants with seven parameters: the commands of `VehicleCommand`.
 
+use super::cell::{command_anchor, has_parameters, meaning, name_with_parameters, range, unit, value_cell};
 use super::constants::{Anchored, Constants, ParameterRef, prefix_anchor};
-use super::fields::{meaning, range, unit, value_cell};
 use super::markdown::{Page, Table, code, inline, link, number_column, text_column};
 use super::scope::Scope;
 use super::site::Part;
-use super::words::{self, Words};
-use crate::schema::{Constant, Message, MessageId, Parameter};
+use super::words::{self};
+use crate::schema::MessageId;
 use crate::translation::MessageText;
 
 /// Writes the commands of a message: a list of those that no enum lists, and the parameters of each.
@@ -36,26 +36,6 @@ pub(super) fn write(
     for index in commands.into_iter().filter(|index| has_parameters(&message.constants[*index])) {
         command(page, scope, index, constants);
     }
-}
-
-/// The name of a constant, which leads to its parameters where it has any.
-pub(super) fn name_with_parameters(constant: &Constant) -> String {
-    let name = code(&constant.name);
-    if has_parameters(constant) { link(&name, &format!("#{}", command_anchor(constant))) } else { name }
-}
-
-/// A parameter, by its number and its command.
-pub(super) fn parameter_link(words: Words, message: &Message, (command, index): ParameterRef) -> String {
-    let command = name_with_parameters(&message.constants[command]);
-    words.fill(words::PARAMETER_OF, &[("number", &(index + 1).to_string()), ("command", &command)])
-}
-
-fn command_anchor(constant: &Constant) -> String {
-    format!("command-{}", constant.name.to_ascii_lowercase())
-}
-
-fn has_parameters(constant: &Constant) -> bool {
-    !constant.parameters.iter().all(Parameter::is_unused)
 }
 
 fn command(page: &mut Page, scope: Scope<'_, '_>, command: usize, constants: &Constants<'_>) {

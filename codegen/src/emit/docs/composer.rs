@@ -3,12 +3,12 @@
 
 use serde_json::{Map, Value as Json, json};
 
-use super::fields::unit;
+use super::cell::unit;
+use super::language::heading;
 use super::markdown::Page;
-use super::message::heading;
 use super::site::{Said, Site};
 use super::words::{self, Word, Words};
-use crate::emit::prose::{gist, visible, xml};
+use crate::prose::{gist, visible, xml};
 use crate::schema::{Dialect, Element, EnumRef, Field, Message, MessageId, Shape, UorbLayout};
 use crate::translation::MessageText;
 

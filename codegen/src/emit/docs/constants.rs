@@ -2,12 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::commands::parameter_link;
-use super::fields::{constant_type, in_groups, value_cell};
+use super::cell::{constant_type, name_with_parameters, value_cell};
+use super::groups::in_groups;
 use super::markdown::{Page, Table, anchor, code, number_column, text_column};
 use super::scope::Scope;
 use super::site::{Part, is_fact};
-use super::words;
+use super::words::{self, Words};
 use crate::schema::{Message, MessageId};
 use crate::translation::MessageText;
 
@@ -105,6 +105,12 @@ fn longest_prefix<'f>(
 ) -> Option<&'f mut ParameterEnum> {
     let (at, _) = name.rmatch_indices('_').find(|(at, _)| found.contains_key(&name[..*at]))?;
     found.get_mut(&name[..at])
+}
+
+/// A parameter, by its number and its command.
+fn parameter_link(words: Words, message: &Message, (command, index): ParameterRef) -> String {
+    let command = name_with_parameters(&message.constants[command]);
+    words.fill(words::PARAMETER_OF, &[("number", &(index + 1).to_string()), ("command", &command)])
 }
 
 /// The anchor of the constants that parameters hold by this prefix.

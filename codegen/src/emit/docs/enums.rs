@@ -1,10 +1,10 @@
 //! Enums and flags: the constants that fields hold.
 
-use super::commands::name_with_parameters;
+use super::cell::{field_link, name_with_parameters};
 use super::constants::Anchored;
 use super::markdown::{Page, Table, code, link, number_column, text_column};
 use super::scope::Scope;
-use super::site::{FieldRef, Part};
+use super::site::Part;
 use super::words;
 use crate::schema::{Enum, EnumRef, Field, Member, Message, MessageId};
 use crate::translation::MessageText;
@@ -53,21 +53,6 @@ fn holders(scope: Scope<'_, '_>, held: EnumRef, found: &Enum) -> String {
         return rest.to_owned();
     }
     format!("{} {rest}", words.fill(words::HELD_BY, &[("fields", &fields.join(", "))]))
-}
-
-/// A field of this or another message.
-pub(super) fn field_link(scope: Scope<'_, '_>, own: MessageId, (id, index): FieldRef) -> String {
-    let schema = scope.site.schema;
-    let message = schema.message(id);
-    let field = &message.fields[index].name;
-    let text = if id == own {
-        code(field)
-    } else if message.package == scope.package {
-        code(&format!("{}.{field}", message.name))
-    } else {
-        code(&format!("{}/{}.{field}", schema.package_of(message).name, message.name))
-    };
-    link(&text, &scope.site.href(scope.from, id, Part::Field(index)))
 }
 
 fn table(scope: Scope<'_, '_>, id: MessageId, found: &Enum, anchored: &mut Anchored) -> Table {

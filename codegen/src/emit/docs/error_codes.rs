@@ -5,15 +5,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde_json::json;
 use uavspec_runtime::Severity;
 
-use super::language::{self, Heading, marked, path_in};
+use super::language::{self, Heading, heading, marked};
 use super::markdown::{Page, Table, code, href, inline, link, number_column, text_column, unbroken};
-use super::message::heading;
 use super::scope::with_links;
-use super::site::Site;
+use super::site::{Site, path_in};
 use super::words::{self, Words};
-use crate::emit::OutputFile;
+use crate::emit::file::OutputFile;
 use crate::emit::json_schema::Target;
-use crate::emit::prose::xml;
+use crate::prose::xml;
 use crate::schema::{ErrorCode, ErrorTable, Package};
 use crate::translation::{error_code_key, error_codes_unit, error_table_key};
 

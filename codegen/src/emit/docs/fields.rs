@@ -1,23 +1,15 @@
 //! The fields of a message, group by group.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
-
-use super::enums::{self, field_link};
-use super::language::marked;
-use super::markdown::{
-    Page, Table, anchor, code, gist, href, inline, link, number_column, text_column, unbroken,
-};
-use super::message::heading;
+use super::cell::{field_link, meaning, range, unit};
+use super::enums;
+use super::groups::in_groups;
+use super::markdown::{Page, Table, anchor, code, href, link, number_column, text_column};
 use super::scope::Scope;
 use super::site::Part;
-use super::words::{self, Word, Words};
-use crate::schema::{Element, Form, Message, MessageId, Range, Shape, Special, Type};
+use super::words::{self, Word};
+use crate::schema::{Element, Form, Message, MessageId, Shape, Special, Type};
 use crate::translation::MessageText;
-use crate::unit;
 use crate::value::Value;
-
-/// Longest heading of a group, in characters; what is longer is a text below its start.
-const MAX_HEADING: usize = 100;
 
 /// Writes the fields of a message; the headings of groups are of `level`.
 pub(super) fn write(page: &mut Page, scope: Scope<'_, '_>, id: MessageId, level: usize) {
@@ -42,47 +34,6 @@ pub(super) fn write(page: &mut Page, scope: Scope<'_, '_>, id: MessageId, level:
     }
     let groups: Vec<Option<usize>> = message.fields.iter().map(|field| field.group).collect();
     in_groups(page, scope, table, &groups, level);
-}
-
-/// Writes a table in parts, one for each run of rows of the same group.
-pub(super) fn in_groups(
-    page: &mut Page,
-    scope: Scope<'_, '_>,
-    table: Table,
-    groups: &[Option<usize>],
-    level: usize,
-) {
-    let runs: Vec<&[Option<usize>]> = groups.chunk_by(|left, right| left == right).collect();
-    let tables = table.split(runs.iter().map(|run| run.len()));
-    for (index, (run, table)) in runs.iter().zip(tables).enumerate() {
-        match run[0] {
-            Some(group) => group_heading(page, scope, group, level),
-            None if index > 0 => heading(page, scope.site.words, level, words::OTHERS),
-            None => {}
-        }
-        page.table(&table);
-    }
-}
-
-fn group_heading(page: &mut Page, scope: Scope<'_, '_>, group: usize, level: usize) {
-    let said = scope.site.said_of(scope.message, MessageText::Group(group));
-    let heading = marked(&inline(&heading_text(said.text)), said.tag);
-    if scope.site.language.is_some() {
-        let english = MessageText::Group(group).of(scope.site.schema.message(scope.message));
-        page.heading_for(level, &heading, &heading_text(english));
-    } else {
-        page.heading(level, &heading);
-    }
-    if said.text.chars().count() > MAX_HEADING {
-        page.block(&scope.block_of(MessageText::Group(group)));
-    }
-    page.block(&scope.block_of(MessageText::GroupDescription(group)));
-}
-
-/// The heading of a group that a text stands above.
-fn heading_text(text: &str) -> String {
-    let short = if text.chars().count() <= MAX_HEADING { text.to_owned() } else { gist(text, MAX_HEADING) };
-    short.trim_end_matches(['.', ':']).to_owned()
 }
 
 /// Where each field lies in the memory layout, where there is one.
@@ -126,11 +77,6 @@ fn type_cell(scope: Scope<'_, '_>, message: &Message, ty: Type) -> String {
     }
 }
 
-/// The symbol of a unit; nothing where there is none.
-pub(super) fn unit(symbol: Option<&str>) -> String {
-    inline(symbol.filter(|symbol| *symbol != unit::NONE).unwrap_or_default())
-}
-
 /// What is said of the values of a field, a line each.
 fn values(scope: Scope<'_, '_>, id: MessageId, index: usize, counter: Option<usize>) -> Vec<String> {
     let message = scope.site.schema.message(id);
@@ -144,9 +90,10 @@ fn values(scope: Scope<'_, '_>, id: MessageId, index: usize, counter: Option<usi
     };
     lines.extend(special(&field.invalid, MessageText::Invalid(index), words::NO_DATA));
     lines.extend(special(&field.uncontrolled, MessageText::Uncontrolled(index), words::NOT_CONTROLLED));
-    if field.frame.is_some() {
-        lines.push(words.fill(words::FRAME, &[("frame", &scope.inline_of(MessageText::Frame(index)))]));
-    }
+    lines.extend(field.attributes().map(|(attribute, _)| {
+        let text = scope.inline_of(MessageText::Attribute(index, attribute));
+        words.fill(Word::of(attribute), &[(attribute.name, &text)])
+    }));
     let default = |value: &Value| words.fill(words::DEFAULT, &[("value", &code(&value.to_string()))]);
     lines.extend(field.default.as_ref().map(default));
     lines.extend(field.counts.map(|array| count(scope, id, array)));
@@ -180,56 +127,4 @@ fn count(scope: Scope<'_, '_>, id: MessageId, array: usize) -> String {
         }
         Shape::Single | Shape::Sequence => words.fill(words::IN_USE, &[("array", &link)]),
     }
-}
-
-/// Bounds in words; nothing where there are none.
-pub(super) fn range(words: Words, range: &Range) -> Option<String> {
-    let finite = |bound: &Option<Value>| {
-        bound
-            .as_ref()
-            .filter(|value| !matches!(value, Value::Float(float) if float.is_infinite()))
-            .map(number)
-    };
-    match (finite(&range.low), finite(&range.high)) {
-        (Some(low), Some(high)) => {
-            Some(unbroken(&words.fill(words::RANGE, &[("low", &low), ("high", &high)])))
-        }
-        (Some(low), None) => Some(unbroken(&format!("≥ {low}"))),
-        (None, Some(high)) => Some(unbroken(&format!("≤ {high}"))),
-        (None, None) => None,
-    }
-}
-
-/// A bound; multiples of π as such.
-fn number(value: &Value) -> String {
-    let known = [(PI, "π"), (FRAC_PI_2, "π/2"), (TAU, "2π")];
-    let name = match value {
-        Value::Float(float) => known.iter().find(|(multiple, _)| multiple.to_bits() == float.abs().to_bits()),
-        _ => None,
-    };
-    let sign = if value.as_f64().is_some_and(|value| value < 0.0) { "-" } else { "" };
-    name.map_or_else(|| inline(&value.to_string()), |(_, name)| format!("{sign}{name}"))
-}
-
-/// A value with a meaning of its own, and when it applies: `text` says it in words.
-pub(super) fn meaning(scope: Scope<'_, '_>, special: &Special, text: MessageText, meaning: Word) -> String {
-    let words = scope.site.words;
-    let empty = || words.get(words::EMPTY).to_owned();
-    let value = special.value.as_ref().map_or_else(empty, |value| code(&value.to_string()));
-    let meaning = format!("{value}:&nbsp;{}", unbroken(words.get(meaning)));
-    let text = scope.inline_of(text);
-    if text.is_empty() { meaning } else { format!("{meaning} ({text})") }
-}
-
-/// The value of a constant or default; texts as code.
-pub(super) fn value_cell(value: &Value) -> String {
-    match value {
-        Value::Bool(_) | Value::Int(_) | Value::Float(_) => value.to_string(),
-        Value::Text(_) | Value::List(_) => code(&value.to_string()),
-    }
-}
-
-/// The type of a constant.
-pub(super) fn constant_type(scope: Scope<'_, '_>, message: &Message, element: Element) -> String {
-    code(&scope.site.schema.type_text(message, Type { element, shape: Shape::Single }))
 }

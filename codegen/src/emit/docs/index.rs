@@ -1,6 +1,5 @@
 //! The first pages: of all packages, and of each.
 
-use super::Options;
 use super::error_codes;
 use super::interface::kind_name;
 use super::json::Json;
@@ -8,11 +7,12 @@ use super::markdown::{
     Page, Table, code, gist, href, inline, link, number_column, plural, text_column, thousands, unbroken,
 };
 use super::message::{cdr_size, origin, topics};
+use super::options::Options;
 use super::rules;
 use super::scope::Scope;
 use super::site::{Part, Site, interface_path};
 use super::words::ENGLISH;
-use crate::emit::OutputFile;
+use crate::emit::file::OutputFile;
 use crate::schema::{Enum, Message, MessageId, Package};
 
 /// Longest text of a cell in an index, in characters.

@@ -3,13 +3,13 @@
 use super::constants::{self, Anchored, Constants};
 use super::enums;
 use super::fields;
-use super::language::{self, Heading};
+use super::language::{self, Heading, heading};
 use super::markdown::{Page, Table, code, inline, text_column, unbroken};
-use super::message::{cdr_size, heading, package_cell};
+use super::message::{cdr_size, package_cell};
 use super::scope::Scope;
 use super::site::{Site, interface_path, part_names};
 use super::words::{self, ENGLISH, Words};
-use crate::emit::OutputFile;
+use crate::emit::file::OutputFile;
 use crate::emit::json_schema::Target;
 use crate::schema::{Interface, Kind, MessageId, Package};
 use crate::translation::{MessageText, interface_unit};

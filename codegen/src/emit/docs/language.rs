@@ -1,15 +1,10 @@
 //! Pages in other languages, beside the English ones: their addresses, and the links between them.
 
 use super::markdown::{Page, href, inline, link};
-use super::site::Site;
-use crate::emit::prose;
+use super::site::{Site, path_in};
+use super::words::{Word, Words};
+use crate::prose;
 use crate::translation::{SOURCE_LANGUAGE, is_right_to_left};
-
-/// The page that says in another language what `path` says in English: it stands beside that, so that relative links
-/// are the same.
-pub(super) fn path_in(path: &str, tag: &str) -> String {
-    format!("{}.{tag}.md", path.strip_suffix(".md").unwrap_or(path))
-}
 
 /// A first heading, given as Markdown: in the language of the page, and in English.
 pub(super) struct Heading<'h> {
@@ -52,6 +47,15 @@ fn switch(site: &Site<'_>, unit: &str, english: &str, from: &str) -> String {
     all.map(entry).collect::<Vec<_>>().join(" · ")
 }
 
+/// A heading of the generator's own, which has the same address in all languages.
+pub(super) fn heading(page: &mut Page, words: Words, level: usize, word: Word) {
+    if words.are_english() {
+        page.heading(level, word.english());
+    } else {
+        page.heading_for(level, words.get(word), word.english());
+    }
+}
+
 /// Markdown on one line that is in another language than its page, which screen readers then speak rightly.
 pub(super) fn marked(markdown: &str, tag: Option<&str>) -> String {
     match tag {
@@ -74,25 +78,9 @@ fn attributes(tag: &str) -> String {
     format!("lang=\"{}\"{direction}", prose::xml(tag))
 }
 
-/// The anchor that mdBook and GitHub give to a heading of plain text.
-pub(super) fn heading_anchor(text: &str) -> String {
-    let characters = text.trim().chars().filter_map(|character| match character {
-        _ if character.is_alphanumeric() || matches!(character, '_' | '-') => Some(character),
-        _ if character.is_whitespace() => Some('-'),
-        _ => None,
-    });
-    characters.collect::<String>().to_lowercase()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_page_stands_beside_the_english_one() {
-        assert_eq!(path_in("px4/Wind.md", "uk"), "px4/Wind.uk.md");
-        assert_eq!(path_in("px4/Tow.srv.md", "pt-BR"), "px4/Tow.srv.pt-BR.md");
-    }
 
     #[test]
     fn what_is_in_another_language_says_so() {
@@ -100,10 +88,5 @@ mod tests {
         assert_eq!(marked("a", None), "a");
         assert_eq!(marked_block("a", Some("ar")), "<div lang=\"ar\" dir=\"rtl\">\n\na\n\n</div>");
         assert_eq!(marked_block("", Some("ar")), "");
-    }
-
-    #[test]
-    fn anchors_are_those_of_headings() {
-        assert_eq!(heading_anchor("Per-mode requirements (RC, GPS)"), "per-mode-requirements-rc-gps");
     }
 }

@@ -1,15 +1,24 @@
 //! The Markdown that pages are made of: headings, paragraphs, tables, links.
 //!
 //! Others who write pages use it, too, so that all look the same.
+//!
+//! ```
+//! use uavspec_codegen::emit::docs::markdown::{Page, Table, code, text_column};
+//!
+//! let mut table = Table::new(&[text_column("Field"), text_column("Type")]);
+//! table.row([code("speed"), code("float32")]);
+//! let mut page = Page::with_notice("Made by hand.", "wind.md", "Wind");
+//! page.table(&table);
+//! assert!(page.finish().text.ends_with("| `speed` | `float32` |\n"));
+//! ```
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
 
-use super::language::heading_anchor;
-use super::notice;
-pub(super) use crate::emit::prose::gist;
-use crate::emit::prose::percent_encoded;
-use crate::emit::{OutputFile, prose};
+use crate::emit::file::{GENERATED_BY, OutputFile};
+use crate::prose;
+pub(super) use crate::prose::gist;
+use crate::prose::percent_encoded;
 
 /// A page while it is written.
 #[derive(Debug)]
@@ -139,6 +148,11 @@ impl Page {
     pub fn finish(self) -> OutputFile {
         OutputFile { path: self.path, text: self.text + self.end }
     }
+}
+
+/// The line that every file begins with, between the marks of its kind of comment.
+pub(super) fn notice() -> String {
+    format!("{GENERATED_BY} from definitions. Do not edit: run `cargo xtask codegen`.")
 }
 
 /// Formats to the end of a text.
@@ -275,6 +289,16 @@ pub(super) fn anchor(id: &str) -> String {
     format!("<a id=\"{}\"></a>", prose::xml(id))
 }
 
+/// The anchor that mdBook and GitHub give to a heading of plain text.
+pub(super) fn heading_anchor(text: &str) -> String {
+    let characters = text.trim().chars().filter_map(|character| match character {
+        _ if character.is_alphanumeric() || matches!(character, '_' | '-') => Some(character),
+        _ if character.is_whitespace() => Some('-'),
+        _ => None,
+    });
+    characters.collect::<String>().to_lowercase()
+}
+
 /// The address of the page `to`, or of a place in it, as seen from the page `from`.
 pub fn href(from: &str, to: &str, anchor: &str) -> String {
     let mark = if anchor.is_empty() { "" } else { "#" };
@@ -367,5 +391,10 @@ mod tests {
         let mut page = Page::new("p.md", "P");
         page.table(&table);
         assert!(page.finish().text.ends_with("\n| A | C |\n| --- | ---: |\n| x | 1 |\n| y |  |\n"));
+    }
+
+    #[test]
+    fn anchors_are_those_of_headings() {
+        assert_eq!(heading_anchor("Per-mode requirements (RC, GPS)"), "per-mode-requirements-rc-gps");
     }
 }

@@ -1,17 +1,18 @@
 //! The page of a message.
 
+use super::cell::field_link;
 use super::commands;
 use super::composer;
 use super::constants::{self, Anchored, Constants};
-use super::enums::{self, field_link};
+use super::enums;
 use super::fields;
-use super::language::{self, Heading};
+use super::language::{self, Heading, heading};
 use super::markdown::{Page, Table, code, href, inline, link, text_column, unbroken};
 use super::picture;
 use super::scope::Scope;
 use super::site::Site;
 use super::words::{self, Word, Words};
-use crate::emit::OutputFile;
+use crate::emit::file::OutputFile;
 use crate::emit::json_schema::Target;
 use crate::schema::{CdrSize, MessageId, Package, UorbLayout};
 use crate::translation::{MessageText, message_unit};
@@ -65,15 +66,6 @@ fn facts(scope: Scope<'_, '_>, id: MessageId) -> Table {
         table.row([unbroken(name), file]);
     }
     table
-}
-
-/// A heading of the generator's own, which has the same address in all languages.
-pub(super) fn heading(page: &mut Page, words: Words, level: usize, word: Word) {
-    if words.are_english() {
-        page.heading(level, word.english());
-    } else {
-        page.heading_for(level, words.get(word), word.english());
-    }
 }
 
 /// A package, and where it comes from.

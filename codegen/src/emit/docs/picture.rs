@@ -6,7 +6,7 @@ mod svg;
 use self::grid::{Grid, Member, Tint};
 use super::markdown::plural;
 use super::site::Site;
-use crate::emit::OutputFile;
+use crate::emit::file::OutputFile;
 use crate::schema::{Element, Message, MessageId, Slot, UorbLayout};
 
 /// The picture that belongs to the page of a message.

@@ -4,49 +4,17 @@
 //! as a [`Chapter`]; what they have in common is written here.
 
 mod breaking;
+mod chapter;
 mod lint;
 mod reading;
 
-use super::markdown::{Page, Table, code, href, inline, link, with_code};
-use crate::emit::OutputFile;
-
-/// The page of all rules.
-pub(super) const OVERVIEW: &str = "rules/README.md";
+pub(super) use self::chapter::OVERVIEW;
+use self::chapter::{Chapter, RulePage, rule_path};
+use super::markdown::{Page, href, inline, link};
+use crate::emit::file::OutputFile;
 
 /// Heading of everything about rules.
 pub(super) const TITLE: &str = "Rules";
-
-/// The rules of a command.
-struct Chapter {
-    /// Heading of its table; plain text.
-    title: &'static str,
-    /// What the rules are about, in Markdown.
-    about: String,
-    /// All of them, a row each.
-    table: Table,
-    /// The page of each.
-    pages: Vec<RulePage>,
-}
-
-/// What is to be said of a rule. All texts but `facts` and `after` are plain, with code between backticks.
-struct RulePage {
-    id: &'static str,
-    purpose: &'static str,
-    /// A row each: what, and Markdown.
-    facts: Vec<(&'static str, String)>,
-    examples: Vec<Shown>,
-    /// Paragraphs after the examples, in Markdown.
-    after: Vec<String>,
-}
-
-/// An example with what is said of it.
-struct Shown {
-    heading: &'static str,
-    /// Paths and texts.
-    files: Vec<(String, String)>,
-    /// What the command prints; nothing where it is empty.
-    output: String,
-}
 
 /// The rules of all commands.
 pub(super) struct Rules {
@@ -77,16 +45,6 @@ impl Rules {
     }
 }
 
-/// The page of a rule: [`report::rule_url`](crate::report::rule_url) leads to it, too.
-fn rule_path(id: &str) -> String {
-    format!("rules/{id}.md")
-}
-
-/// A link to the page of a rule.
-fn rule_link(from: &str, id: &str) -> String {
-    link(&code(id), &href(from, &rule_path(id), ""))
-}
-
 fn overview(chapters: &[Chapter]) -> OutputFile {
     let mut page = Page::new(OVERVIEW, TITLE);
     let reading = link("errors of the readers", &href(OVERVIEW, &reading::path(), ""));
@@ -99,30 +57,4 @@ fn overview(chapters: &[Chapter]) -> OutputFile {
         page.table(&chapter.table);
     }
     page.finish()
-}
-
-impl RulePage {
-    fn write(&self) -> OutputFile {
-        let mut page = Page::new(&rule_path(self.id), &code(self.id));
-        page.block(&with_code(self.purpose));
-        if !self.facts.is_empty() {
-            page.gap();
-        }
-        for (what, fact) in &self.facts {
-            page.item(0, &format!("{}: {fact}", inline(what)));
-        }
-        for example in &self.examples {
-            page.heading(2, example.heading);
-            for (path, text) in &example.files {
-                page.block(&code(path));
-                page.listing(text);
-            }
-            if !example.output.is_empty() {
-                page.block("What is said of it:");
-                page.listing(&example.output);
-            }
-        }
-        self.after.iter().for_each(|paragraph| page.block(paragraph));
-        page.finish()
-    }
 }

@@ -3,11 +3,11 @@
 use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::Beside;
-use super::language::path_in;
 use super::markdown::{code, href, link};
+use super::options::Beside;
 use super::words::{self, ENGLISH, Words};
 use crate::emit::json_schema::{self, Target};
+use crate::emit::origin::Origins;
 use crate::schema::{
     Dialect, Element, Enum, EnumRef, Form, Interface, Kind, Message, MessageId, Package, Schema, UorbLayout,
 };
@@ -47,6 +47,7 @@ struct Place {
 pub(super) struct Site<'s> {
     pub(super) schema: &'s Schema,
     pub(super) sources: &'s SourceMap,
+    origins: Origins<'s>,
     beside: &'s Beside,
     /// By message; none for those that aren't listed.
     places: Vec<Option<Place>>,
@@ -103,6 +104,7 @@ impl<'s> Site<'s> {
         let mut site = Self {
             schema,
             sources,
+            origins: Origins::new(schema, sources),
             beside,
             places: (0..count).map(|_| None).collect(),
             holders: vec![Vec::new(); count],
@@ -288,9 +290,9 @@ impl<'s> Site<'s> {
         files.collect::<Vec<_>>().join(" · ")
     }
 
-    /// The path of the source that holds `span`.
+    /// The path of the definition that holds `span`, from the folder of its package.
     pub(super) fn source(&self, span: Span) -> &'s str {
-        self.sources.path(self.sources.source_of(span))
+        self.origins.path(span)
     }
 }
 
@@ -336,4 +338,21 @@ fn parts(message: &Message) -> HashMap<&str, Part> {
     let fields = message.fields.iter().enumerate();
     let fields = fields.map(|(index, field)| (field.name.as_str(), Part::Field(index)));
     enums.chain(constants).chain(fields).collect()
+}
+
+/// The page that says in another language what `path` says in English: it stands beside that, so that relative links
+/// are the same.
+pub(super) fn path_in(path: &str, tag: &str) -> String {
+    format!("{}.{tag}.md", path.strip_suffix(".md").unwrap_or(path))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_stands_beside_the_english_one() {
+        assert_eq!(path_in("px4/Wind.md", "uk"), "px4/Wind.uk.md");
+        assert_eq!(path_in("px4/Tow.srv.md", "pt-BR"), "px4/Tow.srv.pt-BR.md");
+    }
 }

@@ -8,7 +8,7 @@ use pulldown_cmark::{Event, Parser, Tag};
 
 use super::{Options, emit};
 use crate::diagnostic::Problem;
-use crate::emit::OutputFile;
+use crate::emit::file::OutputFile;
 use crate::lint::RULES;
 use crate::msg::Dialect;
 use crate::report::{RULES_URL, rule_url};

@@ -9,6 +9,7 @@ use std::sync::OnceLock;
 use uavspec_runtime::{ErrorClass, Severity};
 
 use super::markdown::plural;
+use crate::msg::attribute::Attribute;
 use crate::source::SourceMap;
 use crate::translation::{catalogue, shorter};
 
@@ -20,6 +21,11 @@ const CATALOGUES: &[(&str, &str)] = &[("uk", include_str!("words/uk.po"))];
 pub(super) struct Word(&'static str);
 
 impl Word {
+    /// The word of an attribute.
+    pub(super) fn of(attribute: &'static Attribute) -> Self {
+        Self(attribute.words)
+    }
+
     /// What it is in English.
     pub(super) const fn english(self) -> &'static str {
         self.0
@@ -115,7 +121,6 @@ words! {
     NOT_CONTROLLED = "not controlled";
     LEFT_OUT = "left out";
     EMPTY = "empty";
-    FRAME = "frame: {frame}";
     DEFAULT = "default {value}";
     FIRST_IN_USE = "in use: the first {counter}";
     IN_USE = "entries of {array} in use";
@@ -283,6 +288,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
+    use crate::msg::attribute::ATTRIBUTES;
     use crate::translation::SOURCE_LANGUAGE;
 
     /// The names between braces in a text, sorted.
@@ -295,8 +301,10 @@ mod tests {
 
     #[test]
     fn each_catalogue_has_every_word_and_no_other() {
-        let words: BTreeSet<&str> = ALL.iter().map(|word| word.0).collect();
-        assert_eq!(words.len(), ALL.len(), "each word stands once");
+        let attributes = ATTRIBUTES.iter().map(|attribute| Word::of(attribute));
+        let all: Vec<Word> = ALL.iter().copied().chain(attributes).collect();
+        let words: BTreeSet<&str> = all.iter().map(|word| word.0).collect();
+        assert_eq!(words.len(), all.len(), "each word stands once");
         for (tag, text) in CATALOGUES {
             let mut sources = SourceMap::default();
             let id = sources.add("words.po", text.as_bytes().to_vec()).expect("a text");

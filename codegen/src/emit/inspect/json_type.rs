@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value as Json, json};
 
-use super::range;
+use super::value::range;
 use crate::schema::json_type::{Definition, JsonPart, Limits, Member, SetValue, SetValues, Typed};
 use crate::schema::{Package, Schema};
 use crate::unit;

@@ -2,7 +2,7 @@
 
 use super::address::Target;
 use super::annotation::{annotation, annotations, filled, list};
-use super::any_of_type;
+use super::tree::any_of_type;
 use super::tree::{Member, Node, member};
 use crate::schema::{ErrorCode, ErrorTable, Package};
 

@@ -6,8 +6,8 @@ use uavspec_runtime::Scalar;
 
 use super::address::Target;
 use super::annotation::{annotation, annotations, filled, prefixes, range, unit};
-use super::any_of_type;
 use super::bounds::{self, Bounds};
+use super::tree::any_of_type;
 use super::tree::{Member, Node, member};
 use crate::schema::{Element, Enum, EnumRef, Field, Form, Message, Schema, Shape, Special};
 use crate::value::Value;
@@ -142,10 +142,13 @@ impl<'s> FieldSchema<'s> {
         let counted = field.counts.and_then(|array| self.message.fields.get(array));
         let group = field.group.and_then(|group| self.message.groups.get(group));
         let when = |special: &'s Option<Special>| special.as_ref().and_then(|special| filled(&special.text));
-        annotations([
+        let head = [
             annotation("x-type", Some(self.schema.type_text(self.message, field.ty))),
             annotation("x-unit", unit(field.unit.as_deref())),
-            annotation("x-frame", field.frame.as_deref()),
+        ];
+        let attributes =
+            field.attributes().map(|(attribute, text)| annotation(attribute.keyword, Some(text)));
+        let rest = [
             annotation("x-range", field.range.as_ref().map(range)),
             annotation("x-invalid", field.invalid.as_ref().and_then(|special| self.special(special))),
             annotation("x-invalid-when", when(&field.invalid)),
@@ -158,7 +161,8 @@ impl<'s> FieldSchema<'s> {
             annotation("x-flags", flags.map(|(owner, found)| flag_list(owner, found))),
             annotation("x-count-of", counted.map(|array| array.name.as_str())),
             annotation("x-group", group.and_then(|group| filled(&group.summary))),
-        ])
+        ];
+        annotations(head.into_iter().chain(attributes).chain(rest))
     }
 
     /// A special value as an instance holds it.

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use super::address::Target;
 use super::annotation::{annotation, annotations, filled, list, range, unit};
-use super::any_of_type;
 use super::bounds;
+use super::tree::any_of_type;
 use super::tree::{Member as Entry, Node, member};
 use crate::schema::json_type::{
     Definition, Expression, JsonMessage, JsonPart, JsonType, Limits, Member, Object, Set, SetValue,

@@ -188,6 +188,11 @@ fn needs_escape(character: char) -> bool {
     }
 }
 
+/// Any value of a type: the last alternative where more values may come than are known.
+pub(super) fn any_of_type<'s>(ty: impl Into<Node<'s>>) -> Node<'s> {
+    Node::Object(vec![member("type", ty)])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

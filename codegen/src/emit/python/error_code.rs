@@ -2,8 +2,8 @@
 
 use uavspec_runtime::Severity;
 
-use super::Uses;
 use super::item::{class, named};
+use super::uses::Uses;
 use crate::emit::binding::{ERROR_CODE, KnownCode, Named, SEVERITY, quoted};
 use crate::value::Value;
 

@@ -1,7 +1,8 @@
 //! A declaration as Python writes it.
 
+use super::text;
 use super::types::{is_attribute, ty, value, words};
-use super::{Uses, text};
+use super::uses::Uses;
 use crate::emit::binding::{Declaration, Kind, Named, Property, quoted};
 use crate::value::Value;
 

@@ -1,9 +1,9 @@
 //! Labels: `labels` names the languages and gives the labels of one; within it each language is a module with its
 //! texts, which is imported when somebody asks for it.
 
-use super::header;
-use crate::emit::OutputFile;
+use super::text::header;
 use crate::emit::binding::{LabelLanguage, Labels, quoted};
+use crate::emit::file::OutputFile;
 use crate::translation::SOURCE_LANGUAGE;
 
 const FROM: &str = "the definitions and their translations";

@@ -1,6 +1,7 @@
 //! Docstrings and comments: texts of definitions come out as text, whatever they hold.
 
-use crate::emit::prose;
+use crate::emit::file::GENERATED_BY;
+use crate::prose;
 
 /// A docstring on lines of its own; nothing where there is no text.
 pub(super) fn docstring(text: &str, indent: &str) -> String {
@@ -50,6 +51,11 @@ pub(super) fn line(text: &str) -> String {
 
 fn visible(line: &str) -> String {
     line.chars().map(prose::visible).collect()
+}
+
+/// The first line of a file.
+pub(super) fn header(from: &str) -> String {
+    format!("# {GENERATED_BY} from {from}. Do not edit: run `cargo xtask codegen`.\n")
 }
 
 #[cfg(test)]

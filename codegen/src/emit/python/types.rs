@@ -1,6 +1,6 @@
 //! Types and values as Python writes them.
 
-use super::Uses;
+use super::uses::Uses;
 use crate::emit::binding::{Type, float, is_python_keyword, quoted};
 use crate::value::Value;
 

@@ -5,8 +5,10 @@ use std::fmt::Write as _;
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
+use super::file::documentation;
 use super::identifier::{Scope, ident, upper_case};
-use super::{documentation, message, types};
+use super::text::constant_text;
+use super::types;
 use crate::schema::{Enum, Message};
 
 /// The type of an enum with all that belongs to it.
@@ -33,7 +35,7 @@ pub(super) fn tokens(owner: &Message, found: &Enum, name: &Ident) -> TokenStream
     let primitive = types::primitive(found.scalar);
     let names = member_names(found);
     let constants = found.members.iter().zip(&names).map(|(member, name)| {
-        let mut text = message::constant_text(&owner.constants[member.constant]);
+        let mut text = constant_text(&owner.constants[member.constant]);
         if let Some(first) = found.alias_of(member) {
             let _ = write!(text, "\n\nAnother name of `{}`.", first.name);
         }

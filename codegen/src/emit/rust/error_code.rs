@@ -3,21 +3,22 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
+use super::context::Context;
+use super::file::{documentation, header_of, header_of_package, inner_documentation, layout_file};
 use super::identifier::ident;
-use super::{Context, documentation, header, inner_documentation, layout_file, types};
+use super::types;
 use crate::emit::identifier::error_code_names;
-use crate::emit::prose;
+use crate::prose;
 use crate::schema::{ErrorCode, Package};
+
 /// The text of the module.
 pub(super) fn emit(context: &Context<'_>, package: &Package) -> String {
     let codes: Vec<&ErrorCode> = package.error_tables.iter().flat_map(|table| &table.codes).collect();
-    let mut sources: Vec<&str> = package
-        .error_tables
-        .iter()
-        .map(|table| context.sources.path(context.sources.source_of(table.span)))
-        .collect();
-    sources.dedup();
-    header(&sources.join(", ")) + &layout_file(tokens(package, &codes))
+    let header = match package.error_tables.as_slice() {
+        [table] => header_of(context, package, table.span),
+        _ => header_of_package(package),
+    };
+    header + &layout_file(tokens(package, &codes))
 }
 
 fn tokens(package: &Package, codes: &[&ErrorCode]) -> TokenStream {
@@ -64,8 +65,6 @@ fn tokens(package: &Package, codes: &[&ErrorCode]) -> TokenStream {
     );
     quote! {
         #module_doc
-        use ::uavspec_runtime::{ErrorClass, Severity};
-
         #type_doc
         #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[repr(transparent)]
@@ -82,13 +81,13 @@ fn tokens(package: &Package, codes: &[&ErrorCode]) -> TokenStream {
             }
 
             /// How grave it is: `(code & 0xFF) >> 6`, also for a code that no table knows.
-            pub const fn severity(self) -> Severity {
-                Severity::of(self.0)
+            pub const fn severity(self) -> ::uavspec_runtime::Severity {
+                ::uavspec_runtime::Severity::of(self.0)
             }
 
             /// The range of codes that it belongs to.
-            pub const fn class(self) -> ErrorClass {
-                ErrorClass::of(self.0)
+            pub const fn class(self) -> ::uavspec_runtime::ErrorClass {
+                ::uavspec_runtime::ErrorClass::of(self.0)
             }
 
             /// Whether a table knows it.

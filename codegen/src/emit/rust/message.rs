@@ -5,14 +5,20 @@ use std::fmt::Write as _;
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
+use super::context::Context;
+use super::file::documentation;
 use super::identifier::{Scope, ident, snake_case, upper_case};
-use super::{Context, documentation, enumeration, types};
-use crate::emit::prose;
+use super::text::{constant_text, range_text, special_text};
+use super::{enumeration, types};
+use crate::prose;
 use uavspec_runtime::{Number, Scalar};
 
-use crate::schema::{Dialect, Element, Field, Message, MessageId, Restriction, Shape, Special};
+use crate::schema::{Dialect, Element, Field, Message, MessageId, Restriction, Shape};
 use crate::unit;
 use crate::value::Value;
+
+/// The width at which a long literal goes on in the next line.
+const LINE_WIDTH: usize = 90;
 
 /// Everything that the module of a message holds.
 pub(super) fn tokens(context: &Context<'_>, id: MessageId) -> TokenStream {
@@ -110,40 +116,29 @@ impl Parts<'_> {
         (!constants.is_empty()).then(|| quote!(impl #name { #(#constants)* }))
     }
 
-    /// What is known of the message; constants that have the default of the trait are left out.
+    /// The facts about the message as a whole.
     fn message_trait(&self) -> TokenStream {
         let Self { name, message, .. } = self;
         let package = &self.context.schema.package_of(message).name;
         let message_name = &message.name;
-        let topics = (!message.topics.is_empty()).then(|| {
-            let topics = &message.topics;
-            quote!(const TOPICS: &'static [&'static str] = &[#(#topics),*];)
-        });
-        let integer = |value: u64| types::integer(value.into());
-        let version = message.version.map(|version| {
-            let version = integer(version.into());
-            quote!(const VERSION: ::core::option::Option<u32> = ::core::option::Option::Some(#version);)
-        });
-        let queue_length = message.queue_length.filter(|length| *length != 1).map(|length| {
-            let length = integer(length.into());
-            quote!(const QUEUE_LENGTH: u32 = #length;)
-        });
+        let topics = &message.topics;
+        let version = types::option(message.version.map(|version| types::integer(version.into())));
+        let queue_length = types::integer(message.queue_length.unwrap_or(1).into());
         let hash = hexadecimal(message.hash);
         let type_hash = &message.type_hash;
-        let cdr_size = message.cdr.is_fixed.then(|| {
-            let size = integer(message.cdr.least);
-            quote!(const CDR_SIZE: ::core::option::Option<usize> = ::core::option::Option::Some(#size);)
-        });
+        let cdr_size = types::option(message.cdr.is_fixed.then(|| types::integer(message.cdr.least.into())));
         quote! {
             impl ::uavspec_runtime::Message for #name {
-                const PACKAGE: &'static str = #package;
-                const NAME: &'static str = #message_name;
-                #topics
-                #version
-                #queue_length
-                const HASH: u32 = #hash;
-                const TYPE_HASH: &'static str = #type_hash;
-                #cdr_size
+                const DEFINITION: ::uavspec_runtime::Definition = ::uavspec_runtime::Definition {
+                    package: #package,
+                    name: #message_name,
+                    topics: &[#(#topics),*],
+                    version: #version,
+                    queue_length: #queue_length,
+                    hash: #hash,
+                    type_hash: #type_hash,
+                    cdr_size: #cdr_size,
+                };
             }
         }
     }
@@ -242,16 +237,13 @@ impl Parts<'_> {
     fn format(&self) -> TokenStream {
         let Self { context, id, message, name, fields } = self;
         let dialect = types::dialect(context, *id);
-        let shown: Vec<String> = message
-            .fields
-            .iter()
-            .map(|field| format!("{}: {}", field.name, placeholder(field, dialect)))
-            .collect();
-        let text = if shown.is_empty() {
-            message.name.clone()
-        } else {
-            format!("{} {{{{ {} }}}}", message.name, shown.join(", "))
-        };
+        let mut words = vec![message.name.clone()];
+        for (index, field) in message.fields.iter().enumerate() {
+            let start = if index == 0 { "{{ " } else { "" };
+            let end = if index + 1 == message.fields.len() { " }}" } else { "," };
+            words.push(format!("{start}{}: {}{end}", field.name, placeholder(field, dialect)));
+        }
+        let text = wrapped(&words);
         quote!(::uavspec_runtime::format_record! { #name #text; #(#fields)*; })
     }
 
@@ -261,16 +253,19 @@ impl Parts<'_> {
         let reports_failures = self.reports_failures();
         let mut entries = Vec::new();
         for (field, ident) in message.fields.iter().zip(fields) {
-            match (field.ty.element, field.ty.shape) {
-                (Element::Scalar(Scalar::Bool), Shape::Single) => {}
-                (Element::Scalar(Scalar::UInt8), Shape::Single) if reports_failures => {}
+            let is_set = match (field.ty.element, field.ty.shape) {
+                (Element::Scalar(Scalar::Bool), Shape::Single) => None,
+                (Element::Scalar(Scalar::UInt8), Shape::Single) if reports_failures => {
+                    let number = field.enumeration.map(|_| quote!(.0));
+                    Some(quote!(#number != 0))
+                }
                 _ => continue,
-            }
+            };
             let group = field.group.and_then(|group| message.groups.get(group));
             let group = group.map_or("", |group| group.summary.as_str());
             let field_name = &field.name;
             let label = field.description.lines().next().unwrap_or_default();
-            entries.push(quote!(#ident #field_name #group #label;));
+            entries.push(quote!(#ident #is_set #field_name #group #label;));
         }
         let failures = reports_failures.then(|| quote!(::uavspec_runtime::failure_flags! { #name; }));
         (!entries.is_empty()).then(|| quote!(::uavspec_runtime::flags! { #name; #(#entries)* } #failures))
@@ -353,9 +348,7 @@ impl Parts<'_> {
         if let Some(uncontrolled) = &field.uncontrolled {
             facts.push(format!("not controlled: {}", special_text(uncontrolled)));
         }
-        if let Some(frame) = &field.frame {
-            facts.push(format!("frame: {}", prose::inline(frame)));
-        }
+        facts.extend(field.attributes().map(|(attribute, text)| attribute.said(&prose::inline(text))));
         if let Some(array) = field.counts {
             facts.push(format!("counts the entries in use of [`{0}`](Self::{0})", self.fields[array]));
         }
@@ -368,6 +361,27 @@ impl Parts<'_> {
         }
         facts
     }
+}
+
+/// A string literal of words, with line breaks that are not part of the text.
+fn wrapped(words: &[String]) -> proc_macro2::Literal {
+    let mut literal = String::from("\"");
+    // The name of the type comes before the literal, in which the first word is the name of the message.
+    let mut width = words.first().map_or(0, |name| 2 * name.len());
+    for (index, word) in words.iter().enumerate() {
+        if index > 0 {
+            literal.push(' ');
+            width += word.len() + 1;
+            if width > LINE_WIDTH {
+                literal.push_str("\\\n        ");
+                width = word.len();
+            }
+        }
+        literal.extend(word.chars().flat_map(char::escape_default));
+    }
+    literal.push('"');
+    let plain = || proc_macro2::Literal::string(&words.join(" "));
+    literal.parse().unwrap_or_else(|_| plain())
 }
 
 /// What stands for a field in a text of defmt. It names the type wherever defmt has a name for it: the type
@@ -386,58 +400,6 @@ fn placeholder(field: &Field, dialect: Dialect) -> String {
         Shape::Array(length) => format!("{{=[{element}; {length}]}}"),
         Shape::Bounded(_) | Shape::Sequence => format!("{{=[{element}]}}"),
     }
-}
-
-/// The documentation of a constant, with the parameters that a command takes.
-pub(super) fn constant_text(constant: &crate::schema::Constant) -> String {
-    let mut text = match constant.name.as_str() {
-        _ if !constant.description.is_empty() => prose::block(&constant.description),
-        "MESSAGE_VERSION" => "Version of the message, raised when its fields change.".to_owned(),
-        "ORB_QUEUE_LENGTH" => "How many messages a topic holds before the oldest is lost.".to_owned(),
-        name => format!("The constant `{name}`, which its definition says no more of."),
-    };
-    if constant.parameters.iter().any(|parameter| !is_unused(&parameter.description)) {
-        text += "\n\n| parameter | unit | meaning |\n|---|---|---|";
-        for (index, parameter) in constant.parameters.iter().enumerate() {
-            let unit = parameter
-                .unit
-                .as_deref()
-                .filter(|unit| *unit != unit::NONE)
-                .map(prose::inline)
-                .unwrap_or_default();
-            let range = parameter
-                .range
-                .as_ref()
-                .and_then(|range| range_text(range.low.as_ref(), range.high.as_ref()));
-            let range = range.map(|range| format!(" ({range})")).unwrap_or_default();
-            let _ = write!(
-                text,
-                "\n| {} | {unit} | {}{range} |",
-                index + 1,
-                prose::inline(&parameter.description)
-            );
-        }
-    }
-    text
-}
-
-fn is_unused(description: &str) -> bool {
-    matches!(description, "" | "Unused" | "Empty")
-}
-
-pub(super) fn range_text(low: Option<&Value>, high: Option<&Value>) -> Option<String> {
-    match (low, high) {
-        (Some(low), Some(high)) => Some(format!("{low} to {high}")),
-        (Some(low), None) => Some(format!("{low} or more")),
-        (None, Some(high)) => Some(format!("at most {high}")),
-        (None, None) => None,
-    }
-}
-
-fn special_text(special: &Special) -> String {
-    let value =
-        special.value.as_ref().map_or_else(|| "empty".to_owned(), |value| prose::code(&value.to_string()));
-    if special.text.is_empty() { value } else { format!("{value} ({})", prose::inline(&special.text)) }
 }
 
 /// A number of a constraint.

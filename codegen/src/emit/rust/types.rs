@@ -4,7 +4,7 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 use uavspec_runtime::Scalar;
 
-use super::Context;
+use super::context::Context;
 use crate::schema::{Dialect, Element, EnumRef, Field, Form, MessageId, Shape};
 use crate::value::Value;
 

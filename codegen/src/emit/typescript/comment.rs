@@ -1,6 +1,7 @@
 //! Comments: texts of definitions come out as text, whatever they hold.
 
-use crate::emit::prose;
+use crate::emit::file::GENERATED_BY;
+use crate::prose;
 
 /// A documentation comment; nothing where there is no text.
 pub(super) fn block(text: &str, indent: &str) -> String {
@@ -22,4 +23,9 @@ pub(super) fn block(text: &str, indent: &str) -> String {
 /// A text on the one line of a comment.
 pub(super) fn line(text: &str) -> String {
     text.chars().map(prose::visible).collect()
+}
+
+/// The first line of a file.
+pub(super) fn header(from: &str) -> String {
+    format!("// {GENERATED_BY} from {from}. Do not edit: run `cargo xtask codegen`.\n\n")
 }

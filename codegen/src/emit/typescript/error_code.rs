@@ -2,9 +2,10 @@
 
 use uavspec_runtime::Severity;
 
+use super::comment;
 use super::item::constant;
+use super::language::Language;
 use super::types::any_other;
-use super::{Language, comment};
 use crate::emit::binding::{ERROR_CODE, ERROR_CODE_INFO, KnownCode, Named, SEVERITY, quoted};
 use crate::value::Value;
 

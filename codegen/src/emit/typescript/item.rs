@@ -1,7 +1,8 @@
 //! A declaration, in each of the languages that a package has.
 
+use super::comment;
+use super::language::Language;
 use super::types::{any_other, is_exact, key, ty, type_of_value, value};
-use super::{Language, comment};
 use crate::emit::binding::{Declaration, Kind, Named, Property, Type};
 use crate::value::Value;
 

@@ -1,10 +1,12 @@
 //! Labels: `labels` names the languages and loads one; below it each language is a module with its texts, and what
 //! all of them share stands in modules that begin with `_`, of which nobody else needs the types.
 
+use super::comment;
+use super::comment::header;
+use super::language::Language;
 use super::types::key;
-use super::{Language, comment, header};
-use crate::emit::OutputFile;
 use crate::emit::binding::{LabelLanguage, Labels, quoted};
+use crate::emit::file::OutputFile;
 use crate::translation::SOURCE_LANGUAGE;
 
 const FROM: &str = "the definitions and their translations";

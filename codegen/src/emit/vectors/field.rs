@@ -9,7 +9,7 @@ use uavspec_runtime::{Rule, Scalar};
 use super::case::{Change, Sample, Verdict, rule};
 use super::number::{NumberSamples, booleans};
 use super::part::Parts;
-use super::typical::Typical;
+use super::typical::{Typical, letters};
 use crate::schema::{Element, Field, Form, Message, Schema, Shape};
 
 /// The longest JSON of a string or sequence that is filled up to its bound, in bytes.
@@ -266,11 +266,6 @@ fn bounded(
     let full = Sample::new("at-bound", "as long as its bound lets it be", json(bound), Verdict::VALID);
     let long = Sample::new("above-bound", "one longer than its bound", json(bound.saturating_add(1)), over);
     [full, long].into_iter().chain(in_cdr)
-}
-
-/// Different letters, one after another, from the letter of the alphabet with the number `first` on.
-pub(super) fn letters(first: u8, length: u32) -> String {
-    ('a'..='z').cycle().skip(first.into()).take(length as usize).collect()
 }
 
 /// A list of `length` times `element`, with another one in one place.

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::{DRAFT, FORM, Options, mark};
-use crate::emit::OutputFile;
+use super::mark::{FORM, mark};
+use super::options::Options;
+use crate::emit::file::OutputFile;
+use crate::emit::json_schema::DRAFT;
 
 /// The file of the schema.
 const PATH: &str = "vectors.schema.json";
@@ -35,7 +37,7 @@ pub(super) fn file(options: &Options) -> OutputFile {
     });
     let schema = json!({
         "$schema": DRAFT,
-        "$id": format!("{}/{PATH}", options.schemas.base.trim_end_matches('/')),
+        "$id": format!("{}/{PATH}", options.schemas().base.trim_end_matches('/')),
         "$comment": mark(),
         "title": "Vectors",
         "description": "Test vectors of a type: values that it has and values that it doesn't have.",

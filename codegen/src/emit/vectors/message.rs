@@ -3,11 +3,11 @@
 use super::bytes::{Bytes, Codec, grown, replaced};
 use super::case::{Case, Change, Sample, Verdict, rule};
 use super::field::message_typical;
-use super::is_uorb;
-use super::part::{MessageSamples, Parts};
+use super::part::Parts;
+use super::sample::MessageSamples;
 use super::typical::Typical;
 use crate::dynamic::Types;
-use crate::schema::{Message, MessageId, Schema};
+use crate::schema::{Dialect, Form, Kind, Message, MessageId, Package, Schema};
 
 /// The most bytes of JSON that the cases of a message may have, roughly. There are as many cases as
 /// fields, and each holds all fields: thousands of fields would give gigabytes. The fields of longer
@@ -199,4 +199,9 @@ impl Cases<'_> {
 fn payload(id: &str, words: &str, rule: Option<&'static str>, typical: &str) -> Case {
     let decoded = rule.is_none().then(|| typical.to_owned());
     Case { id: id.to_owned(), description: words.to_owned(), rule, decoded, ..Case::default() }
+}
+
+/// Whether messages like this lie in uORB memory: those of other dialects don't, be their size fixed or not.
+pub(super) fn is_uorb(package: &Package, message: &Message) -> bool {
+    package.form == Form::Msg(Dialect::Px4) && message.kind == Kind::Message
 }

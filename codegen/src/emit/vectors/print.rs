@@ -3,7 +3,8 @@
 use std::fmt::Write as _;
 
 use super::case::Case;
-use super::{DRAFT, FORM, mark};
+use super::mark::{FORM, mark};
+use crate::emit::json_schema::DRAFT;
 
 /// What the file of a type says of it.
 #[derive(Debug)]

@@ -3,8 +3,6 @@
 
 use uavspec_runtime::Scalar;
 
-use super::field::letters;
-
 /// Most elements of a sequence; a sequence within a sequence has one less for each level, so that
 /// nesting doesn't multiply them.
 const SEQUENCE: u32 = 3;
@@ -63,4 +61,9 @@ impl Typical {
     pub(super) fn leave(&mut self) {
         self.depth -= 1;
     }
+}
+
+/// Different letters, one after another, from the letter of the alphabet with the number `first` on.
+pub(super) fn letters(first: u8, length: u32) -> String {
+    ('a'..='z').cycle().skip(first.into()).take(length as usize).collect()
 }

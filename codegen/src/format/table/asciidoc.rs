@@ -1,6 +1,6 @@
 //! `AsciiDoc`.
 
-use super::{line_of, line_starts, trimmed};
+use super::line::{line_of, line_starts, trimmed};
 use crate::table::asciidoc::has_specifier;
 use crate::table::{Page, Table, error_code, pipe};
 

@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use pulldown_cmark::{Alignment, Event, Parser, Tag, TagEnd};
 
-use super::{line_of, line_starts, trimmed};
-use crate::format::ALIGNED_WITHIN;
+use super::line::{line_of, line_starts, trimmed};
+use crate::format::aligned::ALIGNED_WITHIN;
 use crate::table::markdown::OPTIONS;
 use crate::table::{Page, error_code, pipe};
 

@@ -8,9 +8,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-use super::{Case, Outcome, Reason, Suite, one_line};
+use super::suite::{Case, Outcome, Reason, Suite, one_line, write as write_suites};
 use crate::diagnostic::Level;
-use crate::report::{Entry, Report};
+use crate::report::model::{Entry, Report};
 
 /// Longest message in the name of a case, in characters: names stand in lists.
 const MAX_NAME: usize = 200;
@@ -21,7 +21,7 @@ const NOTHING: &str = "nothing found";
 pub(in crate::report) fn write(report: &Report) -> String {
     let cases = found(report).into_iter().chain(passed(report)).collect();
     let suite = Suite { name: report.command.to_owned(), cases };
-    super::write(&format!("uavspec {}", report.command), &[suite])
+    write_suites(&format!("uavspec {}", report.command), &[suite])
 }
 
 /// A case for each finding.

@@ -1,7 +1,9 @@
 //! `AsciiDoc`'s markup within a line, down to its text.
 
-use super::Line;
 use crate::table::text::TextBuilder;
+
+/// A line and its position.
+pub(super) type Line<'s> = (usize, &'s str);
 
 /// What attributes stand for that people use to write a character in a cell.
 const ATTRIBUTES: [(&str, &str); 6] =

@@ -4,12 +4,11 @@ use std::ops::RangeInclusive;
 
 use uavspec_runtime::{ErrorClass, Severity};
 
-use super::parse_code;
 use crate::diagnostic::Problem;
 
 /// The codes that a heading sets apart for the table below it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Block {
+pub(crate) struct Block {
     /// The heading without its range.
     pub title: String,
     /// The class that all its codes are of.
@@ -162,12 +161,18 @@ fn number(text: &str) -> Option<(u32, &str)> {
 }
 
 /// A range of codes as headings write it: `64-127`, `32768 and above`, `0`.
-pub fn range_text(range: &RangeInclusive<u32>) -> String {
+pub(crate) fn range_text(range: &RangeInclusive<u32>) -> String {
     match (*range.start(), *range.end()) {
         (first, u32::MAX) => format!("{first} and above"),
         (first, last) if first == last => first.to_string(),
         (first, last) => format!("{first}-{last}"),
     }
+}
+
+/// A code in decimal. A sign, a leading zero or another base would be read differently elsewhere.
+pub(crate) fn parse_code(text: &str) -> Option<u32> {
+    let is_plain = text.bytes().all(|byte| byte.is_ascii_digit()) && (text == "0" || !text.starts_with('0'));
+    text.parse().ok().filter(|_| is_plain)
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use std::vec::IntoIter;
 
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::Span;
-use crate::table::Text;
+use crate::table::text::Text;
 
 /// Deeper expressions are no types that people write.
 const MAX_DEPTH: usize = 16;
@@ -22,7 +22,7 @@ const MAX_ALTERNATIVES: usize = 32;
 
 /// A type as it is written.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Expression {
+pub(crate) struct Expression {
     /// What it says.
     pub kind: ExpressionKind,
     /// Where.
@@ -31,7 +31,7 @@ pub struct Expression {
 
 /// What a type expression says.
 #[derive(Clone, Debug, PartialEq)]
-pub enum ExpressionKind {
+pub(crate) enum ExpressionKind {
     /// Any JSON value.
     Any,
     /// `null` alone.
@@ -202,7 +202,7 @@ impl<'t> Parser<'t> {
             }
             name => match BUILT_IN.iter().find(|(known, _)| *known == name) {
                 Some((_, kind)) => (kind.clone(), start),
-                None if super::is_type_name(name) => (ExpressionKind::Named(name.to_owned()), start),
+                None if is_type_name(name) => (ExpressionKind::Named(name.to_owned()), start),
                 None => return Err(Failure { range: token.range, hint: None }),
             },
         };
@@ -246,6 +246,12 @@ impl<'t> Parser<'t> {
         let end = self.end;
         self.take(text).map(|_| ()).ok_or(Failure { range: end..end, hint: Some("close the parenthesis") })
     }
+}
+
+/// Whether a text can be the name of a type: one word in `PascalCase`.
+pub(super) fn is_type_name(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_uppercase())
+        && text.bytes().all(|byte| byte.is_ascii_alphanumeric())
 }
 
 #[cfg(test)]

@@ -3,10 +3,11 @@
 use std::fmt;
 
 use super::columns::{self, Columns, Header};
-use super::{Member, Reader, under};
+use super::reader::{Member, Reader, under};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::Span;
-use crate::table::{Heading, Page, Table, Text};
+use crate::table::page::{Heading, Page, Table};
+use crate::table::text::Text;
 
 /// How the paragraph begins that names what answers a request.
 const ANSWER: &str = "Answer:";
@@ -56,7 +57,7 @@ impl fmt::Display for Direction {
 
 /// A message as it is written.
 #[derive(Debug)]
-pub struct MessageDefinition<'p> {
+pub(crate) struct MessageDefinition<'p> {
     /// Its type, which the field `type` of its body holds.
     pub name: &'p str,
     /// The heading.
@@ -69,7 +70,7 @@ pub struct MessageDefinition<'p> {
 
 /// The shape of a message for a direction.
 #[derive(Debug)]
-pub struct PartDefinition<'p> {
+pub(crate) struct PartDefinition<'p> {
     /// The direction.
     pub direction: Direction,
     /// The subheading.

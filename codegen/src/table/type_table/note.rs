@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::msg::annotation::{self, Note};
 use crate::source::Span;
-use crate::table::Text;
+use crate::table::text::Text;
 
 /// What to say of an annotation that pages don't have.
 const KNOWN: &str = "it stays part of the text; known are range, length, unique, pattern and format";

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use super::{Catalogue, Entry, Places};
+use super::entry::{Catalogue, Entry, Places};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::source::{SourceId, SourceMap, Span};
 
 /// Reads a catalogue: its entries, the place of each, and what is wrong with it. What can't be read is left out.
-pub fn parse(sources: &SourceMap, id: SourceId) -> (Catalogue, Vec<Places>, Vec<Diagnostic>) {
+pub(crate) fn parse(sources: &SourceMap, id: SourceId) -> (Catalogue, Vec<Places>, Vec<Diagnostic>) {
     let mut parser = Parser::default();
     let whole = sources.span(id);
     let mut at = 0;

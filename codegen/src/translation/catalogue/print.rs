@@ -1,10 +1,10 @@
 //! Writes catalogues. Lines are not broken, except where the text itself has a line end: tools break them
 //! differently, and whoever compares two states would see that instead of what has changed.
 
-use super::{Catalogue, Entry};
+use super::entry::{Catalogue, Entry};
 
 /// A catalogue as text, which gives the same catalogue when it is read.
-pub fn print(catalogue: &Catalogue) -> String {
+pub(crate) fn print(catalogue: &Catalogue) -> String {
     let mut text = String::new();
     for (index, entry) in catalogue.entries.iter().enumerate() {
         if index > 0 {

@@ -6,17 +6,9 @@ use uavspec_codegen::dynamic::{FormatProblem, MessageType, Types};
 use uavspec_codegen::schema::MessageId;
 use uavspec_runtime::layout::Size;
 
-use super::log_problem::LogProblem;
+use super::log_problem::{LogProblem, MAX_FORMATS, MAX_TEXT};
 use super::message::Event;
 use super::reader::Item;
-
-/// Most formats that are kept. PX4 has 261 messages; there are 65,536 ids of data, but no such logs.
-pub(super) const MAX_FORMATS: usize = 8_192;
-
-/// Most bytes of formats and topics that are kept. The formats of real logs take 22 to 32 kB. Types take up
-/// to fifty times the room of their text, so memory is bounded at some 50 MB for a log that is made to take
-/// much.
-pub(super) const MAX_TEXT: usize = 1 << 20;
 
 /// Most bytes of formats that are made into types, counted again each time. It is enough for a log that sends
 /// each of PX4's 261 formats just before its data; a log that is made to take long takes two seconds.

@@ -4,7 +4,13 @@ use std::fmt;
 
 use uavspec_codegen::dynamic::{FormatError, FormatProblem};
 
-use super::log::{MAX_FORMATS, MAX_TEXT};
+/// Most formats that are kept. PX4 has 261 messages; there are 65,536 ids of data, but no such logs.
+pub(super) const MAX_FORMATS: usize = 8_192;
+
+/// Most bytes of formats and topics that are kept. The formats of real logs take 22 to 32 kB. Types take up
+/// to fifty times the room of their text, so memory is bounded at some 50 MB for a log that is made to take
+/// much.
+pub(super) const MAX_TEXT: usize = 1 << 20;
 
 /// What is wrong with the data of a log, or with what is said about it.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,15 +1,14 @@
-//! Sees of a line at once that it is a report on UAVs of which there is nothing new to be told: nearly all that a server
-//! sends are such.
+//! Status reports that need no more checks than they had already: nearly all that a server sends are such.
 //!
-//! A line is read once, without a tree, and each value is compared with its shape. What is to be found in a report beside
-//! that depends on few things: on the version, on which fields each state has and which of them are null, and on its error
-//! codes as they are written ([`Kind`]). The first state of a kind is shown to all rules that judge a message by itself
-//! ([`Check::Exchange`](crate::rules::flockwave::Check)), alone in a report. They find the same in any other of its kind, and are exercised
-//! as often. As long as that wants examples, and where a UAV is new to it that findings name, the line is read as any other;
-//! then it is only counted. Rules that keep a state, or look around (`Check::Context`), still see each report, reduced to
-//! what they look at ([`Report::message`]).
+//! A line is read once, without a tree, and each value is compared with its shape. Beyond that, the findings in a report
+//! depend on few things: on the version, on the fields that each state has and those that are null, and on its error codes
+//! as they are written ([`Kind`]). The first state of a kind is given to all checks of messages
+//! ([`Check::Message`](crate::rules::flockwave::Check)), alone in a report: their type proves that nothing else counts. They
+//! find the same in any other state of its kind, and are covered as often. While that needs examples, and if a UAV is new
+//! that findings name, the line is read like any other; later lines are only counted. The other checks still get each
+//! report, as [`StatusReport`](crate::rules::flockwave::StatusReport) lets them see it.
 //!
-//! What isn't plain to see, or is no report on UAVs, is read as any other line.
+//! Lines that aren't plain, or are no status reports, are read like any other.
 
 mod known;
 

@@ -4,10 +4,9 @@ use std::borrow::Cow;
 use std::io::Read as _;
 use std::rc::Rc;
 
-use uavspec_codegen::dynamic::{DynamicMessage, DynamicView, Error, MessageType, Reason, Violation};
+use uavspec_codegen::dynamic::{DynamicMessage, DynamicView};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, MessageId};
-use uavspec_runtime::Fault;
 use uavspec_runtime::cdr::{ByteOrder, HEADER};
 
 use super::Stated;
@@ -16,7 +15,8 @@ use crate::capture::mcap::Reader;
 use crate::check::timestamp_offset;
 use crate::definitions::Definitions;
 use crate::model::{Channel, Detail, Findings, Place, Rule, hexadecimal};
-use crate::px4::plan::Plan;
+use crate::px4::memory::Plan;
+use crate::px4::values::Plans;
 use crate::rules::px4;
 
 /// The most bytes of a message that was packed by itself: as many as one may have that wasn't.
@@ -48,8 +48,6 @@ pub(super) struct CdrJudge {
     /// What the file says that its messages are, where that isn't the definition.
     stated: Option<Rc<Stated>>,
     plan: Plan,
-    /// Whether the plan sees all values: it does where the size is fixed.
-    is_planned: bool,
     /// Where in memory a message has its `timestamp`.
     timestamp: Option<usize>,
     /// Payloads whose header was looked at, and those whose body was.
@@ -66,12 +64,21 @@ impl CdrJudge {
         of: MessageId,
         stated: Option<Rc<Stated>>,
         definitions: &Definitions,
+        plans: &Plans,
         topic: &str,
     ) -> Self {
         let ty = stated.as_ref().map_or_else(|| definitions.types().get(of), |stated| stated.root());
-        let plan = Plan::new(ty, Some(of), &definitions.schema, topic, &px4::VALUES);
-        let (is_planned, timestamp) = (ty.size().is_some() || stated.is_some(), timestamp_offset(ty));
-        Self { of, plan, is_planned, timestamp, stated, headers: 0, bodies: 0, messages: 0, others: 0 }
+        let plan = Plan::new(ty, Some(of), plans, topic);
+        Self {
+            of,
+            plan,
+            timestamp: timestamp_offset(ty),
+            stated,
+            headers: 0,
+            bodies: 0,
+            messages: 0,
+            others: 0,
+        }
     }
 
     /// How much room its plan takes.
@@ -126,12 +133,7 @@ impl CdrJudge {
             }
         };
         self.messages += 1;
-        if self.is_planned {
-            self.plan.check(message.memory(), place, findings);
-        } else {
-            check_bools(ty, payload, channel, place, findings);
-            message.view().validate_with(&mut |violation| tell(&violation, channel, place, findings));
-        }
+        self.plan.check(message.memory(), place, findings);
         let memory = wants_values.then(|| message.memory().to_vec());
         Some(Seen { timestamp: self.timestamp_of(&message), memory })
     }
@@ -174,7 +176,7 @@ impl CdrJudge {
     pub(super) fn close(self, findings: &mut Findings) -> u64 {
         findings.exercise(&px4::CDR_01.rule, self.headers);
         findings.exercise(&px4::CDR_02.rule, self.bodies);
-        self.plan.exercise(self.messages, findings);
+        self.plan.count(self.messages, findings);
         self.others
     }
 }
@@ -193,51 +195,4 @@ pub(super) fn unpacked(payload: &[u8]) -> Result<Cow<'_, [u8]>, String> {
         Ok(_) => Ok(Cow::Owned(bytes)),
         Err(error) => Err(format!("a packed message that can't be unpacked: {error}")),
     }
-}
-
-/// Reports the first `bool` of a message of varying size that is neither 0 nor 1.
-fn check_bools(
-    ty: MessageType<'_>,
-    payload: &[u8],
-    channel: &Channel<'_>,
-    place: Place,
-    findings: &mut Findings,
-) {
-    if let Err(Error { reason: Reason::Fault(Fault::Bool(byte)), path, .. }) = ty.decode_cdr_strict(payload) {
-        let text = format!("{byte} where a bool is 0 or 1");
-        let detail = Detail::new(text).expected("0 or 1").actual(byte.to_string());
-        report_at(&px4::BOOL_01.rule, &path, detail, channel, place, findings);
-    }
-}
-
-/// Reports what breaks a rule in a message of varying size.
-fn tell(violation: &Violation<'_>, channel: &Channel<'_>, place: Place, findings: &mut Findings) {
-    let rule = px4::VALUES.on(violation.rule);
-    let text = violation.to_string();
-    // The field and the rule stand beside it in any report.
-    let text = text.strip_prefix(&violation.path).map_or(text.as_str(), |text| text.trim_start_matches(": "));
-    let text = text.rsplit_once(" (PX-").map_or(text, |(text, _)| text);
-    report_at(rule, &violation.path, Detail::new(text), channel, place, findings);
-}
-
-/// Reports something at a path such as `events[2].id`; equal findings have it in common without its indices.
-fn report_at(
-    rule: &'static Rule,
-    path: &str,
-    detail: Detail,
-    channel: &Channel<'_>,
-    place: Place,
-    findings: &mut Findings,
-) {
-    let mut subject = format!("{}.", channel.topic);
-    let mut is_index = false;
-    for character in path.chars() {
-        is_index = (is_index || character == '[') && character != ']';
-        if !is_index && character != ']' {
-            subject.push(character);
-        }
-    }
-    findings.report(rule, &subject, place, None, || {
-        if path.contains('[') { detail.at(path) } else { detail.located(path) }
-    });
 }

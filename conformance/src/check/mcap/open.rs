@@ -12,7 +12,7 @@ use crate::px4::comparison::{Comparison, Differences};
 use crate::px4::json::Plans;
 
 /// A channel of a file.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct McapChannel {
     /// Its topic.
     pub topic: String,
@@ -168,12 +168,12 @@ impl Open {
     }
 
     /// Counts what its messages exercised.
-    pub(super) fn close(self, plans: Option<&Plans>, findings: &mut Findings) -> McapChannel {
+    pub(super) fn close(self, plans: &Plans, findings: &mut Findings) -> McapChannel {
         let mut other_cdr = 0;
-        match (self.reading, plans) {
-            (Reading::Cdr(judge), _) => other_cdr = judge.close(findings),
-            (Reading::Json(of), Some(plans)) => plans.exercise(of, self.judged, findings),
-            _ => {}
+        match self.reading {
+            Reading::Cdr(judge) => other_cdr = judge.close(findings),
+            Reading::Json(of) => plans.count(of, self.judged, findings),
+            Reading::Skipped => {}
         }
         McapChannel {
             topic: self.topic,

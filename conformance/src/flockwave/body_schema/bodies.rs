@@ -7,7 +7,6 @@ use uavspec_codegen::schema::json_type::Direction;
 use uavspec_codegen::source::Span;
 
 use super::defined::{Defined, Object, Tuple};
-use super::told::Told;
 use super::{Deviation, Mismatch, check, compile};
 use crate::json::Tree;
 
@@ -32,8 +31,6 @@ pub struct Shapes {
 pub(super) struct Body {
     /// Its object, by its index.
     pub(super) object: usize,
-    /// What has rules of its own.
-    pub(super) told: Vec<&'static Told>,
     /// Where it is defined.
     pub(super) span: Span,
 }

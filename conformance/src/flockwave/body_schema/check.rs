@@ -5,8 +5,7 @@ use std::collections::HashSet;
 
 use super::bodies::{Body, Shapes};
 use super::defined::{Defined, Field, List, Object, Text, Tuple};
-use super::told::told_by;
-use super::{Deviation, Fault, Mismatch, integer};
+use super::{Deviation, Fault, Mismatch, Step, integer};
 use crate::json::Tree;
 use crate::json::base64;
 use crate::json::pointer;
@@ -95,7 +94,8 @@ impl<'c> Check<'c> {
         let field = self.path.iter().rev().find_map(At::field);
         let span = field.map(|field| field.span).or_else(|| Some(self.body?.span));
         self.deviations.push(Deviation {
-            told_by: self.body.and_then(|body| told_by(&body.told, &self.path, fault)),
+            steps: self.path.iter().map(At::named).collect(),
+            fault: Some(fault),
             field: fields.join("."),
             definition: span.filter(|_| !self.shapes.is_foreign),
             mismatch: Mismatch { path: pointer(&keys), expected, actual },
@@ -292,6 +292,13 @@ impl<'c> At<'c> {
         match self {
             Self::Field(field) | Self::Element(_, field) => Some(field),
             Self::Key(_) | Self::Index(_) => None,
+        }
+    }
+
+    fn named(&self) -> Step {
+        match self {
+            Self::Field(field) => Step::Field(field.name.clone()),
+            Self::Element(..) | Self::Key(_) | Self::Index(_) => Step::Other,
         }
     }
 

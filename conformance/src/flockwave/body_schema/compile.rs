@@ -11,7 +11,6 @@ use uavspec_codegen::value::Value;
 
 use super::bodies::{Body, Shapes};
 use super::defined::{Defined, Field, Length, List, Object, Pattern, Test, Text, Tuple};
-use super::told::told_of;
 
 /// The name of the only format that strings have.
 const BASE64: &str = "base64";
@@ -25,8 +24,7 @@ pub(super) fn compile(schema: &Schema) -> Shapes {
             let object = compiler.body(&part.body);
             let name = format!("{}/{}", schema.packages[message.package].name, part.name);
             compiler.shapes.named.insert(name, Defined::Object(object));
-            bodies[part.direction as usize] =
-                Some(Body { object, told: told_of(&message.name), span: part.span });
+            bodies[part.direction as usize] = Some(Body { object, span: part.span });
         }
         compiler.shapes.messages.entry(message.name.clone()).or_insert(bodies);
     }

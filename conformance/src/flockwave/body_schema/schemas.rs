@@ -151,7 +151,7 @@ impl Schema {
             Tree::read(&text).map_or_else(|_| "something else".to_owned(), |found| found.to_string());
         let path = format!("/body{}", error.instance_path());
         let mismatch = Mismatch { path, expected, actual };
-        Deviation { told_by: None, field: String::new(), definition: None, mismatch }
+        Deviation { steps: Vec::new(), fault: None, field: String::new(), definition: None, mismatch }
     }
 }
 

@@ -1,4 +1,4 @@
-//! What following a conversation needs to know of the message types of Flockwave 2.10 beside their definitions.
+//! What following a session needs to know of the message types of Flockwave 2.10 beside their definitions.
 
 /// How a reply tells about each of several objects that were asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,7 +35,7 @@ pub(crate) const OPERATIONS: [&str; 21] = [
 ];
 
 /// What takes long is told in a third part.
-const OPERATION: Parts = Parts { asked: "ids", told: &["result", "error", "receipt"] };
+pub(crate) const OPERATION: Parts = Parts { asked: "ids", told: &["result", "error", "receipt"] };
 
 const STATUS: Parts = Parts { asked: "ids", told: &["status", "error"] };
 
@@ -45,7 +45,7 @@ const SUBSCRIPTIONS: Parts = Parts { asked: "paths", told: &["success", "error"]
 
 /// The types of which a reply tells piece by piece, but those of operations. That each object stands in exactly one
 /// part is a matter of words; the definitions have no table that says it.
-const PARTS: [(&str, Parts); 14] = [
+pub(crate) const PARTS: [(&str, Parts); 14] = [
     ("ASYNC-CANCEL", RECEIPTS),
     ("ASYNC-RESUME", RECEIPTS),
     ("BCN-INF", STATUS),
@@ -68,41 +68,4 @@ pub fn parts(type_name: &str) -> Option<Parts> {
         return Some(OPERATION);
     }
     PARTS.iter().find(|(name, _)| *name == type_name).map(|(_, parts)| *parts)
-}
-
-#[cfg(test)]
-mod tests {
-    use std::collections::BTreeSet;
-
-    use uavspec_codegen::schema::JsonMessage;
-    use uavspec_codegen::schema::json_type::{Direction, JsonPart};
-
-    use super::*;
-    use crate::definitions::Definitions;
-
-    /// The fields of a body.
-    fn fields(message: &JsonMessage, direction: Direction) -> BTreeSet<&str> {
-        let part = message.parts.iter().find(|part| part.direction == direction);
-        part.into_iter().flat_map(JsonPart::fields).map(|field| field.name.as_str()).collect()
-    }
-
-    #[test]
-    fn what_is_said_of_types_is_what_the_definitions_have() {
-        let definitions = Definitions::built_in();
-        let messages = &definitions.schema.json_messages;
-        for message in messages {
-            let told = fields(message, Direction::Response);
-            let is_operation = OPERATION.told.iter().all(|part| told.contains(part));
-            // A log is of one UAV, and its receipt stands alone.
-            let is_operation = is_operation && message.name != "LOG-DATA";
-            assert_eq!(OPERATIONS.contains(&message.name.as_str()), is_operation, "{}", message.name);
-            if let Some(parts) = parts(&message.name) {
-                assert!(fields(message, Direction::Request).contains(parts.asked), "{}", message.name);
-                assert_eq!(told, parts.told.iter().copied().collect(), "{}", message.name);
-            }
-        }
-        let names: BTreeSet<&str> = messages.iter().map(|message| message.name.as_str()).collect();
-        assert!(PARTS.iter().all(|(name, _)| names.contains(name)));
-        assert!(OPERATIONS.iter().all(|name| names.contains(name)));
-    }
 }

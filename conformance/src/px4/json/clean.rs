@@ -7,9 +7,9 @@ use uavspec_codegen::schema::{MessageId, Shape};
 use uavspec_runtime::Scalar;
 
 use super::dialect::{Dialect, Dialects};
-use super::plan::{Element, FieldPlan, MessagePlan, Plans};
 use super::value::Leaf;
 use crate::json::{Token, Tokens, Unclear, base64};
+use crate::px4::values::{Element, FieldPlan, MessagePlan, Plans};
 
 /// What a clean message says of itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,12 +21,7 @@ pub(crate) struct Clean {
 }
 
 impl Plans {
-    /// True if a text is a message, and nothing is wrong with it. `is_rosbridge` allows what rosbridge writes.
-    pub fn is_clean(&self, id: MessageId, text: &str, is_rosbridge: bool) -> bool {
-        self.read_text(id, text, is_rosbridge, &mut []).is_ok()
-    }
-
-    /// Reads a text that is a clean message, as [`Plans::read`] does.
+    /// Reads a text that is a clean message, as [`Plans::read`] does. An error says only that something is wrong.
     pub(crate) fn read_text(
         &self,
         id: MessageId,

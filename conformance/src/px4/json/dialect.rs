@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use serde::{Serialize, Serializer};
+
 /// A way in which the JSON of a message differs from the published schema.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Dialect {
@@ -28,9 +30,10 @@ impl fmt::Display for Dialect {
     }
 }
 
-/// Those that were seen.
+/// The dialects of a capture; serialized as their names.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Dialects(u8);
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Dialects(#[cfg_attr(test, schemars(with = "Vec<String>"))] u8);
 
 impl Dialects {
     /// Adds one.
@@ -46,5 +49,11 @@ impl Dialects {
     /// All of them, in order.
     pub fn iter(self) -> impl Iterator<Item = Dialect> {
         Dialect::ALL.into_iter().filter(move |dialect| self.0 & 1 << *dialect as u8 != 0)
+    }
+}
+
+impl Serialize for Dialects {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.iter().map(|dialect| dialect.to_string()))
     }
 }

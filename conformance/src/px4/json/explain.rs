@@ -7,11 +7,11 @@ use uavspec_codegen::schema::{MessageId, Shape};
 use uavspec_codegen::source::Span;
 
 use super::dialect::{Dialect, Dialects};
-use super::plan::{Element, FieldPlan, MessagePlan, Plans};
-use super::value::{Breach, Leaf};
+use super::value::Leaf;
 use crate::json::pointer;
 use crate::json::{Tree, shortened};
 use crate::model::{Detail, Findings, Place, Rule};
+use crate::px4::values::{Element, FieldPlan, MessagePlan, Plans, Violation};
 
 /// How many unknown fields of one object are told one by one.
 const MAX_UNKNOWN: usize = 16;
@@ -106,14 +106,20 @@ impl<'p> Explaining<'p, '_> {
         self.findings.report(rule, &self.subject, self.told.place, Some(definition), || detail);
     }
 
-    fn breach(&mut self, breach: &Breach<'_>, tree: &Tree<'_>, field: &'p FieldPlan, is_element: bool) {
-        if self.is_unused && breach.is_of_value() {
+    fn violation(
+        &mut self,
+        violation: &Violation<'_>,
+        tree: &Tree<'_>,
+        field: &'p FieldPlan,
+        is_element: bool,
+    ) {
+        if self.is_unused && violation.is_of_value() {
             self.has_passed_over = true;
             return;
         }
         let found = tree.to_string();
-        let detail = breach.detail(&field.expected(is_element), &found).excerpt(field.excerpt(tree));
-        self.report(breach.rule(self.plans.rules), field.span, detail);
+        let detail = violation.detail(&field.expected(is_element), &found).excerpt(field.excerpt(tree));
+        self.report(violation.rule(self.plans.rules), field.span, detail);
     }
 
     /// Does something within a member, which findings call so.
@@ -144,7 +150,7 @@ impl<'p> Explaining<'p, '_> {
                     let detail = Detail::new(format!("{} has no such field; found {value}", plan.name))
                         .excerpt(format!("\"{name}\": {}", value.excerpt()));
                     self.within(key, &name, |within| {
-                        within.report(within.plans.rules.members, plan.span, detail)
+                        within.report(within.plans.rules.members, plan.span, detail);
                     });
                 }
                 continue;
@@ -199,8 +205,8 @@ impl<'p> Explaining<'p, '_> {
     }
 
     fn length(&mut self, found: usize, tree: &Tree<'_>, field: &'p FieldPlan) {
-        if let Err(breach) = field.judge_length(found) {
-            self.breach(&breach, tree, field, false);
+        if let Err(violation) = field.judge_length(found) {
+            self.violation(&violation, tree, field, false);
         }
     }
 
@@ -270,8 +276,8 @@ impl<'p> Explaining<'p, '_> {
                 _ => return self.mistyped(tree, field, is_element),
             },
         };
-        if let Err(breach) = field.judge(leaf) {
-            self.breach(&breach, tree, field, is_element);
+        if let Err(violation) = field.judge(leaf) {
+            self.violation(&violation, tree, field, is_element);
         }
     }
 
@@ -296,8 +302,8 @@ impl<'p> Explaining<'p, '_> {
 
     /// Bytes that stand for text.
     fn bytes(&mut self, bytes: &[u8], tree: &Tree<'_>, field: &'p FieldPlan) {
-        if let Err(breach) = field.judge_text(bytes) {
-            self.breach(&breach, tree, field, false);
+        if let Err(violation) = field.judge_text(bytes) {
+            self.violation(&violation, tree, field, false);
         }
     }
 

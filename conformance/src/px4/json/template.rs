@@ -9,9 +9,9 @@ use uavspec_codegen::schema::{MessageId, Shape};
 
 use super::clean::Clean;
 use super::dialect::Dialects;
-use super::plan::{Element, FieldPlan, Plans};
 use super::value::Leaf;
 use crate::json::{Tokens, Unclear};
+use crate::px4::values::{Element, FieldPlan, Plans};
 
 /// Most values that a template has: beyond that it costs more room than it saves time.
 const MAX_STEPS: usize = 8_192;

@@ -1,13 +1,11 @@
-//! Single values: the one place that says what is wrong with them.
+//! The values of JSON, which are checked once they have the type of their field.
 
 use std::fmt;
 
-use uavspec_codegen::schema::{Restriction, Shape};
-use uavspec_runtime::{Number, Rule, Scalar};
+use uavspec_codegen::schema::Shape;
+use uavspec_runtime::{Number, Scalar};
 
-use super::plan::{Element, FieldPlan};
-use crate::model::{self, Detail};
-use crate::px4::ValueRules;
+use crate::px4::values::{Element, FieldPlan, Violation, check_text};
 
 /// A value that holds no others.
 #[derive(Clone, Copy, Debug)]
@@ -41,38 +39,23 @@ impl Leaf<'_> {
     }
 }
 
-/// What is wrong with a value.
-#[derive(Debug)]
-pub(super) enum Breach<'p> {
-    /// It has another JSON type than its field, or is out of the range of an integer type.
-    Type,
-    /// It is finite, and infinite in the type of its field.
-    TooLarge(Scalar),
-    /// A rule on numbers.
-    Number(Rule, Number, &'p Restriction),
-    /// An array, a sequence or a string has too many or too few of what it is made of.
-    Length { found: usize, of: &'static str, shape: Shape },
-    /// A text has a NUL, which would end it.
-    Nul(usize),
-    /// Bytes that stand for text aren't UTF-8.
-    NotUtf8(usize),
-}
-
 impl FieldPlan {
     /// Judges a value that the field, or an element of it, holds.
-    pub(super) fn judge(&self, leaf: Leaf<'_>) -> Result<(), Breach<'_>> {
+    pub(super) fn judge(&self, leaf: Leaf<'_>) -> Result<(), Violation<'_>> {
         match (self.element, leaf) {
             (Element::Scalar(Scalar::Bool), Leaf::Bool(_)) => Ok(()),
             (Element::Scalar(scalar @ (Scalar::Float32 | Scalar::Float64)), leaf) => {
-                self.number(float(scalar, leaf)?)
+                self.constraint().check_number(float(scalar, leaf)?)
             }
             (Element::Scalar(scalar), Leaf::Int(value)) => match scalar.integer_bounds() {
-                Some((low, high)) if (low..=high).contains(&value) => self.number(Number::Int(value)),
-                _ => Err(Breach::Type),
+                Some((low, high)) if (low..=high).contains(&value) => {
+                    self.constraint().check_number(Number::Int(value))
+                }
+                _ => Err(Violation::Type),
             },
             (Element::Text(room), Leaf::Text(text)) => {
                 if let Some(at) = memchr::memchr(0, text.as_bytes()) {
-                    return Err(Breach::Nul(at));
+                    return Err(Violation::Nul(at));
                 }
                 at_most(text.len(), room, "bytes")
             }
@@ -83,38 +66,28 @@ impl FieldPlan {
                 }
                 _ => Ok(()),
             },
-            _ => Err(Breach::Type),
+            _ => Err(Violation::Type),
         }
     }
 
     /// Judges how many elements an array or a sequence has.
-    pub(super) fn judge_length(&self, found: usize) -> Result<(), Breach<'_>> {
+    pub(super) fn judge_length(&self, found: usize) -> Result<(), Violation<'_>> {
         let is_right = match self.shape {
             Shape::Single | Shape::Sequence => true,
             Shape::Array(length) => found == length as usize,
             Shape::Bounded(bound) => found <= bound as usize,
         };
-        if is_right { Ok(()) } else { Err(Breach::Length { found, of: "elements", shape: self.shape }) }
+        if is_right { Ok(()) } else { Err(Violation::Length { found, of: "elements", shape: self.shape }) }
     }
 
     /// Judges text that is written as the bytes of its array.
-    pub(super) fn judge_text(&self, bytes: &[u8]) -> Result<(), Breach<'_>> {
+    pub(super) fn judge_text(&self, bytes: &[u8]) -> Result<(), Violation<'_>> {
         if let Element::Text(room) = self.element
             && bytes.len() != room as usize
         {
-            return Err(Breach::Length { found: bytes.len(), of: "bytes", shape: Shape::Array(room) });
+            return Err(Violation::Length { found: bytes.len(), of: "bytes", shape: Shape::Array(room) });
         }
-        let end = memchr::memchr(0, bytes).unwrap_or(bytes.len());
-        std::str::from_utf8(&bytes[..end]).map_err(|error| Breach::NotUtf8(error.valid_up_to()))?;
-        Ok(())
-    }
-
-    fn number(&self, found: Number) -> Result<(), Breach<'_>> {
-        let Some(restriction) = &self.restriction else { return Ok(()) };
-        match restriction.constraint().broken_by(found) {
-            None => Ok(()),
-            Some(rule) => Err(Breach::Number(rule, found, restriction)),
-        }
+        check_text(bytes)
     }
 
     /// What a value of it, or of an element, is in JSON.
@@ -124,63 +97,22 @@ impl FieldPlan {
 }
 
 /// What a float makes of a value. Ranges and special values are those of the type, so it is rounded first.
-fn float<'p>(scalar: Scalar, leaf: Leaf<'_>) -> Result<Number, Breach<'p>> {
+fn float<'p>(scalar: Scalar, leaf: Leaf<'_>) -> Result<Number, Violation<'p>> {
     let value = match leaf {
         Leaf::Null => f64::NAN,
         #[allow(clippy::cast_precision_loss)] // what a float makes of an integer
         Leaf::Int(value) => value as f64,
         Leaf::Float(value) => value,
-        Leaf::Bool(_) | Leaf::Text(_) => return Err(Breach::Type),
+        Leaf::Bool(_) | Leaf::Text(_) => return Err(Violation::Type),
     };
     #[allow(clippy::cast_possible_truncation)] // rounding is what a float32 does
     let value = if scalar == Scalar::Float32 { f64::from(value as f32) } else { value };
-    if value.is_infinite() { Err(Breach::TooLarge(scalar)) } else { Ok(Number::Float(value)) }
+    if value.is_infinite() { Err(Violation::TooLarge(scalar)) } else { Ok(Number::Float(value)) }
 }
 
-fn at_most<'p>(found: usize, bound: u32, of: &'static str) -> Result<(), Breach<'p>> {
+fn at_most<'p>(found: usize, bound: u32, of: &'static str) -> Result<(), Violation<'p>> {
     let is_over = found > bound as usize;
-    if is_over { Err(Breach::Length { found, of, shape: Shape::Bounded(bound) }) } else { Ok(()) }
-}
-
-impl Breach<'_> {
-    /// The rule that it violates.
-    pub(super) fn rule(&self, rules: &ValueRules) -> &'static model::Rule {
-        match self {
-            Self::Type | Self::TooLarge(_) => rules.json_type,
-            Self::Number(rule, ..) => rules.on(*rule),
-            Self::Length { .. } => rules.length,
-            Self::Nul(_) | Self::NotUtf8(_) => rules.text,
-        }
-    }
-
-    /// Whether the value is the matter, and not the way in which it is written: then only what is in use counts.
-    pub(super) fn is_of_value(&self) -> bool {
-        matches!(self, Self::Number(..) | Self::Nul(_) | Self::NotUtf8(_))
-    }
-
-    /// What is said of it: what should be, and `found`, as it is written.
-    pub(super) fn detail(&self, expected: &Expected<'_>, found: &str) -> Detail {
-        match self {
-            Self::Type => Detail::differs(expected, found),
-            Self::TooLarge(scalar) => {
-                let name = scalar.name();
-                Detail::new(format!("expected {expected}, found {found}, which is too large for {name}"))
-                    .expected(expected.to_string())
-                    .actual(found)
-            }
-            Self::Number(rule, number, restriction) => Detail::of_number(*rule, *number, restriction),
-            Self::Length { found, of, shape } => {
-                let expected = match shape {
-                    Shape::Array(length) => format!("{length} {of}"),
-                    Shape::Bounded(bound) => format!("at most {bound} {of}"),
-                    Shape::Single | Shape::Sequence => of.to_string(),
-                };
-                Detail::differs(expected, found)
-            }
-            Self::Nul(at) => Detail::new(format!("a NUL at its byte {at}, which ends a text")),
-            Self::NotUtf8(at) => Detail::new(format!("no UTF-8 from its byte {at} on")).expected("UTF-8"),
-        }
-    }
+    if is_over { Err(Violation::Length { found, of, shape: Shape::Bounded(bound) }) } else { Ok(()) }
 }
 
 /// The JSON type of a field, in words.

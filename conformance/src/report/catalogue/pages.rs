@@ -64,7 +64,7 @@ fn page(rule: &Rule, rows: &[&Row]) -> OutputFile {
             Some(broken) => broken.iter().map(|id| rule_link(&path, id)).collect::<Vec<_>>().join(", "),
             None => "the definitions have nothing to change so".to_owned(),
         };
-        table.row([with_code(row.mutant.name), broken]);
+        table.row([with_code(&row.title), broken]);
     }
     page.table(&table);
     page.block(&format!(
@@ -110,7 +110,7 @@ fn matrix(rows: &[Row]) -> Table {
         let broken = row.broken.as_ref().unwrap_or(&nothing);
         let others = broken.iter().filter(|id| **id != row.rule.id).map(|id| rule_link(OVERVIEW, id));
         table.row([
-            with_code(row.mutant.name),
+            with_code(&row.title),
             rule_link(OVERVIEW, row.rule.id),
             others.collect::<Vec<_>>().join(", "),
         ]);

@@ -37,7 +37,7 @@ pub fn rule(rule: &Rule) -> String {
         let also = if mutant.also.is_empty() {
             String::new()
         } else {
-            format!(" (breaks {} too)", mutant.also.join(", "))
+            format!(" (breaks {} too)", list_ids(&mutant.also))
         };
         line(if at == 0 { "has to find" } else { "" }, &format!("{}{also}", mutant.name));
     }
@@ -53,10 +53,10 @@ pub fn matrix(rows: &[Row]) -> String {
     }
     let _ = writeln!(text);
     let numbers: String = (1..=RULES.len()).map(|number| format!("{number:>3}")).collect();
-    let width = rows.iter().map(|row| row.mutant.name.chars().count()).max().unwrap_or_default();
+    let width = rows.iter().map(|row| row.title.chars().count()).max().unwrap_or_default();
     let _ = writeln!(text, "{:<18} {:<width$}{numbers}", "rule", "what is changed");
     for row in rows {
-        let _ = writeln!(text, "{:<18} {:<width$}{}", row.rule.id, row.mutant.name, marks(row));
+        let _ = writeln!(text, "{:<18} {:<width$}{}", row.rule.id, row.title, marks(row));
     }
     let wrong = rows.iter().filter(|row| !row.is_right()).count();
     let _ = writeln!(
@@ -78,4 +78,8 @@ fn marks(row: &Row) -> String {
         (true, false) | (false, true) => "  !",
     };
     RULES.iter().map(mark).collect()
+}
+
+fn list_ids(rules: &[&Rule]) -> String {
+    rules.iter().map(|rule| rule.id).collect::<Vec<_>>().join(", ")
 }

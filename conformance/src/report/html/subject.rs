@@ -1,13 +1,13 @@
 //! What came of a subject.
 
 use maud::{Markup, html};
+use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::finding;
 use super::{badge, class, shown, testee, with_code};
-use crate::report::{
-    About, ChannelResult, Finding, Flockwave, FlockwaveType, Format, FormatResult, McapChannel, Report,
-    RuleVerdict, Subject, Verdict,
-};
+use crate::check::Line;
+use crate::report::{About, Finding, Report, RuleVerdict, Subject, Verdict};
+use crate::rules::px4;
 use crate::text::Grouped;
 
 /// How many findings of a rule, places of damage and formats stand open; more can be opened.
@@ -62,7 +62,7 @@ fn outcome(subject: &Subject) -> Markup {
 
 /// Whether there is more to say of a subject than a row holds.
 pub(super) fn has_more_to_tell(subject: &Subject) -> bool {
-    !subject.findings.is_empty() || !subject.damage.is_empty() || matches!(subject.about, About::Testee(_))
+    !subject.findings.is_empty() || !subject.damage.is_empty() || subject.is_testee()
 }
 
 /// All that is to be told of a subject. The index tells its anchors from those of others.
@@ -73,16 +73,7 @@ pub(super) fn section(subject: &Subject, index: usize) -> Markup {
             h2 id=(anchor) { code.path { (shown(&subject.path)) } }
             p.facts { (facts(subject)) }
             @match &subject.about {
-                About::Ulog(log) => (formats(&log.formats)),
-                About::Json(json) => {
-                    (notes("Other ways of writing, let pass", &json.dialects))
-                    (notes("Without a definition, and not judged", &json.undefined))
-                },
-                About::Mcap(mcap) => {
-                    (channels(&mcap.channels))
-                    (notes("Other ways of writing, let pass", &mcap.dialects))
-                },
-                About::Flockwave(found) => (message_types(found)),
+                About::Capture(summary) => { @for line in summary.describe().lines() { (summary_line(&line)) } },
                 About::Testee(testee) => (testee::section(testee)),
             }
             (damage(subject))
@@ -93,108 +84,30 @@ pub(super) fn section(subject: &Subject, index: usize) -> Markup {
 }
 
 fn facts(subject: &Subject) -> Markup {
-    let mut facts = vec![subject.conclusion.text.clone()];
-    let count = |number: u64, what: &str| {
-        let ending = if number == 1 { "" } else { "s" };
-        format!("{} {what}{ending}", Grouped(number))
-    };
-    match &subject.about {
-        About::Ulog(log) => {
-            facts.extend(log.firmware.clone());
-            facts.push(count(log.formats.len() as u64, "topic"));
-            facts.push(count(subject.records, "message"));
-            facts.push(count(log.dropouts, "dropout"));
-        }
-        About::Json(json) => {
-            facts.push(count(json.lines, "line"));
-            facts.push(count(subject.records, "message"));
-            facts.push(count(json.types, "type"));
-            if json.skipped > 0 {
-                facts.push(format!("{} that publish nothing", Grouped(json.skipped)));
-            }
-        }
-        About::Mcap(mcap) => {
-            facts.extend([&mcap.profile, &mcap.library].into_iter().filter(|text| !text.is_empty()).cloned());
-            facts.push(count(mcap.channels.len() as u64, "channel"));
-            facts.push(count(subject.records, "message"));
-        }
-        About::Flockwave(found) => {
-            facts.push(count(found.connections, "connection"));
-            facts.push(count(found.requests, "request"));
-            facts.push(count(found.responses, "response"));
-            facts.push(count(found.notifications, "notification"));
-            facts.push(count(found.types.len() as u64, "message type"));
-        }
+    let facts = match &subject.about {
+        About::Capture(summary) => summary.describe().facts(subject.totals()),
         About::Testee(testee) => {
-            if !testee.version.is_empty() {
-                facts.push(format!("version {}", testee.version));
-            }
-            facts.push(count(subject.records, "case"));
-            facts.push(count(testee.restarts.into(), "restart"));
+            let version = (!testee.version.is_empty()).then(|| format!("version {}", shown(&testee.version)));
+            let counts = [plural(subject.records, "case"), plural(testee.restarts.into(), "restart")];
+            version.into_iter().chain(counts).collect()
         }
-    }
-    let seconds = subject.duration_us / 1_000_000;
-    if seconds > 0 {
-        facts.push(format!("{} min {} s", seconds / 60, seconds % 60));
-    }
-    html! { @for fact in &facts { span { (shown(fact)) } " " } }
-}
-
-/// Formats that differ, and how many don't.
-fn formats(formats: &[Format]) -> Markup {
-    let of = |wanted| formats.iter().filter(move |format| format.result == wanted);
-    let differing: Vec<&Format> = of(FormatResult::Differs).collect();
-    html! {
-        @if !formats.is_empty() {
-            h3 { "Formats beside the definitions" }
-            p {
-                (of(FormatResult::Equal).count()) " equal, " (differing.len()) " differ, "
-                (of(FormatResult::Undefined).count()) " have no definition"
-            }
-            (folded(&differing, "format", |format| html! {
-                li { code { (shown(&format.topic)) } ": " (shown(&format.message)) }
-            }))
-        }
-    }
-}
-
-/// Channels of which there is something to say, and how many are as they should be.
-fn channels(channels: &[McapChannel]) -> Markup {
-    let others: Vec<&McapChannel> =
-        channels.iter().filter(|channel| channel.result != ChannelResult::Equal).collect();
-    html! {
-        @if !channels.is_empty() {
-            h3 { "Channels beside the definitions" }
-            p { (channels.len() - others.len()) " of " (channels.len()) " have a schema that is equal" }
-            (folded(&others, "channel", |channel| html! {
-                li { code { (shown(&channel.topic)) } ": " (told(channel)) }
-            }))
-        }
-    }
-}
-
-/// What there is to say of a channel.
-fn told(channel: &McapChannel) -> String {
-    match channel.result {
-        ChannelResult::Equal | ChannelResult::Differs | ChannelResult::ByName => shown(&channel.message),
-        ChannelResult::Undefined => "no definition".to_owned(),
-        ChannelResult::Unsupported => format!("messages as {}, which isn't read", shown(&channel.encoding)),
-    }
-}
-
-/// The types of messages, and those that aren't judged.
-fn message_types(found: &Flockwave) -> Markup {
-    let told = |types: &[FlockwaveType]| -> Vec<String> {
-        let of = |one: &FlockwaveType| {
-            let (from_server, from_client) = (Grouped(one.from_server), Grouped(one.from_client));
-            format!("{}: {from_server} from the server, {from_client} from clients", one.name)
-        };
-        types.iter().map(of).collect()
     };
     html! {
-        (notes("Message types", &told(&found.types)))
-        (notes("Types that the definitions don't have, and not judged", &told(&found.unsupported)))
-        @if found.uncounted > 0 { p.more { "… and " (Grouped(found.uncounted)) " messages of other types" } }
+        span { (shown(&subject.conclusion.text)) } " "
+        @for fact in &facts { span { (fact) } " " }
+    }
+}
+
+/// A line of a summary with its lists, in full.
+fn summary_line(line: &Line) -> Markup {
+    let details: Vec<&String> = line.details.iter().collect();
+    html! {
+        h3 { (line.label[..1].to_uppercase()) (line.label[1..]) }
+        p { (line.text) }
+        @for list in line.lists.iter().filter(|list| !list.items.is_empty()) {
+            (folded(&list.items, "line", |item| html! { li { span.place { (list.label) } ": " (item) } }))
+        }
+        @if !details.is_empty() { (folded(&details, "line", |detail| html! { li { (detail) } })) }
     }
 }
 
@@ -252,14 +165,14 @@ fn findings(subject: &Subject, anchor: &str) -> Markup {
 
 /// Whether findings of a rule are told. Formats that differ stand elsewhere already, unless they count.
 fn is_told(rule: &RuleVerdict) -> bool {
-    rule.findings > 0 && (rule.id != "PX-FMT-01" || rule.verdict == Verdict::Fail)
+    rule.findings > 0 && (rule.id != px4::FMT_01.rule.id || rule.verdict == Verdict::Fail)
 }
 
 /// Where the findings of a rule stand that a subject has.
 pub(super) fn rule_anchor(subject: &Subject, index: usize, rule: &str) -> Option<String> {
     // Failures of a testee stand case by case.
-    let is_source = !matches!(subject.about, About::Testee(_));
-    let is_there = is_source && subject.rules.iter().any(|found| found.id == rule && is_told(found));
+    let is_there =
+        !subject.is_testee() && subject.rules.iter().any(|found| found.id == rule && is_told(found));
     is_there.then(|| format!("{}-{rule}", anchor(index)))
 }
 

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Role, Rule, RuleContext, Status, env_17,
+    mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,23 +13,31 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "Acknowledgments come only as responses.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "ACK-ACK, ACK-NAK",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("An acknowledgment that answers nothing follows each SYS-VER.", |out| {
+        if out.kind() == "SYS-VER" {
+            out.follow(None, json!({ "type": "ACK-ACK" }));
+        }
+    })
+    .with(&[&env_17::RULE.rule]),
+    trial: None,
     mutants: &[Mutant {
         name: "an acknowledgment of nothing",
-        make: || fw::then(|talk| talk.tells(json!({ "type": "ACK-ACK" }))),
-        also: &["FW-ENV-17"],
+        make: || mutant::then(|session| session.tells(json!({ "type": "ACK-ACK" }))),
+        also: &[&env_17::RULE.rule],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if !turn.is_of_server() || !matches!(turn.type_name, Some("ACK-ACK" | "ACK-NAK")) {
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if !matches!(message.type_name, Some("ACK-ACK" | "ACK-NAK")) {
         return;
     }
-    judged.exercise();
-    if turn.role != Role::Response {
-        turn.breaks(judged, || Detail::new("an acknowledgment without `refs`"));
+    context.covered();
+    if message.role != Role::Response {
+        message.violates(context, || Detail::new("an acknowledgment without `refs`"));
     }
 }

@@ -1,7 +1,11 @@
 //! `FW-ACK-03`.
 
-use super::fw::{self, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, Detail, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status,
+    Tree, body, mutant, source,
+};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -10,23 +14,30 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "ACK-ACK has nothing but `type`.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "ACK-ACK",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[Attribution::new(&["ACK-ACK"], "*", &[Fault::Further])],
+    bug: Bug::message("ACK-ACK has a reason.", |out| {
+        if let Some(body) = out.body_of("ACK-ACK") {
+            body["reason"] = json!("why not");
+        }
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "a reason",
-        make: || fw::reply("ACK-ACK", |body| body["reason"] = "Fine".into()),
+        make: || mutant::reply("ACK-ACK", |body| body["reason"] = "Fine".into()),
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(Tree::Object(members)) = turn.body_of("ACK-ACK") else { return };
-    judged.exercise();
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    let Some(Tree::Object(members)) = message.body_of("ACK-ACK") else { return };
+    context.covered();
     if let Some((key, _)) = members.iter().find(|(key, _)| key != "type") {
-        turn.breaks(judged, || {
-            Detail::new(format!("it has {}, too", fw::quoted(key))).at(pointer(&["body", key]))
+        message.violates(context, || {
+            Detail::new(format!("it has {}, too", body::quoted(key))).at(pointer(&["body", key]))
         });
     }
 }

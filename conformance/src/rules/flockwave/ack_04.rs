@@ -1,7 +1,11 @@
 //! `FW-ACK-04`.
 
-use super::fw::{self, Shape, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, Detail, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape,
+    Status, Tree, body, mutant, source,
+};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -10,31 +14,41 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "ACK-NAK has nothing beside `type` but a string `reason`.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "ACK-NAK",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[
+        Attribution::new(&["ACK-NAK"], "*", &[Fault::Further]),
+        Attribution::new(&["ACK-NAK"], "reason", &[Fault::Kind]),
+    ],
+    bug: Bug::message("The reason of ACK-NAK is an object.", |out| {
+        if let Some(body) = out.body_of("ACK-NAK") {
+            body["reason"] = json!({ "en": "no" });
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a number for the reason",
-            make: || fw::reply("ACK-NAK", |body| body["reason"] = 7.into()),
+            make: || mutant::reply("ACK-NAK", |body| body["reason"] = 7.into()),
             also: &[],
         },
         Mutant {
             name: "another field",
-            make: || fw::reply("ACK-NAK", |body| body["code"] = 7.into()),
+            make: || mutant::reply("ACK-NAK", |body| body["code"] = 7.into()),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(Tree::Object(members)) = turn.body_of("ACK-NAK") else { return };
-    judged.exercise();
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    let Some(Tree::Object(members)) = message.body_of("ACK-NAK") else { return };
+    context.covered();
     if let Some((key, _)) = members.iter().find(|(key, _)| key != "type" && key != "reason") {
-        turn.breaks(judged, || {
-            Detail::new(format!("it has {}, too", fw::quoted(key))).at(pointer(&["body", key]))
+        message.violates(context, || {
+            Detail::new(format!("it has {}, too", body::quoted(key))).at(pointer(&["body", key]))
         });
     }
-    fw::field(turn, judged, "reason", false, &Shape::Nullable(&Shape::Text));
+    body::field(message, context, "reason", false, &Shape::Nullable(&Shape::Text));
 }

@@ -4,37 +4,43 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Needs, Rule, RuleContext, Status, body,
+    mutant, served, source,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ACK-06",
         level: Level::Must,
         status: Status::Normative,
         statement: "A request that needs a login is refused with ACK-NAK before it.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "requests that try it",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::behaviour("Requests are served without the login that they need (with --login).")
+        .needs(Needs::Login),
+    trial: None,
     mutants: &[
         Mutant {
             name: "it is served",
             make: || {
                 let served = json!({ "type": "UAV-LIST", "ids": ["kite"] });
                 let asked = json!({ "type": "UAV-LIST" });
-                fw::over("tcp#9", |talk| talk.tries_and_hears("FW-ACK-06", "", asked, served))
+                mutant::over("tcp#9", |session| session.tries_and_hears(&RULE.rule, "", asked, served))
             },
             also: &[],
         },
-        Mutant { name: "it isn't answered", make: || fw::unanswered("tcp#9", "FW-ACK-06"), also: &[] },
+        Mutant { name: "it isn't answered", make: || mutant::unanswered("tcp#9", &RULE.rule), also: &[] },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if fw::tried(turn, judged) && turn.type_name != Some("ACK-NAK") {
-        turn.breaks(judged, || {
-            let found = turn.type_name.map_or_else(|| "another answer".to_owned(), fw::quoted);
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if served::tried(exchange, context) && exchange.type_name != Some("ACK-NAK") {
+        exchange.violates(context, || {
+            let found = exchange.type_name.map_or_else(|| "another answer".to_owned(), body::quoted);
             Detail::differs("ACK-NAK", found)
         });
     }

@@ -2,8 +2,9 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,15 +12,24 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "A reply about one object has exactly one of `result`, `error` and `receipt`.",
-        source: fw::ASYNC,
+        source: source::ASYNC,
         applies_to: "LOG-DATA",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("LOG-DATA has a receipt and an error.", |out| {
+        if let Some(body) = out.body_of("LOG-DATA")
+            && body.get("receipt").is_some()
+        {
+            body["error"] = json!("the log is late");
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a result beside the receipt",
             make: || {
-                fw::reply("LOG-DATA", |body| {
+                mutant::reply("LOG-DATA", |body| {
                     body["result"] = json!({ "id": "7", "kind": "text", "body": "Took off" });
                 })
             },
@@ -28,8 +38,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "nothing",
             make: || {
-                fw::then(|talk| {
-                    talk.asks(json!({ "type": "LOG-DATA", "uavId": "kite", "logId": "8" }), json!({}));
+                mutant::then(|session| {
+                    session.asks(json!({ "type": "LOG-DATA", "uavId": "kite", "logId": "8" }), json!({}));
                 })
             },
             also: &[],
@@ -37,8 +47,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.response("LOG-DATA").is_some() {
-        fw::exactly_one(turn, judged, &["result", "error", "receipt"], "result");
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.response("LOG-DATA").is_some() {
+        body::exactly_one(message, context, &["result", "error", "receipt"], "result");
     }
 }

@@ -1,7 +1,9 @@
 //! `FW-ASY-02`.
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, asy_09, mutant, reply,
+    source,
+};
 use crate::flockwave::session::OPERATIONS;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -10,24 +12,30 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "In a reply about several objects, each that was asked for stands in exactly one of `result`, `error` and `receipt`.",
-        source: fw::ASYNC,
+        source: source::ASYNC,
         applies_to: "commands to several objects",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::message("The last object that was asked for is missing.", |out| {
+        out.lose_last(&OPERATIONS);
+    })
+    .with(&[&asy_09::RULE.rule]),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a glider is missing",
-            make: || fw::reply("UAV-TAKEOFF", |body| fw::remove(body, "result")),
+            make: || mutant::reply("UAV-TAKEOFF", |body| mutant::remove(body, "result")),
             also: &[],
         },
         Mutant {
             name: "a glider is in two",
-            make: || fw::reply("UAV-TAKEOFF", |body| body["result"]["owl"] = true.into()),
+            make: || mutant::reply("UAV-TAKEOFF", |body| body["result"]["owl"] = true.into()),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::partition(turn, judged, &OPERATIONS);
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    reply::partition(exchange, context, &OPERATIONS);
 }

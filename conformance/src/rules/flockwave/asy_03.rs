@@ -1,7 +1,10 @@
 //! `FW-ASY-03`.
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, mutant, reply, source,
+};
 use crate::flockwave::session::OPERATIONS;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -10,17 +13,24 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "A reply about several objects tells of none that wasn't asked for.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "commands to several objects",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::message("There is an object that nobody asked for.", |out| {
+        if OPERATIONS.contains(&out.kind()) {
+            out.message()["body"]["error"]["ghost-1"] = json!("there is no such object");
+        }
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "one more glider",
-        make: || fw::reply("UAV-TAKEOFF", |body| body["error"]["hawk"] = "Asleep".into()),
+        make: || mutant::reply("UAV-TAKEOFF", |body| body["error"]["hawk"] = "Asleep".into()),
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::strangers(turn, judged, &OPERATIONS);
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    reply::strangers(exchange, context, &OPERATIONS);
 }

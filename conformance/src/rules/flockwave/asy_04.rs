@@ -2,25 +2,34 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Shape, Tree, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, Fault, FlockwaveRule, Level, Message, Mutant, OPERATIONS, Role, Rule,
+    RuleContext, Shape, Status, Tree, attribution, body, env_18, mutant, reply, source,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-04",
         level: Level::Should,
         status: Status::Advisory,
         statement: "A receipt is a string of 1 to 64 characters.",
-        source: fw::SCHEMA,
+        source: source::SCHEMA,
         applies_to: "replies with `receipt`",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[
+        Attribution::new(&OPERATIONS, "receipt", &[Fault::Kind]),
+        Attribution::new(&OPERATIONS, "receipt.*", attribution::UNFIT),
+        Attribution::new(&["LOG-DATA"], "receipt", attribution::WRONG),
+    ],
+    bug: Bug::behaviour("Receipts are 70 characters long.").with(&[&env_18::RULE.rule]),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a number",
             make: || {
-                fw::then(|talk| {
-                    talk.asks(
+                mutant::then(|session| {
+                    session.asks(
                         json!({ "type": "UAV-RTH", "ids": ["kite"] }),
                         json!({ "receipt": { "kite": 7 } }),
                     );
@@ -31,8 +40,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "an empty one",
             make: || {
-                fw::then(|talk| {
-                    talk.asks(
+                mutant::then(|session| {
+                    session.asks(
                         json!({ "type": "UAV-RTH", "ids": ["kite"] }),
                         json!({ "receipt": { "kite": "" } }),
                     );
@@ -45,15 +54,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 const RECEIPT: Shape = Shape::Length(1, 64);
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.role != Role::Response || !turn.is_of_server() || !turn.type_name.is_some_and(fw::gives_receipts)
-    {
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.role != Role::Response || !message.type_name.is_some_and(reply::gives_receipts) {
         return;
     }
     let of_many = Shape::Map(&RECEIPT);
-    let shape = if turn.type_name == Some("LOG-DATA") { &RECEIPT } else { &of_many };
-    match turn.field("receipt") {
+    let shape = if message.type_name == Some("LOG-DATA") { &RECEIPT } else { &of_many };
+    match message.field("receipt") {
         None | Some(Tree::Null) => {}
-        Some(_) => fw::field(turn, judged, "receipt", true, shape),
+        Some(_) => body::field(message, context, "receipt", true, shape),
     }
 }

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Stage, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, asy_09,
+    body, bug, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,29 +13,38 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "The reply with a receipt comes before what names it.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "ASYNC-* over time",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::message("Progress comes before the response with the receipt.", |out| {
+        if let Some(receipt) = out.receipt() {
+            out.precede(bug::progress(&receipt));
+        }
+    })
+    .with(&[&asy_09::RULE.rule]),
+    trial: None,
     mutants: &[Mutant {
         name: "the end of an operation before its receipt",
         make: || {
-            fw::then(|talk| {
-                let id = talk.sends(json!({ "type": "UAV-RTH", "ids": ["kite"] }));
-                talk.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
-                talk.answers(&id, json!({ "body": { "type": "UAV-RTH", "receipt": { "kite": "rcpt-8" } } }));
+            mutant::then(|session| {
+                let id = session.sends(json!({ "type": "UAV-RTH", "ids": ["kite"] }));
+                session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
+                session
+                    .answers(&id, json!({ "body": { "type": "UAV-RTH", "receipt": { "kite": "rcpt-8" } } }));
             })
         },
-        also: &["FW-ASY-09"],
+        also: &[&asy_09::RULE.rule],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    for named in turn.opened.iter().filter(|named| named.is_known) {
-        judged.exercise();
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    for named in exchange.opened.iter().filter(|named| named.is_known) {
+        context.covered();
         if named.stage() == Some(Stage::Early) {
-            turn.breaks(judged, || {
-                Detail::new(format!("a notification has named {} already", fw::quoted(&named.receipt)))
+            exchange.violates(context, || {
+                Detail::new(format!("a notification has named {} already", body::quoted(&named.receipt)))
                     .at("/body/receipt")
             });
         }

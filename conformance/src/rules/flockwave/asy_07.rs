@@ -1,7 +1,10 @@
 //! `FW-ASY-07`.
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,26 +12,34 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "ASYNC-RESP has exactly one of `result` and `error`.",
-        source: fw::ASYNC,
+        source: source::ASYNC,
         applies_to: "ASYNC-RESP",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("ASYNC-RESP has a result and an error.", |out| {
+        if let Some(body) = out.body_of("ASYNC-RESP") {
+            body["result"] = json!(true);
+            body["error"] = json!("and yet");
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "both",
-            make: || fw::notice("ASYNC-RESP", |body| body["error"] = "Winch broke".into()),
+            make: || mutant::notice("ASYNC-RESP", |body| body["error"] = "Winch broke".into()),
             also: &[],
         },
         Mutant {
             name: "neither",
-            make: || fw::notice("ASYNC-RESP", |body| fw::remove(body, "result")),
+            make: || mutant::notice("ASYNC-RESP", |body| mutant::remove(body, "result")),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("ASYNC-RESP").is_some() {
-        fw::exactly_one(turn, judged, &["result", "error"], "result");
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body_of("ASYNC-RESP").is_some() {
+        body::exactly_one(message, context, &["result", "error"], "result");
     }
 }

@@ -1,9 +1,11 @@
 //! `FW-ASY-08`.
 
-use serde_json::json;
+use serde_json::{Value, json};
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,20 +13,31 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "`id` of ASYNC-RESP is a string, and so is `error`.",
-        source: fw::ASYNC,
+        source: source::ASYNC,
         applies_to: "ASYNC-RESP",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[
+        Attribution::new(&["ASYNC-RESP"], "id", attribution::MISSING),
+        Attribution::new(&["ASYNC-RESP"], "error", &[Fault::Kind]),
+    ],
+    bug: Bug::message("The error of ASYNC-RESP is a number.", |out| {
+        if let Some(body) = out.body_of("ASYNC-RESP").and_then(Value::as_object_mut) {
+            body.remove("result");
+            body.insert("error".to_owned(), json!(7));
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "an id that is a number",
-            make: || fw::notice("ASYNC-RESP", |body| body["id"] = 7.into()),
+            make: || mutant::notice("ASYNC-RESP", |body| body["id"] = 7.into()),
             also: &[],
         },
         Mutant {
             name: "an error that is a number",
             make: || {
-                fw::notice("ASYNC-RESP", |body| {
+                mutant::notice("ASYNC-RESP", |body| {
                     *body = json!({ "type": "ASYNC-RESP", "id": "rcpt-1", "error": 7 });
                 })
             },
@@ -33,9 +46,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("ASYNC-RESP").is_some() {
-        fw::field(turn, judged, "id", true, &Shape::Text);
-        fw::field(turn, judged, "error", false, &Shape::Nullable(&Shape::Text));
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body_of("ASYNC-RESP").is_some() {
+        body::field(message, context, "id", true, &Shape::Text);
+        body::field(message, context, "error", false, &Shape::Nullable(&Shape::Text));
     }
 }

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Stage, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Stage, Status, body,
+    bug, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,28 +13,41 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "ASYNC-RESP, ASYNC-ST and ASYNC-TIMEOUT name receipts that were given on the same connection.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "ASYNC-* over time",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::message("Progress of an operation comes that nobody knows.", |out| {
+        if out.receipt().is_some() {
+            out.follow(None, bug::progress(&json!("nobody-has-this")));
+        }
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "the end of what never began",
-        make: || fw::then(|talk| talk.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }))),
+        make: || {
+            mutant::then(|session| {
+                session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
+            })
+        },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.role != Role::Notification {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.role != Role::Notification {
         return;
     }
-    for named in turn.operations.iter().filter(|named| named.is_known && turn.exchange.connection.is_told) {
-        judged.exercise();
+    for named in
+        exchange.operations.iter().filter(|named| named.is_known && exchange.record.connection.is_told)
+    {
+        context.covered();
         if matches!(named.stage(), None | Some(Stage::Early)) {
-            turn.breaks(judged, || {
+            exchange.violates(context, || {
                 Detail::new(format!(
                     "no reply on this connection has had the receipt {}",
-                    fw::quoted(&named.receipt)
+                    body::quoted(&named.receipt)
                 ))
                 .at("/body")
             });

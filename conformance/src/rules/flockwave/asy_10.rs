@@ -7,25 +7,35 @@ use std::collections::BTreeMap;
 
 use serde_json::json;
 
-use super::fw::{self, PerConnection, Role, Stage, Tree, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Role, Rule,
+    RuleContext, SessionCheck, Stage, Status, StatusReport, Tree, asy_17, body, mutant, served, source,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-10",
         level: Level::Must,
         status: Status::Normative,
         statement: "Each receipt ends in one ASYNC-RESP or ASYNC-TIMEOUT, and no more.",
-        source: fw::ASYNC,
+        source: source::ASYNC,
         applies_to: "ASYNC-* over time",
     },
-    check: Check::State(|| Box::new(Ends::default())),
+    checks: &[Check::Session(|| Box::new(Ends::default()))],
+    covers: &[],
+    bug: Bug::message("Nothing is heard of the end of operations.", |out| {
+        if out.kind() == "ASYNC-RESP" {
+            out.message = None;
+        }
+    })
+    .with(&[&asy_17::RULE.rule]),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a result after the timeout",
             make: || {
-                fw::then(|talk| {
-                    talk.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-2", "result": "Flaps out" }));
+                mutant::then(|session| {
+                    session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-2", "result": "Flaps out" }));
                 })
             },
             also: &[],
@@ -33,20 +43,22 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "a second result",
             make: || {
-                fw::then(|talk| talk.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-1", "result": true })))
+                mutant::then(|session| {
+                    session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-1", "result": true }));
+                })
             },
             also: &[],
         },
         Mutant {
             name: "no end of what takes no time",
             make: || {
-                fw::over("tcp#9", |talk| {
+                mutant::over("tcp#9", |session| {
                     let test = json!({ "type": "UAV-TEST", "ids": ["kite"], "component": "lamp" });
-                    let id = talk.tries("FW-ASY-10", "", test);
+                    let id = session.tries(&RULE.rule, "", test);
                     let body = json!({ "type": "UAV-TEST", "receipt": { "kite": "rcpt-50" } });
-                    talk.answers(&id, json!({ "body": body }));
-                    talk.wait(2.0 * PATIENCE);
-                    talk.tells(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+                    session.answers(&id, json!({ "body": body }));
+                    session.wait(2.0 * PATIENCE);
+                    session.tells(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
                 })
             },
             also: &[],
@@ -61,47 +73,50 @@ const PATIENCE: f64 = 18.0;
 const MAX_OPEN: usize = 1_000;
 
 /// Operations that try the rule: where they begin and when something was told of them last, by receipt.
-#[derive(Default)]
-struct Ends(PerConnection<BTreeMap<String, (Place, f64)>>);
+type Open = BTreeMap<String, (Place, f64)>;
 
-impl Checker for Ends {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
-        if !turn.is_of_server() || !turn.exchange.connection.is_told {
+/// The operations that try the rule, connection by connection.
+#[derive(Default)]
+struct Ends(PerConnection<Open>);
+
+impl SessionCheck for Ends {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        if !exchange.is_of_server() || !exchange.record.connection.is_told {
             return;
         }
-        if matches!(turn.type_name, Some("ASYNC-RESP" | "ASYNC-TIMEOUT")) && turn.role == Role::Notification {
-            once(turn, judged);
+        if matches!(exchange.type_name, Some("ASYNC-RESP" | "ASYNC-TIMEOUT"))
+            && exchange.role == Role::Notification
+        {
+            once(exchange, context);
         }
-        let open = self.0.of(turn);
-        let Some(now) = turn.time else { return open.clear() };
-        for named in &turn.operations {
-            let goes_on = turn.type_name == Some("ASYNC-ST")
-                && !matches!(turn.field("suspended"), Some(Tree::Bool(true)));
+        let open = self.0.of(exchange);
+        let Some(now) = exchange.time else { return open.clear() };
+        for named in &exchange.operations {
+            let goes_on = exchange.type_name == Some("ASYNC-ST")
+                && !matches!(exchange.field("suspended"), Some(Tree::Bool(true)));
             match open.get_mut(&named.receipt).filter(|_| goes_on) {
                 Some((_, heard)) => *heard = now,
                 // It ends, or waits for the client.
                 None => _ = open.remove(&named.receipt),
             }
         }
-        if fw::tried(turn, judged) {
-            for named in turn.opened.iter().take(MAX_OPEN.saturating_sub(open.len())) {
-                open.insert(named.receipt.clone(), (turn.exchange.place, now));
+        if served::tried(exchange, context) {
+            for named in exchange.opened.iter().take(MAX_OPEN.saturating_sub(open.len())) {
+                open.insert(named.receipt.clone(), (exchange.record.place, now));
             }
         }
-        open.retain(|receipt, (place, heard)| {
-            let waited = now - *heard;
-            if waited > PATIENCE {
-                judged.report("operation", *place, || {
-                    let receipt = fw::quoted(receipt);
-                    Detail::new(format!(
-                        "for {waited:.0} s nothing was told of {receipt}, nor of its end, though the server spoke"
-                    ))
-                    .expected("ASYNC-RESP or ASYNC-TIMEOUT")
-                    .actual("none")
-                });
-            }
-            waited <= PATIENCE
-        });
+        pass(open, now, context);
+    }
+
+    fn status_report(&mut self, report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
+        if !report.connection().is_told {
+            return;
+        }
+        let open = self.0.at(report.connection_id());
+        match report.time() {
+            Some(now) => pass(open, now, context),
+            None => open.clear(),
+        }
     }
 
     fn damage(&mut self, _: Place) {
@@ -110,13 +125,32 @@ impl Checker for Ends {
 }
 
 /// No end is told twice.
-fn once(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    for named in &turn.operations {
-        judged.exercise();
+fn once(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    for named in &exchange.operations {
+        context.covered();
         if named.stage() == Some(Stage::Ended) {
-            turn.breaks(judged, || {
-                Detail::new(format!("the end of {} was told already", fw::quoted(&named.receipt))).at("/body")
+            exchange.violates(context, || {
+                Detail::new(format!("the end of {} was told already", body::quoted(&named.receipt)))
+                    .at("/body")
             });
         }
     }
+}
+
+/// Reports the operations of which nothing was told for long.
+fn pass(open: &mut Open, now: f64, context: &mut RuleContext<'_>) {
+    open.retain(|receipt, (place, heard)| {
+        let waited = now - *heard;
+        if waited > PATIENCE {
+            context.violation("operation", *place, || {
+                let receipt = body::quoted(receipt);
+                Detail::new(format!(
+                    "for {waited:.0} s nothing was told of {receipt}, nor of its end, though the server spoke"
+                ))
+                .expected("ASYNC-RESP or ASYNC-TIMEOUT")
+                .actual("none")
+            });
+        }
+        waited <= PATIENCE
+    });
 }

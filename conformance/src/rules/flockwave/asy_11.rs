@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Stage, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, body, bug,
+    mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,29 +13,37 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "Nothing is told of a receipt after its end.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "ASYNC-ST over time",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::message("Progress comes after the end.", |out| {
+        if let Some(body) = out.body_of("ASYNC-RESP") {
+            let receipt = body["id"].clone();
+            out.follow(None, bug::progress(&receipt));
+        }
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "progress after the end",
         make: || {
             let late = json!({ "type": "ASYNC-ST", "id": "rcpt-1", "progress": { "percentage": 80 } });
-            fw::then(|talk| talk.tells(late))
+            mutant::then(|session| session.tells(late))
         },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.notification("ASYNC-ST").is_none() {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.notification("ASYNC-ST").is_none() {
         return;
     }
-    for named in turn.operations.iter().filter(|_| turn.exchange.connection.is_told) {
-        judged.exercise();
+    for named in exchange.operations.iter().filter(|_| exchange.record.connection.is_told) {
+        context.covered();
         if named.stage() == Some(Stage::Ended) {
-            turn.breaks(judged, || {
-                Detail::new(format!("the end of {} was told already", fw::quoted(&named.receipt)))
+            exchange.violates(context, || {
+                Detail::new(format!("the end of {} was told already", body::quoted(&named.receipt)))
                     .at("/body/id")
             });
         }

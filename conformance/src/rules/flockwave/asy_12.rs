@@ -1,7 +1,11 @@
 //! `FW-ASY-12`.
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,24 +15,36 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             "The percentage may be null by the text, but not by the published schema; here it may.",
         ),
         statement: "ASYNC-ST has `id` and `progress`; its percentage is an integer from 0 to 100, and `suspended` true or false.",
-        source: fw::ASYNC,
+        source: source::ASYNC,
         applies_to: "ASYNC-ST",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[
+        Attribution::new(&["ASYNC-ST"], "id", attribution::MISSING),
+        Attribution::new(&["ASYNC-ST"], "progress", attribution::MISSING),
+        Attribution::new(&["ASYNC-ST"], "progress.percentage", attribution::WRONG),
+        Attribution::new(&["ASYNC-ST"], "suspended", &[Fault::Kind]),
+    ],
+    bug: Bug::message("More than all is done.", |out| {
+        if let Some(body) = out.body_of("ASYNC-ST") {
+            body["progress"]["percentage"] = json!(140);
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "110 percent",
-            make: || fw::notice("ASYNC-ST", |body| body["progress"]["percentage"] = 110.into()),
+            make: || mutant::notice("ASYNC-ST", |body| body["progress"]["percentage"] = 110.into()),
             also: &[],
         },
         Mutant {
             name: "no progress",
-            make: || fw::notice("ASYNC-ST", |body| fw::remove(body, "progress")),
+            make: || mutant::notice("ASYNC-ST", |body| mutant::remove(body, "progress")),
             also: &[],
         },
         Mutant {
             name: "`suspended` is a word",
-            make: || fw::notice("ASYNC-ST", |body| body["suspended"] = "no".into()),
+            make: || mutant::notice("ASYNC-ST", |body| body["suspended"] = "no".into()),
             also: &[],
         },
     ],
@@ -36,13 +52,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 const PERCENTAGE: Shape = Shape::Nullable(&Shape::Integer(0, 100));
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("ASYNC-ST").is_none() {
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body_of("ASYNC-ST").is_none() {
         return;
     }
-    fw::field(turn, judged, "id", true, &Shape::Text);
-    fw::field(turn, judged, "progress", true, &Shape::Object);
-    fw::field(turn, judged, "suspended", false, &Shape::Nullable(&Shape::Bool));
+    body::field(message, context, "id", true, &Shape::Text);
+    body::field(message, context, "progress", true, &Shape::Object);
+    body::field(message, context, "suspended", false, &Shape::Nullable(&Shape::Bool));
     let keys = ["body", "progress"];
-    fw::member(turn, judged, turn.field("progress"), &keys, ("percentage", false), &PERCENTAGE);
+    body::member(message, context, message.field("progress"), &keys, ("percentage", false), &PERCENTAGE);
 }

@@ -2,47 +2,55 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Stage, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Stage, Status, body,
+    mutant, source,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-14",
         level: Level::Must,
         status: Status::Normative,
         statement: "A suspended operation doesn't end until the client resumes or cancels it.",
-        source: fw::ASYNC,
+        source: source::ASYNC,
         applies_to: "ASYNC-* over time",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::behaviour("Suspended operations go on by themselves."),
+    trial: None,
     mutants: &[Mutant {
         name: "it ends by itself",
         make: || {
-            fw::then(|talk| {
-                talk.asks(
+            mutant::then(|session| {
+                session.asks(
                     json!({ "type": "UAV-RTH", "ids": ["kite"] }),
                     json!({ "receipt": { "kite": "rcpt-8" } }),
                 );
-                talk.tells(json!({ "type": "ASYNC-ST", "id": "rcpt-8", "progress": {}, "suspended": true }));
-                talk.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
+                session
+                    .tells(json!({ "type": "ASYNC-ST", "id": "rcpt-8", "progress": {}, "suspended": true }));
+                session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
             })
         },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if !matches!(turn.type_name, Some("ASYNC-RESP" | "ASYNC-TIMEOUT")) || turn.role != Role::Notification {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if !matches!(exchange.type_name, Some("ASYNC-RESP" | "ASYNC-TIMEOUT"))
+        || exchange.role != Role::Notification
+    {
         return;
     }
-    for named in turn.operations.iter().filter(|_| turn.exchange.connection.is_told) {
+    for named in exchange.operations.iter().filter(|_| exchange.record.connection.is_told) {
         let Some(operation) = &named.before else { continue };
-        judged.exercise();
+        context.covered();
         if operation.stage == Stage::Suspended {
-            turn.breaks(judged, || {
+            exchange.violates(context, || {
                 Detail::new(format!(
                     "{} waits for the client, who has neither resumed nor cancelled it",
-                    fw::quoted(&named.receipt)
+                    body::quoted(&named.receipt)
                 ))
                 .at("/body")
             });

@@ -1,7 +1,10 @@
 //! `FW-ASY-16`.
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, mutant, reply, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,24 +12,35 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "Each receipt that was to be cancelled or resumed stands in exactly one of `success` and `error`.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "ASYNC-CANCEL, ASYNC-RESUME",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::message("Receipts that were cancelled or resumed are also errors.", |out| {
+        if !["ASYNC-CANCEL", "ASYNC-RESUME"].contains(&out.kind()) {
+            return;
+        }
+        let body = &mut out.message()["body"];
+        if let Some(receipt) = body["success"][0].as_str().map(str::to_owned) {
+            body["error"][receipt] = json!("and yet");
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a receipt in both",
-            make: || fw::reply("ASYNC-RESUME", |body| body["error"]["rcpt-1"] = "Not now".into()),
+            make: || mutant::reply("ASYNC-RESUME", |body| body["error"]["rcpt-1"] = "Not now".into()),
             also: &[],
         },
         Mutant {
             name: "a receipt in none",
-            make: || fw::reply("ASYNC-RESUME", |body| fw::remove(body, "error")),
+            make: || mutant::reply("ASYNC-RESUME", |body| mutant::remove(body, "error")),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::partition(turn, judged, &["ASYNC-CANCEL", "ASYNC-RESUME"]);
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    reply::partition(exchange, context, &["ASYNC-CANCEL", "ASYNC-RESUME"]);
 }

@@ -8,27 +8,32 @@ use std::collections::{BTreeMap, VecDeque};
 
 use serde_json::json;
 
-use super::fw::{self, PerConnection, Stage, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule, RuleContext,
+    Session, SessionCheck, Stage, Status, StatusReport, body, mutant, source,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-17",
         level: Level::Must,
         status: Status::Normative,
         statement: "An operation that a client has cancelled still ends in an ASYNC-RESP, with an error.",
-        source: fw::ASYNC,
+        source: source::ASYNC,
         applies_to: "ASYNC-CANCEL over time",
     },
-    check: Check::State(|| Box::new(Cancelled::default())),
+    checks: &[Check::Session(|| Box::new(Cancelled::default()))],
+    covers: &[],
+    bug: Bug::behaviour("Operations that were cancelled go on."),
+    trial: None,
     mutants: &[
         Mutant {
             name: "nothing is told of its end",
             make: || {
-                fw::over("tcp#9", |talk| {
-                    cancel(talk, "rcpt-40");
-                    talk.wait(2.0 * PATIENCE);
-                    talk.tells(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+                mutant::over("tcp#9", |session| {
+                    cancel(session, "rcpt-40");
+                    session.wait(2.0 * PATIENCE);
+                    session.tells(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
                 })
             },
             also: &[],
@@ -36,9 +41,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "it has a result",
             make: || {
-                fw::over("tcp#9", |talk| {
-                    cancel(talk, "rcpt-40");
-                    talk.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-40", "result": "Flaps out" }));
+                mutant::over("tcp#9", |session| {
+                    cancel(session, "rcpt-40");
+                    session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-40", "result": "Flaps out" }));
                 })
             },
             also: &[],
@@ -46,9 +51,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "it is timed out",
             make: || {
-                fw::over("tcp#9", |talk| {
-                    cancel(talk, "rcpt-40");
-                    talk.tells(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-40"] }));
+                mutant::over("tcp#9", |session| {
+                    cancel(session, "rcpt-40");
+                    session.tells(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-40"] }));
                 })
             },
             also: &[],
@@ -63,9 +68,9 @@ const PATIENCE: f64 = 10.0;
 const MAX_CANCELLED: usize = 1_000;
 
 /// An operation is begun, and cancelled.
-fn cancel(talk: &mut fw::Conversation, receipt: &str) {
-    talk.command(receipt);
-    talk.asks(json!({ "type": "ASYNC-CANCEL", "ids": [receipt] }), json!({ "success": [receipt] }));
+fn cancel(session: &mut Session, receipt: &str) {
+    session.command(receipt);
+    session.asks(json!({ "type": "ASYNC-CANCEL", "ids": [receipt] }), json!({ "success": [receipt] }));
 }
 
 /// What was cancelled, connection by connection.
@@ -81,16 +86,22 @@ struct Waiting {
     times: VecDeque<(f64, String, Place)>,
 }
 
-impl Checker for Cancelled {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
-        if turn.message().is_none() || !turn.exchange.connection.is_told {
+impl SessionCheck for Cancelled {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        if exchange.message().is_none() || !exchange.record.connection.is_told {
             return;
         }
-        let waiting = self.0.of(turn);
-        waiting.end(turn, judged);
-        waiting.pass(turn, judged);
-        if turn.response("ASYNC-CANCEL").is_some() {
-            waiting.begin(turn);
+        let waiting = self.0.of(exchange);
+        waiting.end(exchange, context);
+        waiting.pass(exchange.time, context);
+        if exchange.response("ASYNC-CANCEL").is_some() {
+            waiting.begin(exchange);
+        }
+    }
+
+    fn status_report(&mut self, report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
+        if report.connection().is_told {
+            self.0.at(report.connection_id()).pass(report.time(), context);
         }
     }
 
@@ -101,40 +112,40 @@ impl Checker for Cancelled {
 
 impl Waiting {
     /// Operations are cancelled.
-    fn begin(&mut self, turn: &Turn<'_>) {
-        for named in &turn.operations {
+    fn begin(&mut self, exchange: &Exchange<'_>) {
+        for named in &exchange.operations {
             let is_open = matches!(named.stage(), Some(Stage::Open | Stage::Suspended | Stage::Released));
             let has_room = self.receipts.len() < MAX_CANCELLED && self.times.len() < MAX_CANCELLED;
             if !is_open || !has_room || self.receipts.contains_key(&named.receipt) {
                 continue;
             }
-            let place = turn.exchange.place;
+            let place = exchange.record.place;
             self.receipts.insert(named.receipt.clone(), place);
-            self.times.extend(turn.time.map(|time| (time, named.receipt.clone(), place)));
+            self.times.extend(exchange.time.map(|time| (time, named.receipt.clone(), place)));
         }
     }
 
     /// Something is told of the end of operations.
-    fn end(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
+    fn end(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         // Another operation has the same receipt.
-        for named in &turn.opened {
+        for named in &exchange.opened {
             self.receipts.remove(&named.receipt);
         }
-        let actual = match turn.type_name {
+        let actual = match exchange.type_name {
             Some("ASYNC-TIMEOUT") => Some("ASYNC-TIMEOUT"),
-            Some("ASYNC-RESP") if fw::is_there(turn.field("error")) => None,
+            Some("ASYNC-RESP") if body::is_there(exchange.field("error")) => None,
             // With neither it isn't known what it wants to say.
-            Some("ASYNC-RESP") => turn.field("result").map(|_| "a result"),
+            Some("ASYNC-RESP") => exchange.field("result").map(|_| "a result"),
             _ => return,
         };
-        for named in &turn.operations {
+        for named in &exchange.operations {
             if self.receipts.remove(&named.receipt).is_none() {
                 continue;
             }
-            judged.exercise();
+            context.covered();
             if let Some(actual) = actual {
-                turn.breaks(judged, || {
-                    let receipt = fw::quoted(&named.receipt);
+                exchange.violates(context, || {
+                    let receipt = body::quoted(&named.receipt);
                     Detail::new(format!("{receipt} was cancelled, and ends in {actual}"))
                         .expected("ASYNC-RESP with an error")
                         .actual(actual)
@@ -144,8 +155,8 @@ impl Waiting {
     }
 
     /// Time passes.
-    fn pass(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
-        let Some(now) = turn.time else { return };
+    fn pass(&mut self, time: Option<f64>, context: &mut RuleContext<'_>) {
+        let Some(now) = time else { return };
         while self.times.front().is_some_and(|(time, ..)| now - time > PATIENCE) {
             let Some((time, receipt, place)) = self.times.pop_front() else { break };
             // It may have ended since, and another may have its receipt.
@@ -153,9 +164,9 @@ impl Waiting {
                 continue;
             }
             self.receipts.remove(&receipt);
-            judged.exercise();
-            judged.report("ASYNC-CANCEL", place, || {
-                let receipt = fw::quoted(&receipt);
+            context.covered();
+            context.violation("ASYNC-CANCEL", place, || {
+                let receipt = body::quoted(&receipt);
                 let waited = now - time;
                 Detail::new(format!(
                     "{receipt} was cancelled, and for {waited:.0} s nothing was told of its end, though the server spoke"

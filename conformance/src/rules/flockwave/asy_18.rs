@@ -2,29 +2,41 @@
 
 use serde_json::json;
 
-use super::fw;
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, FlockwaveRule, Level, Mutant, Request, Rule, Status, Trial, mutant, served, source, trial,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-18",
         level: Level::Info,
         status: Status::Advisory,
         statement: "A receipt that nobody knows has an entry in `error` where it is to be cancelled or resumed.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "ASYNC-CANCEL and ASYNC-RESUME that try it",
     },
-    check: Check::Exchange(|turn, judged| fw::in_error(turn, judged, &["ASYNC-CANCEL", "ASYNC-RESUME"])),
+    checks: &[Check::Exchange(|exchange, context| {
+        served::in_error(exchange, context, &["ASYNC-CANCEL", "ASYNC-RESUME"]);
+    })],
+    covers: &[],
+    bug: Bug::behaviour("Operations that nobody knows can be cancelled."),
+    trial: Some(Trial::Requests(|_| requests())),
     mutants: &[
         Mutant {
             name: "it is cancelled",
             make: || {
                 let cancel = json!({ "type": "ASYNC-CANCEL", "ids": ["rcpt-none"] });
                 let done = json!({ "type": "ASYNC-CANCEL", "success": ["rcpt-none"] });
-                fw::over("tcp#9", |talk| talk.tries_and_hears("FW-ASY-18", "", cancel, done))
+                mutant::over("tcp#9", |session| session.tries_and_hears(&RULE.rule, "", cancel, done))
             },
             also: &[],
         },
-        Mutant { name: "the request is refused", make: || fw::refused("tcp#9", "FW-ASY-18"), also: &[] },
+        Mutant { name: "the request is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
     ],
 };
+
+fn requests() -> Vec<Request> {
+    let cancel = json!({ "type": "ASYNC-CANCEL", "ids": [trial::NOBODY] });
+    let resume = json!({ "type": "ASYNC-RESUME", "ids": [trial::NOBODY], "values": {} });
+    vec![Request::new("cancelled", cancel), Request::new("resumed", resume)]
+}

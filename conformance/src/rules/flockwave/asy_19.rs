@@ -4,42 +4,46 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, mutant, served, source,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-19",
         level: Level::Info,
         status: Status::Advisory,
         statement: "An operation that isn't suspended has an entry in `error` where it is to be resumed.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "ASYNC-RESUME that tries it",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::behaviour("Operations that aren't suspended can be resumed."),
+    trial: None,
     mutants: &[
         Mutant {
             name: "it is resumed",
             make: || {
                 let resume = json!({ "type": "ASYNC-RESUME", "ids": ["rcpt-30"] });
                 let done = json!({ "type": "ASYNC-RESUME", "success": ["rcpt-30"] });
-                fw::over("tcp#9", |talk| {
-                    talk.command("rcpt-30");
-                    talk.tries_and_hears("FW-ASY-19", "", resume, done);
+                mutant::over("tcp#9", |session| {
+                    session.command("rcpt-30");
+                    session.tries_and_hears(&RULE.rule, "", resume, done);
                 })
             },
             also: &[],
         },
-        Mutant { name: "the request is refused", make: || fw::refused("tcp#9", "FW-ASY-19"), also: &[] },
+        Mutant { name: "the request is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let is_clear = turn
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let is_clear = exchange
         .operations
         .iter()
         .all(|named| named.before.as_ref().is_some_and(|operation| !operation.was_suspended));
     if is_clear {
-        fw::in_error(turn, judged, &["ASYNC-RESUME"]);
+        served::in_error(exchange, context, &["ASYNC-RESUME"]);
     }
 }

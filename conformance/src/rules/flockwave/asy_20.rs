@@ -1,7 +1,9 @@
 //! `FW-ASY-20`.
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,19 +11,29 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "ASYNC-TIMEOUT has `ids`, a list of strings.",
-        source: fw::ASYNC,
+        source: source::ASYNC,
         applies_to: "ASYNC-TIMEOUT",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[
+        Attribution::new(&["ASYNC-TIMEOUT"], "ids", attribution::MISSING),
+        Attribution::new(&["ASYNC-TIMEOUT"], "ids.*", attribution::MISSING),
+    ],
+    bug: Bug::message("ASYNC-TIMEOUT has its receipt as a text.", |out| {
+        if let Some(body) = out.body_of("ASYNC-TIMEOUT") {
+            body["ids"] = body["ids"][0].take();
+        }
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "one id without a list",
-        make: || fw::notice("ASYNC-TIMEOUT", |body| body["ids"] = "rcpt-2".into()),
+        make: || mutant::notice("ASYNC-TIMEOUT", |body| body["ids"] = "rcpt-2".into()),
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("ASYNC-TIMEOUT").is_some() {
-        fw::field(turn, judged, "ids", true, &Shape::List(&Shape::Text));
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body_of("ASYNC-TIMEOUT").is_some() {
+        body::field(message, context, "ids", true, &Shape::List(&Shape::Text));
     }
 }

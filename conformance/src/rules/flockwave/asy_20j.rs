@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body,
+    mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,27 +13,34 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Should,
         status: Status::Advisory,
         statement: "The `ids` of ASYNC-TIMEOUT are unique.",
-        source: fw::SCHEMA,
+        source: source::SCHEMA,
         applies_to: "ASYNC-TIMEOUT",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[Attribution::new(&["ASYNC-TIMEOUT"], "ids", &[Fault::Value])],
+    bug: Bug::message("ASYNC-TIMEOUT has its receipt twice.", |out| {
+        if let Some(ids) = out.ids_of("ASYNC-TIMEOUT") {
+            ids.extend_from_within(..1);
+        }
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "an id twice",
         make: || {
-            fw::then(|talk| {
-                talk.asks(
+            mutant::then(|session| {
+                session.asks(
                     json!({ "type": "UAV-RTH", "ids": ["kite"] }),
                     json!({ "receipt": { "kite": "rcpt-8" } }),
                 );
-                talk.tells(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-8", "rcpt-8"] }));
+                session.tells(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-8", "rcpt-8"] }));
             })
         },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("ASYNC-TIMEOUT").is_some() {
-        fw::unique(turn, judged, "ids");
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body_of("ASYNC-TIMEOUT").is_some() {
+        body::unique(message, context, "ids");
     }
 }

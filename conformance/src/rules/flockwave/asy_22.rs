@@ -1,9 +1,11 @@
 //! `FW-ASY-22`.
 
-use serde_json::json;
+use serde_json::{Value, json};
 
-use super::fw::{self, Role, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, Detail, Exchange, Fault, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext,
+    Status, Tree, body, mutant, source,
+};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -14,31 +16,46 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             "The result of ASYNC-RESP is an object in the text, a number in an example of it, and anything in the schema; here it is what the reply would have had.",
         ),
         statement: "Results have the type that is laid down for the command: true or false for most of UAV-*.",
-        source: fw::SCHEMA,
+        source: source::SCHEMA,
         applies_to: "replies with `result`, ASYNC-RESP",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[Attribution::new(&TYPES, "result.*", &[Fault::Null, Fault::Kind])],
+    bug: Bug::message("Results that are booleans are texts.", |out| {
+        let is_command = out.kind().starts_with("UAV-") || out.kind() == "ASYNC-RESP";
+        let Some(result) = out.message()["body"].get_mut("result").filter(|_| is_command) else { return };
+        let values: Vec<&mut Value> = match result {
+            Value::Object(values) => values.values_mut().collect(),
+            value => vec![value],
+        };
+        for value in values.into_iter().filter(|value| value.is_boolean()) {
+            *value = json!("yes");
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "null, in a reply",
-            make: || fw::reply("UAV-TAKEOFF", |body| body["result"]["swift"] = json!(null)),
+            make: || mutant::reply("UAV-TAKEOFF", |body| body["result"]["swift"] = json!(null)),
             also: &[],
         },
         Mutant {
             name: "a number, later",
-            make: || fw::notice("ASYNC-RESP", |body| body["result"] = 7.into()),
+            make: || mutant::notice("ASYNC-RESP", |body| body["result"] = 7.into()),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.role == Role::Response && turn.is_of_server() {
-        let Some((name, expected, fits)) = turn.type_name.and_then(result_of) else { return };
-        let wrong =
-            fw::members(turn, "result").iter().inspect(|_| judged.exercise()).find(|(_, found)| !fits(found));
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if exchange.role == Role::Response && exchange.is_of_server() {
+        let Some((name, expected, fits)) = exchange.type_name.and_then(result_of) else { return };
+        let wrong = body::members(exchange.body, "result")
+            .iter()
+            .inspect(|_| context.covered())
+            .find(|(_, found)| !fits(found));
         if let Some((key, found)) = wrong {
-            turn.breaks(judged, || {
+            exchange.violates(context, || {
                 Detail::new(format!("the result of {name} is {expected}, found {found}"))
                     .at(pointer(&["body", "result", key]))
                     .expected(expected)
@@ -46,17 +63,17 @@ fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
             });
         }
     }
-    let Some(found) = turn.notification("ASYNC-RESP").and_then(|body| body.get("result")) else { return };
-    let known = turn.operations.first().and_then(|named| named.before.as_ref());
+    let Some(found) = exchange.notification("ASYNC-RESP").and_then(|body| body.get("result")) else { return };
+    let known = exchange.operations.first().and_then(|named| named.before.as_ref());
     let asked = known.and_then(|operation| operation.type_name.as_deref());
     let Some((name, expected, fits)) = asked.and_then(result_of) else { return };
     // A null beside an error is none.
-    if fw::is_there(turn.field("error")) {
+    if body::is_there(exchange.field("error")) {
         return;
     }
-    judged.exercise();
+    context.covered();
     if !fits(found) {
-        turn.breaks(judged, || {
+        exchange.violates(context, || {
             Detail::new(format!("the result of {name} is {expected}, found {found}"))
                 .at("/body/result")
                 .expected(expected)
@@ -97,7 +114,7 @@ const RESULTS: [Laid; 18] = [
 ];
 
 /// These types.
-pub(crate) const TYPES: [&str; RESULTS.len()] = {
+const TYPES: [&str; RESULTS.len()] = {
     let mut types = [""; RESULTS.len()];
     let mut at = 0;
     while at < types.len() {

@@ -2,8 +2,9 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, mutant, reply, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,17 +12,22 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "Each requested id stands in exactly one of `status` and `error`.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "CONN-INF",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::message("The last connection that was asked for is missing.", |out| {
+        out.lose_last(&["CONN-INF"]);
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "a connection is missing",
-        make: || fw::reply("CONN-INF", |body| body["error"] = json!({})),
+        make: || mutant::reply("CONN-INF", |body| body["error"] = json!({})),
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::partition(turn, judged, &["CONN-INF"]);
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    reply::partition(exchange, context, &["CONN-INF"]);
 }

@@ -1,7 +1,10 @@
 //! `FW-CONN-INF-02`.
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,17 +12,22 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "The key of each state is the `id` in it.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "CONN-INF",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("Connections have other ids than their keys.", |out| {
+        out.each_status("CONN-INF", |status| status["id"] = json!("radio-7"));
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "another id",
-        make: || fw::notice("CONN-INF", |body| body["status"]["winch"]["id"] = "tow".into()),
+        make: || mutant::notice("CONN-INF", |body| body["status"]["winch"]["id"] = "tow".into()),
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::keyed(turn, judged, "CONN-INF");
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    body::keyed(message, context, "CONN-INF");
 }

@@ -1,7 +1,11 @@
 //! `FW-CONN-INF-03`.
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,19 +13,28 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "`purpose` and `status` of each state are names that the specification has.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "CONN-INF",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[
+        Attribution::new(&["CONN-INF"], "status.*", attribution::MISSING),
+        Attribution::new(&["CONN-INF"], "status.*.purpose", attribution::UNFIT),
+        Attribution::new(&["CONN-INF"], "status.*.status", attribution::UNFIT),
+    ],
+    bug: Bug::message("The purpose of connections is a number.", |out| {
+        out.each_status("CONN-INF", |status| status["purpose"] = json!(1));
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a purpose of its own",
-            make: || fw::notice("CONN-INF", |body| body["status"]["winch"]["purpose"] = "tow".into()),
+            make: || mutant::notice("CONN-INF", |body| body["status"]["winch"]["purpose"] = "tow".into()),
             also: &[],
         },
         Mutant {
             name: "a status that is a number",
-            make: || fw::notice("CONN-INF", |body| body["status"]["winch"]["status"] = 2.into()),
+            make: || mutant::notice("CONN-INF", |body| body["status"]["winch"]["status"] = 2.into()),
             also: &[],
         },
     ],
@@ -32,10 +45,10 @@ const PURPOSE: Shape =
 
 const STATUS: Shape = Shape::OneOf(&["disconnected", "connecting", "connected", "disconnecting", "unknown"]);
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    for (key, state) in fw::states(turn, "CONN-INF") {
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    for (key, state) in body::states(message, "CONN-INF") {
         let keys = ["body", "status", key];
-        fw::member(turn, judged, Some(state), &keys, ("purpose", true), &PURPOSE);
-        fw::member(turn, judged, Some(state), &keys, ("status", true), &STATUS);
+        body::member(message, context, Some(state), &keys, ("purpose", true), &PURPOSE);
+        body::member(message, context, Some(state), &keys, ("status", true), &STATUS);
     }
 }

@@ -4,8 +4,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, inf_01, mutant, reply,
+    source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,24 +15,30 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "Each object or path that was asked for stands in exactly one part of the reply.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "DEV-LIST, DEV-SUB, DEV-UNSUB",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::message("The last object or path that was asked for is missing.", |out| {
+        out.lose_last(&["DEV-LIST", "DEV-INF"]);
+    })
+    .with(&[&inf_01::RULE.rule]),
+    trial: None,
     mutants: &[
         Mutant {
             name: "an object without a tree",
-            make: || fw::reply("DEV-LIST", |body| body["devices"] = json!({})),
+            make: || mutant::reply("DEV-LIST", |body| body["devices"] = json!({})),
             also: &[],
         },
         Mutant {
             name: "a path in both",
-            make: || fw::reply("DEV-SUB", |body| body["error"]["/kite/vario"] = "Busy".into()),
+            make: || mutant::reply("DEV-SUB", |body| body["error"]["/kite/vario"] = "Busy".into()),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::partition(turn, judged, &["DEV-LIST", "DEV-SUB", "DEV-UNSUB"]);
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    reply::partition(exchange, context, &["DEV-LIST", "DEV-SUB", "DEV-UNSUB"]);
 }

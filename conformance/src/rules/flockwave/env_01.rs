@@ -5,8 +5,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Conversation, Lines, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Lines, Mutant, Place, Rule, RuleContext, Session,
+    SessionCheck, Status, StatusReport, lines, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -14,28 +16,37 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "A message is one JSON object.",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "messages of the server",
     },
-    check: Check::State(|| Box::new(Unreadable::default())),
+    checks: &[Check::Session(|| Box::new(Unreadable::default()))],
+    covers: &[],
+    bug: Bug::message("Notifications of UAV-INF come in an array.", |out| {
+        if out.notification_of("UAV-INF").is_some() {
+            let message = out.message().take();
+            *out.message() = json!([message]);
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "what the server sends is no JSON",
             make: || {
-                let mut talk = Conversation::new();
-                talk.lines
+                let mut session = Session::new();
+                session
+                    .lines
                     .push(json!({ "t": 1.8e9, "conn": "hill", "dir": "in", "raw": "{\"$fw.version\":" }));
-                Some(talk.to_bytes())
+                Some(session.to_bytes())
             },
             also: &[],
         },
         Mutant {
             name: "lines that make up no message",
             make: || {
-                fw::over("tcp#9", |talk| {
-                    talk.says_raw("{");
-                    talk.says_raw("\"wind\":");
-                    talk.tells(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+                mutant::over("tcp#9", |session| {
+                    session.says_raw("{");
+                    session.says_raw("\"wind\":");
+                    session.tells(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
                 })
             },
             also: &[],
@@ -43,9 +54,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "a list",
             make: || {
-                let mut talk = Conversation::new();
-                talk.lines.push(json!({ "t": 1.8e9, "conn": "hill", "dir": "in", "msg": [1] }));
-                Some(talk.to_bytes())
+                let mut session = Session::new();
+                session.lines.push(json!({ "t": 1.8e9, "conn": "hill", "dir": "in", "msg": [1] }));
+                Some(session.to_bytes())
             },
             also: &[],
         },
@@ -57,10 +68,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 struct Unreadable(Lines);
 
 impl Unreadable {
-    fn tell(&mut self, judged: &mut Judged<'_>) {
+    fn tell(&mut self, context: &mut RuleContext<'_>) {
         self.0.whole.clear();
         for line in self.0.other.drain(..) {
-            judged.report("message", line.place, || {
+            context.violation("message", line.place, || {
                 match line.actual {
                     Some(actual) => Detail::differs("an object", actual),
                     None => Detail::new("no JSON").expected("an object"),
@@ -71,23 +82,29 @@ impl Unreadable {
     }
 }
 
-impl Checker for Unreadable {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
-        if turn.is_of_server() {
-            judged.exercise();
+impl SessionCheck for Unreadable {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        if exchange.is_of_server() {
+            context.covered();
         }
-        if !fw::are_several(turn, "tcp") && !fw::are_several(turn, "udp") {
-            self.0.follow(turn);
+        if !lines::are_several(exchange, "tcp") && !lines::are_several(exchange, "udp") {
+            self.0.follow(exchange);
         }
-        self.tell(judged);
+        self.tell(context);
+    }
+
+    fn status_report(&mut self, report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
+        context.covered();
+        self.0.end_of(report.connection().index);
+        self.tell(context);
     }
 
     fn damage(&mut self, _: Place) {
         self.0.part_all();
     }
 
-    fn end(&mut self, judged: &mut Judged<'_>) {
+    fn end(&mut self, context: &mut RuleContext<'_>) {
         self.0.part_all();
-        self.tell(judged);
+        self.tell(context);
     }
 }

@@ -1,7 +1,10 @@
 //! `FW-ENV-02`.
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,25 +12,29 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "`$fw.version` of a message is a string.",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "messages of the server",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("The version of the protocol is a number.", |out| {
+        out.message()["$fw.version"] = json!(1);
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "no version",
-            make: || fw::reply_message("SYS-VER", |message| fw::remove(message, "$fw.version")),
+            make: || mutant::reply_message("SYS-VER", |message| mutant::remove(message, "$fw.version")),
             also: &[],
         },
         Mutant {
             name: "a number",
-            make: || fw::reply_message("SYS-VER", |message| message["$fw.version"] = 1.into()),
+            make: || mutant::reply_message("SYS-VER", |message| message["$fw.version"] = 1.into()),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(message) = turn.message() else { return };
-    fw::member(turn, judged, Some(message), &[], ("$fw.version", true), &Shape::Text);
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    body::member(message, context, Some(message.value), &[], ("$fw.version", true), &Shape::Text);
 }

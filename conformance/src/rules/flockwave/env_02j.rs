@@ -1,7 +1,11 @@
 //! `FW-ENV-02J`.
 
-use super::fw::{self, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, Tree, body, mutant,
+    source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,31 +13,36 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Should,
         status: Status::Advisory,
         statement: "`$fw.version` of a message is one to three numbers with dots between them.",
-        source: fw::SCHEMA,
+        source: source::SCHEMA,
         applies_to: "messages of the server",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("The version of the protocol is a word.", |out| {
+        out.message()["$fw.version"] = json!("newest");
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a word for the version",
-            make: || fw::reply_message("SYS-VER", |message| message["$fw.version"] = "first".into()),
+            make: || mutant::reply_message("SYS-VER", |message| message["$fw.version"] = "first".into()),
             also: &[],
         },
         Mutant {
             name: "four numbers",
-            make: || fw::reply_message("SYS-VER", |message| message["$fw.version"] = "1.0.0.0".into()),
+            make: || mutant::reply_message("SYS-VER", |message| message["$fw.version"] = "1.0.0.0".into()),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let version = turn.message().and_then(|message| message.get("$fw.version")).and_then(Tree::as_str);
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    let version = message.value.get("$fw.version").and_then(Tree::as_str);
     let Some(version) = version else { return };
-    judged.exercise();
-    if !fw::is_version(version) {
-        turn.breaks(judged, || {
-            Detail::differs("one to three numbers with dots between them", fw::quoted(version))
+    context.covered();
+    if !body::is_version(version) {
+        message.violates(context, || {
+            Detail::differs("one to three numbers with dots between them", body::quoted(version))
                 .at("/$fw.version")
         });
     }

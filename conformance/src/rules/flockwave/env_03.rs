@@ -1,7 +1,10 @@
 //! `FW-ENV-03`.
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,25 +12,30 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "`id` of a message is a string.",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "messages of the server",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("Ids are numbers.", |out| {
+        let number = out.number;
+        out.message()["id"] = json!(number);
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "an id that is a number",
-            make: || fw::reply_message("SYS-VER", |message| message["id"] = 7.into()),
+            make: || mutant::reply_message("SYS-VER", |message| message["id"] = 7.into()),
             also: &[],
         },
         Mutant {
             name: "no id",
-            make: || fw::reply_message("SYS-VER", |message| fw::remove(message, "id")),
+            make: || mutant::reply_message("SYS-VER", |message| mutant::remove(message, "id")),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(message) = turn.message() else { return };
-    fw::member(turn, judged, Some(message), &[], ("id", true), &Shape::Text);
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    body::member(message, context, Some(message.value), &[], ("id", true), &Shape::Text);
 }

@@ -1,7 +1,10 @@
 //! `FW-ENV-03J`.
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,25 +12,33 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Should,
         status: Status::Advisory,
         statement: "`id` of a message has 1 to 36 characters.",
-        source: fw::SCHEMA,
+        source: source::SCHEMA,
         applies_to: "messages of the server",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("Ids have 40 characters.", |out| {
+        let id = format!("{:0>40}", out.number);
+        out.message()["id"] = json!(id);
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "an id of 37 characters",
-            make: || fw::reply_message("SYS-VER", |message| message["id"] = "x".repeat(37).into()),
+            make: || mutant::reply_message("SYS-VER", |message| message["id"] = "x".repeat(37).into()),
             also: &[],
         },
         Mutant {
             name: "an empty id",
-            make: || fw::reply_message("SYS-VER", |message| message["id"] = "".into()),
+            make: || mutant::reply_message("SYS-VER", |message| message["id"] = "".into()),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(message) = turn.message().filter(|_| turn.id.is_some()) else { return };
-    fw::member(turn, judged, Some(message), &[], ("id", true), &Shape::Length(1, 36));
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.id.is_none() {
+        return;
+    }
+    body::member(message, context, Some(message.value), &[], ("id", true), &Shape::Length(1, 36));
 }

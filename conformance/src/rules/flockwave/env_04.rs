@@ -1,7 +1,11 @@
 //! `FW-ENV-04`.
 
-use super::fw::{self, Role, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status,
+    StatusReport, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,27 +13,40 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "No two responses and notifications of a connection have the same id.",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "messages of the server over time",
     },
-    check: Check::Context(judge),
+    checks: &[Check::Exchange(check), Check::StatusReport(check_status_report)],
+    covers: &[],
+    bug: Bug::message("All messages have the same id.", |out| out.message()["id"] = json!("s1")),
+    trial: None,
     mutants: &[Mutant {
         name: "a response has the id of the one before",
-        make: || fw::reply_message("ACK-ACK", |message| message["id"] = "say-1".into()),
+        make: || mutant::reply_message("ACK-ACK", |message| message["id"] = "say-1".into()),
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let is_named = matches!(turn.role, Role::Response | Role::Notification) && turn.is_of_server();
-    if !is_named || !turn.exchange.connection.is_told {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let is_named = matches!(exchange.role, Role::Response | Role::Notification) && exchange.is_of_server();
+    if !is_named || !exchange.record.connection.is_told {
         return;
     }
-    let Some(id) = turn.id else { return };
-    judged.exercise();
-    if turn.is_id_in_use {
-        turn.breaks(judged, || {
-            Detail::new(format!("another message has had the id {}", fw::quoted(id))).at("/id")
-        });
+    let Some(id) = exchange.id else { return };
+    context.covered();
+    if exchange.is_id_in_use {
+        exchange.violates(context, || in_use(id));
     }
+}
+
+fn check_status_report(report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
+    let Some(id) = report.id().filter(|_| report.connection().is_told) else { return };
+    context.covered();
+    if report.is_id_in_use() {
+        report.violates(context, || in_use(id));
+    }
+}
+
+fn in_use(id: &str) -> Detail {
+    Detail::new(format!("another message has had the id {}", body::quoted(id))).at("/id")
 }

@@ -1,7 +1,11 @@
 //! `FW-ENV-05`.
 
-use super::fw::{self, Conversation, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::Value;
+
+use super::{
+    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Session, Shape, Status, body,
+    source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,23 +13,29 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Should,
         status: Status::Advisory,
         statement: "`refs` of a message, where it is present, is a string of 1 to 36 characters.",
-        source: fw::SCHEMA,
+        source: source::SCHEMA,
         applies_to: "messages of the server",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("Notifications have refs, which are null.", |out| {
+        if out.is_notification() {
+            out.message()["refs"] = Value::Null;
+        }
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "`refs` of 37 characters",
         make: || {
-            let talk = Conversation::new();
+            let session = Session::new();
             let id = || "x".repeat(37);
-            let talk = talk.request("SYS-VER", |message| message["id"] = id().into())?;
-            Some(talk.reply_message("SYS-VER", |message| message["refs"] = id().into())?.to_bytes())
+            let session = session.request("SYS-VER", |message| message["id"] = id().into())?;
+            Some(session.reply_message("SYS-VER", |message| message["refs"] = id().into())?.to_bytes())
         },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(message) = turn.message() else { return };
-    fw::member(turn, judged, Some(message), &[], ("refs", false), &Shape::Length(1, 36));
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    body::member(message, context, Some(message.value), &[], ("refs", false), &Shape::Length(1, 36));
 }

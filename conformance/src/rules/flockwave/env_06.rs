@@ -4,8 +4,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Reference, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Reference, Rule, RuleContext, Status, body,
+    mutant, reply, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,28 +15,35 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "`refs` of a response is the id of a request that was sent on the same connection.",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "responses over time",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::message("An acknowledgment that refers to no request follows each SYS-VER.", |out| {
+        if out.kind() == "SYS-VER" {
+            out.follow(Some("nobody-sent-this"), json!({ "type": "ACK-ACK" }));
+        }
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "a response to what nobody asked",
         make: || {
             let answer = || json!({ "body": { "type": "ACK-ACK" } });
-            fw::then(|talk| talk.answers("nobody", answer()))
+            mutant::then(|session| session.answers("nobody", answer()))
         },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if !fw::refers(turn) {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if !reply::refers(exchange) {
         return;
     }
-    judged.exercise();
-    if turn.reference == Reference::Unknown {
-        turn.breaks(judged, || {
-            let refs = turn.refs.map(fw::quoted).unwrap_or_default();
+    context.covered();
+    if exchange.reference == Reference::Unknown {
+        exchange.violates(context, || {
+            let refs = exchange.refs.map(body::quoted).unwrap_or_default();
             Detail::new(format!("no request on this connection has had the id {refs}")).at("/refs")
         });
     }

@@ -6,30 +6,39 @@
 
 use serde_json::json;
 
-use super::fw::{self, Conversation, Role, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status, env_25};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Session, Status,
+    env_25, mutant, served, source,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-07",
         level: Level::Must,
         status: Status::Normative,
         statement: "Each request gets a response, whatever its type.",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "requests over time",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::message("Requests of unknown types aren't answered.", |out| {
+        if out.refuses_unknown_type() {
+            out.message = None;
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a request without an answer",
-            make: || Some(Conversation::new().without("SYS-VER")?.to_bytes()),
+            make: || Some(Session::new().without("SYS-VER")?.to_bytes()),
             also: &[],
         },
         Mutant {
             name: "a request without an answer after which a probe waits no longer",
             make: || {
-                fw::over("tcp#9", |talk| {
-                    talk.tries("FW-ENV-07", "", json!({ "type": "SYS-VER" }));
+                mutant::over("tcp#9", |session| {
+                    session.tries(&RULE.rule, "", json!({ "type": "SYS-VER" }));
                 })
             },
             also: &[],
@@ -40,31 +49,31 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 /// How long a server may take, in seconds: what takes longer is answered with a receipt.
 const PATIENCE: f64 = 30.0;
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(asked) = &turn.asked else { return };
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(asked) = &exchange.asked else { return };
     // What is no request of Flockwave needn't have an answer.
-    if !asked.is_sound || !turn.exchange.connection.is_told {
+    if !asked.is_sound || !exchange.record.connection.is_told {
         return;
     }
     if let Some((of, _)) = &asked.trial {
         // What tries another rule is a matter of that one, but for the one on the order of answers, which says nothing of
         // what has none.
         if of.id == RULE.rule.id {
-            fw::tried(turn, judged);
+            served::tried(exchange, context);
         }
         if of.id != env_25::RULE.rule.id {
             return;
         }
     }
-    if turn.role == Role::Response {
-        return judged.exercise();
+    if exchange.role == Role::Response {
+        return context.covered();
     }
-    let Some(waited) = asked.waited.filter(|waited| turn.role == Role::Unanswered && *waited > PATIENCE)
+    let Some(waited) = asked.waited.filter(|waited| exchange.role == Role::Unanswered && *waited > PATIENCE)
     else {
         return;
     };
     let subject = asked.type_name.as_deref().unwrap_or("message");
-    judged.report(subject, asked.place, || {
+    context.violation(subject, asked.place, || {
         Detail::new(format!("no response, though the server went on speaking for {waited:.0} s"))
             .expected("a response")
             .actual("none")

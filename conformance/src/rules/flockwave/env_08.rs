@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Reference, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Reference, Rule, RuleContext, Status, body,
+    mutant, reply, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,28 +13,36 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "A request gets one response at most.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "responses over time",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::message("SYS-PING is answered twice.", |out| {
+        if out.asked() == Some("SYS-PING") {
+            let refs = out.message()["refs"].as_str().unwrap_or_default().to_owned();
+            out.follow(Some(&refs), json!({ "type": "ACK-ACK" }));
+        }
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "a second answer",
         make: || {
             let answer = || json!({ "body": { "type": "ACK-ACK" } });
-            fw::then(|talk| talk.answers("ask-2", answer()))
+            mutant::then(|session| session.answers("ask-2", answer()))
         },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if !fw::refers(turn) {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if !reply::refers(exchange) {
         return;
     }
-    judged.exercise();
-    if turn.reference == Reference::Answered {
-        turn.breaks(judged, || {
-            let refs = turn.refs.map(fw::quoted).unwrap_or_default();
+    context.covered();
+    if exchange.reference == Reference::Answered {
+        exchange.violates(context, || {
+            let refs = exchange.refs.map(body::quoted).unwrap_or_default();
             Detail::new(format!("the request {refs} has had its response already")).at("/refs")
         });
     }

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Conversation, Reference, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Reference, Rule, RuleContext, Session,
+    Status, body, reply, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,30 +13,38 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "`refs` never names a notification.",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "responses over time",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::message("An acknowledgment refers to each notification of UAV-INF.", |out| {
+        if out.notification_of("UAV-INF").is_some() {
+            let refs = out.message()["id"].as_str().unwrap_or_default().to_owned();
+            out.follow(Some(&refs), json!({ "type": "ACK-ACK" }));
+        }
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "a response to a notification",
         make: || {
-            let mut talk = Conversation::opened();
-            talk.tells(json!({ "type": "SYS-MSG", "items": [{ "message": "Wind from the west" }] }));
-            talk.answers("say-1", json!({ "body": { "type": "ACK-ACK" } }));
-            Some(talk.to_bytes())
+            let mut session = Session::opened();
+            session.tells(json!({ "type": "SYS-MSG", "items": [{ "message": "Wind from the west" }] }));
+            session.answers("say-1", json!({ "body": { "type": "ACK-ACK" } }));
+            Some(session.to_bytes())
         },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if !fw::refers(turn) {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if !reply::refers(exchange) {
         return;
     }
-    judged.exercise();
-    if turn.reference == Reference::Notification {
-        turn.breaks(judged, || {
-            let refs = turn.refs.map(fw::quoted).unwrap_or_default();
+    context.covered();
+    if exchange.reference == Reference::Notification {
+        exchange.violates(context, || {
+            let refs = exchange.refs.map(body::quoted).unwrap_or_default();
             Detail::new(format!("{refs} is a notification of the server itself")).at("/refs")
         });
     }

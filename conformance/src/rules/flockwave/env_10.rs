@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body, mutant,
+    source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,21 +13,27 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "A message never has both `body` and `error`.",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "messages of the server",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("Beside its body SYS-VER has an error.", |out| {
+        if out.kind() == "SYS-VER" {
+            out.message()["error"] = json!({ "message": "all is well" });
+        }
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "both",
-        make: || fw::reply_message("SYS-VER", |message| message["error"] = json!({ "code": 7 })),
+        make: || mutant::reply_message("SYS-VER", |message| message["error"] = json!({ "code": 7 })),
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(message) = turn.message() else { return };
-    judged.exercise();
-    if ["body", "error"].iter().all(|name| fw::is_there(message.get(name))) {
-        turn.breaks(judged, || Detail::differs("one of `body` and `error`", "both"));
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    context.covered();
+    if ["body", "error"].iter().all(|name| body::is_there(message.value.get(name))) {
+        message.violates(context, || Detail::differs("one of `body` and `error`", "both"));
     }
 }

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, INTEGER, Shape, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, FlockwaveRule, INTEGER, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
+    Tree, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,17 +13,27 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "`error` of a message is an object with an integer `code`, a string `message`, or both.",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "messages of the server",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("Requests of unknown types are answered by an error that says nothing.", |out| {
+        if out.refuses_unknown_type()
+            && let Some(message) = out.message().as_object_mut()
+        {
+            message.remove("body");
+            message.insert("error".to_owned(), json!({}));
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "an empty error",
             make: || {
-                fw::then(|talk| {
-                    let id = talk.sends(json!({ "type": "LCN-INF" }));
-                    talk.answers(&id, json!({ "error": {} }));
+                mutant::then(|session| {
+                    let id = session.sends(json!({ "type": "LCN-INF" }));
+                    session.answers(&id, json!({ "error": {} }));
                 })
             },
             also: &[],
@@ -29,9 +41,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "a code that is a string",
             make: || {
-                fw::then(|talk| {
-                    let id = talk.sends(json!({ "type": "LCN-INF" }));
-                    talk.answers(&id, json!({ "error": { "code": "three", "message": "No" } }));
+                mutant::then(|session| {
+                    let id = session.sends(json!({ "type": "LCN-INF" }));
+                    session.answers(&id, json!({ "error": { "code": "three", "message": "No" } }));
                 })
             },
             also: &[],
@@ -39,19 +51,19 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(error) = turn.message().and_then(|message| message.get("error")) else { return };
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    let Some(error) = message.value.get("error") else { return };
     if *error == Tree::Null {
         return;
     }
-    judged.exercise();
+    context.covered();
     let fits = |name: &str, shape: Shape| {
         let value = error.get(name).filter(|value| **value != Tree::Null)?;
         Some(shape.mismatch(value).is_none())
     };
-    let (code, message) = (fits("code", INTEGER), fits("message", Shape::Text));
-    if code == Some(false) || message == Some(false) || (code, message) == (None, None) {
-        turn.breaks(judged, || {
+    let (code, text) = (fits("code", INTEGER), fits("message", Shape::Text));
+    if code == Some(false) || text == Some(false) || (code, text) == (None, None) {
+        message.violates(context, || {
             Detail::differs("an integer `code`, a string `message`, or both", error).at("/error")
         });
     }

@@ -2,8 +2,9 @@
 
 use serde_json::json;
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,26 +12,33 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "`type` of a body is a string.",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "messages of the server",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("The type of notifications of UAV-INF is a number.", |out| {
+        if let Some(body) = out.notification_of("UAV-INF") {
+            body["type"] = json!(7);
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "no type",
-            make: || fw::reply_message("ACK-ACK", |message| message["body"] = json!({})),
+            make: || mutant::reply_message("ACK-ACK", |message| message["body"] = json!({})),
             also: &[],
         },
         Mutant {
             name: "a type that is a number",
-            make: || fw::reply("ACK-ACK", |body| body["type"] = 7.into()),
+            make: || mutant::reply("ACK-ACK", |body| body["type"] = 7.into()),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.is_of_server() && turn.body.is_some() {
-        fw::field(turn, judged, "type", true, &Shape::Text);
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body.is_some() {
+        body::field(message, context, "type", true, &Shape::Text);
     }
 }

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body, mutant,
+    source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,33 +13,40 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "A type has two upper-case parts of 2 to 8 characters with a hyphen between them; seven of the specification itself are longer.",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "messages of the server",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("Requests of unknown types are answered by a type in small letters.", |out| {
+        if out.refuses_unknown_type() {
+            out.message()["body"] = json!({ "type": "whatever" });
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a type in lower case",
-            make: || fw::then(|talk| talk.asks(json!({ "type": "uav-soar" }), json!({}))),
+            make: || mutant::then(|session| session.asks(json!({ "type": "uav-soar" }), json!({}))),
             also: &[],
         },
         Mutant {
             name: "a type of three parts",
-            make: || fw::then(|talk| talk.asks(json!({ "type": "UAV-SOAR-HIGH" }), json!({}))),
+            make: || mutant::then(|session| session.asks(json!({ "type": "UAV-SOAR-HIGH" }), json!({}))),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(name) = turn.type_name.filter(|_| turn.is_of_server()) else { return };
-    judged.exercise();
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    let Some(name) = message.type_name else { return };
+    context.covered();
     let is_part = |part: &str| (2..=8).contains(&part.len()) && part.bytes().all(is_upper_case);
     let is_usual = name.split_once('-').is_some_and(|(family, rest)| is_part(family) && is_part(rest));
-    if !is_usual && !judged.definitions.shapes().has(name) {
-        turn.breaks(judged, || {
+    if !is_usual && !context.definitions.shapes().has(name) {
+        message.violates(context, || {
             let expected = "two upper-case parts of 2 to 8 characters with a hyphen between them";
-            Detail::differs(expected, fw::quoted(name)).at("/body/type")
+            Detail::differs(expected, body::quoted(name)).at("/body/type")
         });
     }
 }

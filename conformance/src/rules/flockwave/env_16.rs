@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, body,
+    mutant, source, sys_ping_01, sys_ping_02,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,51 +13,60 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "A response has the type of its request or is ACK-NAK, but that of SYS-PING, SHOW-SETCFG, SHOW-SETLIGHTS and a setting RTK-SOURCE is ACK-ACK, and that of AUTH-REQ is AUTH-RESP.",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "responses over time",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::message("CONN-LIST is answered by OBJ-LIST.", |out| {
+        if let Some(body) = out.body_of("CONN-LIST") {
+            body["type"] = json!("OBJ-LIST");
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "another type",
-            make: || fw::reply("SYS-PORTS", |body| *body = json!({ "type": "UAV-LIST", "ids": [] })),
+            make: || mutant::reply("SYS-PORTS", |body| *body = json!({ "type": "UAV-LIST", "ids": [] })),
             also: &[],
         },
         Mutant {
             name: "SYS-PING is answered with itself",
-            make: || fw::reply("ACK-ACK", |body| body["type"] = "SYS-PING".into()),
-            also: &["FW-SYS-PING-01", "FW-SYS-PING-02"],
+            make: || mutant::reply("ACK-ACK", |body| body["type"] = "SYS-PING".into()),
+            also: &[&sys_ping_01::RULE.rule, &sys_ping_02::RULE.rule],
         },
         Mutant {
             name: "a setting RTK-SOURCE is answered with itself",
             make: || {
-                fw::then(|talk| talk.asks(json!({ "type": "RTK-SOURCE", "id": null }), json!({ "id": null })))
+                mutant::then(|session| {
+                    session.asks(json!({ "type": "RTK-SOURCE", "id": null }), json!({ "id": null }));
+                })
             },
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let (Some(asked), Some(found)) = (&turn.asked, turn.type_name) else { return };
-    let Some(question) = asked.type_name.as_deref().filter(|name| judged.definitions.shapes().has(name))
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let (Some(asked), Some(found)) = (&exchange.asked, exchange.type_name) else { return };
+    let Some(question) = asked.type_name.as_deref().filter(|name| context.definitions.shapes().has(name))
     else {
         return;
     };
-    if turn.role != Role::Response || !turn.is_of_server() {
+    if exchange.role != Role::Response || !exchange.is_of_server() {
         return;
     }
     let expected = answer(question, asked.is_setting);
-    judged.exercise();
+    context.covered();
     if found != expected && found != "ACK-NAK" {
-        turn.breaks(judged, || {
+        exchange.violates(context, || {
             Detail::new(format!(
                 "{} answers {question}, where {expected} or ACK-NAK should",
-                fw::quoted(found)
+                body::quoted(found)
             ))
             .at("/body/type")
             .expected(format!("{expected} or ACK-NAK"))
-            .actual(fw::quoted(found))
+            .actual(body::quoted(found))
         });
     }
 }

@@ -4,8 +4,10 @@ use serde_json::json;
 
 use uavspec_codegen::schema::json_type::Direction;
 
-use super::fw::{self, Role, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Role, Rule, RuleContext, Status, mutant,
+    source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,25 +17,32 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             "The published schema of notifications lacks UAV-INF, CONN-INF and DEV-INF, which the text allows; CLK-INF and UAV-PREFLT stand as the text has them.",
         ),
         statement: "A message of the server without `refs` is of a type that may be a notification, or a SYS-PING.",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "messages of the server",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("A CONN-LIST that nobody asked for follows each SYS-VER.", |out| {
+        if out.kind() == "SYS-VER" {
+            out.follow(None, json!({ "type": "CONN-LIST", "ids": ["radio-1"] }));
+        }
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "an answer without `refs`",
-        make: || fw::then(|talk| talk.tells(json!({ "type": "UAV-LIST", "ids": [] }))),
+        make: || mutant::then(|session| session.tells(json!({ "type": "UAV-LIST", "ids": [] }))),
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let shapes = judged.definitions.shapes();
-    let Some(name) = turn.type_name.filter(|name| shapes.has(name)) else { return };
-    if turn.role != Role::Notification {
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    let shapes = context.definitions.shapes();
+    let Some(name) = message.type_name.filter(|name| shapes.has(name)) else { return };
+    if message.role != Role::Notification {
         return;
     }
-    judged.exercise();
+    context.covered();
     if !shapes.goes(name, Direction::Notification) {
-        turn.breaks(judged, || Detail::new(format!("{name} has no `refs`, and it is no notification")));
+        message.violates(context, || Detail::new(format!("{name} has no `refs`, and it is no notification")));
     }
 }

@@ -4,8 +4,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, attributed, inf_01, mutant,
+    source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -16,76 +18,83 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
          does. Here null is a deviation wherever the definition doesn't name it.",
         ),
         statement: "A body has the shape that the definitions give its type for its direction, so far as no other rule is about that; fields that they don't have are allowed where they don't close the object.",
-        source: fw::SCHEMA,
+        source: source::SCHEMA,
         applies_to: "bodies of the server",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("RTK-LIST has a field that its definition doesn't allow.", |out| {
+        if let Some(body) = out.body_of("RTK-LIST") {
+            body["count"] = json!(2);
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a required field is absent",
-            make: || fw::reply("RTK-INF", |body| fw::remove(&mut body["preset"]["field"], "title")),
+            make: || mutant::reply("RTK-INF", |body| mutant::remove(&mut body["preset"]["field"], "title")),
             also: &[],
         },
         Mutant {
             name: "null for what is left out",
-            make: || fw::reply("ACK-NAK", |body| body["reason"] = json!(null)),
+            make: || mutant::reply("ACK-NAK", |body| body["reason"] = json!(null)),
             also: &[],
         },
         Mutant {
             name: "a number for a word",
-            make: || fw::notice("ASYNC-ST", |body| body["progress"]["message"] = 7.into()),
+            make: || mutant::notice("ASYNC-ST", |body| body["progress"]["message"] = 7.into()),
             also: &[],
         },
         Mutant {
             name: "a value that a closed set doesn't have",
-            make: || fw::reply("UAV-PREFLT", |body| body["status"]["kite"]["result"] = "fine".into()),
+            make: || mutant::reply("UAV-PREFLT", |body| body["status"]["kite"]["result"] = "fine".into()),
             also: &[],
         },
         Mutant {
             name: "a number out of bounds",
-            make: || fw::reply("WTH-AT", |body| body["weather"]["windSpeed"] = (-1).into()),
+            make: || mutant::reply("WTH-AT", |body| body["weather"]["windSpeed"] = (-1).into()),
             also: &[],
         },
         Mutant {
             name: "a latitude in degrees",
-            make: || fw::reply("WTH-INF", |body| body["status"]["ridge"]["position"][0] = 46.541.into()),
+            make: || mutant::reply("WTH-INF", |body| body["status"]["ridge"]["position"][0] = 46.541.into()),
             also: &[],
         },
         Mutant {
             name: "a position without a longitude",
-            make: || fw::reply("WTH-INF", |body| body["status"]["ridge"]["position"] = json!([465_410_000])),
+            make: || {
+                mutant::reply("WTH-INF", |body| body["status"]["ridge"]["position"] = json!([465_410_000]))
+            },
             also: &[],
         },
         Mutant {
             name: "a path without a slash",
-            make: || fw::reply("DEV-SUB", |body| body["success"] = json!(["/kite/vario", "kite"])),
+            make: || mutant::reply("DEV-SUB", |body| body["success"] = json!(["/kite/vario", "kite"])),
             also: &[],
         },
         Mutant {
             name: "a field that the request has",
-            make: || fw::reply("CLK-INF", |body| body["ids"] = json!(["day"])),
+            make: || mutant::reply("CLK-INF", |body| body["ids"] = json!(["day"])),
             also: &[],
         },
         Mutant {
             name: "a field that a closed object doesn't have, deep inside",
-            make: || fw::reply("DEV-LIST", |body| body["devices"]["kite"]["colour"] = "red".into()),
+            make: || mutant::reply("DEV-LIST", |body| body["devices"]["kite"]["colour"] = "red".into()),
             also: &[],
         },
         Mutant {
             name: "a map that is a list",
-            make: || fw::reply("EXT-INF", |body| body["error"] = json!([])),
-            also: &["FW-INF-01"],
+            make: || mutant::reply("EXT-INF", |body| body["error"] = json!([])),
+            also: &[&inf_01::RULE.rule],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(deviations) = &turn.deviations else { return };
-    judged.exercise();
-    for deviation in deviations.iter().filter(|deviation| deviation.told_by.is_none()) {
-        let name = turn.subject();
-        let subject =
-            if deviation.field.is_empty() { name } else { format!("{name}.{}", deviation.field).into() };
-        turn.deviates(judged, &subject, deviation);
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    let Some(deviations) = message.deviations else { return };
+    context.covered();
+    let Some(type_name) = message.type_name else { return };
+    for deviation in deviations.iter().filter(|deviation| attributed(type_name, deviation).is_none()) {
+        message.deviates(context, &deviation.field, deviation);
     }
 }

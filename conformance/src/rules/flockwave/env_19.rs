@@ -5,31 +5,36 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Request, Role, Rule, RuleContext, Status,
+    Trial, body, mutant, served, source,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-19",
         level: Level::Must,
         status: Status::Normative,
         statement: "A client doesn't use the id of a request again while that is unanswered. Afterwards a server accepts it.",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "requests over time",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::behaviour("An id that was answered is refused when it comes again."),
+    trial: Some(Trial::Requests(|_| requests())),
     mutants: &[
         Mutant {
             name: "an id is used twice at the same time",
             make: || {
-                fw::then(|talk| {
-                    let id = talk.sends(json!({ "type": "SYS-PING" }));
-                    let other = talk.sends(json!({ "type": "SYS-PING" }));
-                    if let Some(line) = talk.lines.last_mut() {
+                mutant::then(|session| {
+                    let id = session.sends(json!({ "type": "SYS-PING" }));
+                    let other = session.sends(json!({ "type": "SYS-PING" }));
+                    if let Some(line) = session.lines.last_mut() {
                         line["msg"]["id"] = id.clone().into();
                     }
                     for _ in [&id, &other] {
-                        talk.answers(&id, json!({ "body": { "type": "ACK-ACK" } }));
+                        session.answers(&id, json!({ "body": { "type": "ACK-ACK" } }));
                     }
                 })
             },
@@ -37,22 +42,27 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         },
         Mutant {
             name: "an id that was answered is refused",
-            make: || fw::refused("tcp#9", "FW-ENV-19"),
+            make: || mutant::refused("tcp#9", &RULE.rule),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::served(turn, judged);
-    if turn.role != Role::Request || turn.is_of_server() || !turn.exchange.connection.is_told {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    served::served(exchange, context);
+    if exchange.role != Role::Request || exchange.is_of_server() || !exchange.record.connection.is_told {
         return;
     }
-    judged.exercise();
-    if turn.is_id_in_use {
-        turn.breaks(judged, || {
-            let id = turn.id.map(fw::quoted).unwrap_or_default();
+    context.covered();
+    if exchange.is_id_in_use {
+        exchange.violates(context, || {
+            let id = exchange.id.map(body::quoted).unwrap_or_default();
             Detail::new(format!("another request with the id {id} waits for its answer")).at("/id")
         });
     }
+}
+
+fn requests() -> Vec<Request> {
+    let request = Request::new("an id that is answered", json!({ "type": "SYS-VER" }));
+    vec![Request { is_repeated: true, ..request }]
 }

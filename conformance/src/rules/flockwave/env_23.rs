@@ -2,8 +2,10 @@
 
 use std::collections::HashSet;
 
-use super::fw::{self, Conversation, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Session, Status, Tree,
+    body, source,
+};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -12,16 +14,26 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "A message is strict JSON: no `NaN` or `Infinity`, and no key twice in an object.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "messages of the server",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("Notifications have a key twice.", |out| {
+        if out.is_notification() {
+            out.write = |message| {
+                let text = message.to_string();
+                text.replacen('{', "{\"$fw.version\":\"1.0\",", 1)
+            };
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "`NaN`",
             make: || {
-                let talk = Conversation::new();
-                let text = String::from_utf8(talk.to_bytes()).ok()?;
+                let session = Session::new();
+                let text = String::from_utf8(session.to_bytes()).ok()?;
                 Some(text.replacen("\"name\":\"Hill\"", "\"name\":\"Hill\",\"gusts\":NaN", 1).into_bytes())
             },
             also: &[],
@@ -29,8 +41,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "a key twice",
             make: || {
-                let talk = Conversation::new();
-                let text = String::from_utf8(talk.to_bytes()).ok()?;
+                let session = Session::new();
+                let text = String::from_utf8(session.to_bytes()).ok()?;
                 Some(
                     text.replacen("\"name\":\"Hill\"", "\"name\":\"Hill\",\"name\":\"Hill\"", 1).into_bytes(),
                 )
@@ -43,11 +55,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 /// How many keys are few.
 const FEW: usize = 16;
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(message) = turn.message() else { return };
-    judged.exercise();
-    if let Some((path, what)) = loose(message) {
-        turn.breaks(judged, || Detail::new(what).at(path));
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    context.covered();
+    if let Some((path, what)) = loose(message.value) {
+        message.violates(context, || Detail::new(what).at(path));
     }
 }
 
@@ -69,7 +80,10 @@ fn loose(value: &Tree<'_>) -> Option<(String, String)> {
                     !seen.insert(key.as_ref())
                 };
                 if is_repeated {
-                    return Some((String::new(), format!("the key {} stands there twice", fw::quoted(key))));
+                    return Some((
+                        String::new(),
+                        format!("the key {} stands there twice", body::quoted(key)),
+                    ));
                 }
                 Some(below(key, loose(value)?))
             })

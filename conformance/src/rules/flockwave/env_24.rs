@@ -10,30 +10,35 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::json;
 
-use super::fw::{self, PerConnection, Role, Tree, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status, env_07};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Role, Rule,
+    RuleContext, SessionCheck, Status, Tree, env_07, mutant, served, source,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-24",
         level: Level::Must,
         status: Status::Normative,
         statement: "Each mandatory family has a handler: ASYNC, AUTH, CONN, DEV, EXT, OBJ, RTK, SYS and UAV. (Nothing can be asked of ACK.)",
-        source: fw::GENERAL,
+        source: source::GENERAL,
         applies_to: "requests that try it",
     },
-    check: Check::State(|| Box::new(Families::default())),
+    checks: &[Check::Session(|| Box::new(Families::default()))],
+    covers: &[],
+    bug: Bug::behaviour("Nothing of the family DEV is handled."),
+    trial: None,
     mutants: &[
         Mutant {
             name: "DEV is refused as what there isn't",
             make: || {
-                fw::over("tcp#9", |talk| {
-                    talk.logs_in();
+                mutant::over("tcp#9", |session| {
+                    session.logs_in();
                     for (rule, name) in
-                        [("FW-ENV-24", "DEV-LIST"), ("FW-ENV-07", "UAV-SOAR"), ("FW-ENV-24", "DEV-SUB")]
+                        [(&RULE.rule, "DEV-LIST"), (&env_07::RULE.rule, "UAV-SOAR"), (&RULE.rule, "DEV-SUB")]
                     {
                         let refused = json!({ "type": "ACK-NAK", "reason": format!("{name} isn't known") });
-                        talk.tries_and_hears(rule, "", json!({ "type": name }), refused);
+                        session.tries_and_hears(rule, "", json!({ "type": name }), refused);
                     }
                 })
             },
@@ -42,10 +47,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "CONN is refused without a reason, as is what there isn't",
             make: || {
-                fw::over("tcp#9", |talk| {
-                    talk.logs_in();
-                    for (rule, name) in [("FW-ENV-07", "UAV-SOAR"), ("FW-ENV-24", "CONN-LIST")] {
-                        talk.tries_and_hears(rule, "", json!({ "type": name }), json!({ "type": "ACK-NAK" }));
+                mutant::over("tcp#9", |session| {
+                    session.logs_in();
+                    for (rule, name) in [(&env_07::RULE.rule, "UAV-SOAR"), (&RULE.rule, "CONN-LIST")] {
+                        session.tries_and_hears(
+                            rule,
+                            "",
+                            json!({ "type": name }),
+                            json!({ "type": "ACK-NAK" }),
+                        );
                     }
                 })
             },
@@ -54,8 +64,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "no answer to a family",
             make: || {
-                fw::over("tcp#9", |talk| {
-                    talk.tries("FW-ENV-24", "", json!({ "type": "RTK-LIST" }));
+                mutant::over("tcp#9", |session| {
+                    session.tries(&RULE.rule, "", json!({ "type": "RTK-LIST" }));
                 })
             },
             also: &[],
@@ -96,33 +106,33 @@ struct Family {
     place: Place,
 }
 
-impl Checker for Families {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
-        if let Some(refusals) = self.connections.closed(turn) {
-            return self.judge(refusals, judged);
+impl SessionCheck for Families {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        if let Some(refusals) = self.connections.closed(exchange) {
+            return self.judge(refusals, context);
         }
-        if !turn.exchange.connection.is_told {
+        if !exchange.record.connection.is_told {
             return;
         }
-        if let Some(body) = turn.response("AUTH-INF") {
+        if let Some(body) = exchange.response("AUTH-INF") {
             self.is_login_needed |= body.get("required") == Some(&Tree::Bool(true));
         }
-        if let Some(body) = turn.response("AUTH-RESP") {
-            self.connections.of(turn).is_logged_in |= body.get("result") == Some(&Tree::Bool(true));
+        if let Some(body) = exchange.response("AUTH-RESP") {
+            self.connections.of(exchange).is_logged_in |= body.get("result") == Some(&Tree::Bool(true));
         }
-        if turn.role == Role::Response && turn.tried(&env_07::RULE.rule).is_some() {
-            let asked = turn.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
-            if let Some(name) = asked.filter(|name| !judged.definitions.is_message_known(name))
-                && let Some(reason) = reason(turn, name)
+        if exchange.role == Role::Response && exchange.tried(&env_07::RULE.rule).is_some() {
+            let asked = exchange.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
+            if let Some(name) = asked.filter(|name| !context.definitions.body_schemas().has(name))
+                && let Some(reason) = reason(exchange, name)
             {
-                let unknown = &mut self.connections.of(turn).unknown;
+                let unknown = &mut self.connections.of(exchange).unknown;
                 if unknown.len() < MAX_REASONS {
                     unknown.insert(reason);
                 }
             }
         }
-        if fw::tried(turn, judged) {
-            self.tried(turn);
+        if served::tried(exchange, context) {
+            self.tried(exchange);
         }
     }
 
@@ -132,29 +142,29 @@ impl Checker for Families {
 }
 
 impl Families {
-    fn tried(&mut self, turn: &Turn<'_>) {
-        let Some(name) = turn.asked.as_ref().and_then(|asked| asked.type_name.as_deref()) else { return };
+    fn tried(&mut self, exchange: &Exchange<'_>) {
+        let Some(name) = exchange.asked.as_ref().and_then(|asked| asked.type_name.as_deref()) else { return };
         let Some(family) = FAMILIES.iter().find(|family| name.split('-').next() == Some(family)) else {
             return;
         };
-        let families = &mut self.connections.of(turn).families;
-        let new = || Family { is_served: false, reasons: BTreeSet::new(), place: turn.exchange.place };
+        let families = &mut self.connections.of(exchange).families;
+        let new = || Family { is_served: false, reasons: BTreeSet::new(), place: exchange.record.place };
         let family = families.entry(family).or_insert_with(new);
-        match reason(turn, name) {
+        match reason(exchange, name) {
             Some(reason) if family.reasons.len() < MAX_REASONS => _ = family.reasons.insert(reason),
             // What is refused in ever other ways is refused for a reason.
             Some(_) | None => family.is_served = true,
         }
     }
 
-    fn judge(&self, refusals: Refusals, judged: &mut Judged<'_>) {
+    fn judge(&self, refusals: Refusals, context: &mut RuleContext<'_>) {
         if self.is_login_needed && !refusals.is_logged_in {
             return;
         }
         for (name, family) in refusals.families {
             let is_absent = !family.is_served && family.reasons.is_subset(&refusals.unknown);
             if is_absent {
-                judged.report(name, family.place, || {
+                context.violation(name, family.place, || {
                     Detail::new("requests are refused just as one of a type that there isn't")
                         .expected("a handler")
                         .actual("none")
@@ -165,8 +175,8 @@ impl Families {
 }
 
 /// The reason with which a request is refused, but for its type; empty where there is none.
-fn reason(turn: &Turn<'_>, type_name: &str) -> Option<String> {
-    let body = turn.response("ACK-NAK")?;
+fn reason(exchange: &Exchange<'_>, type_name: &str) -> Option<String> {
+    let body = exchange.response("ACK-NAK")?;
     let reason = body.get("reason").and_then(Tree::as_str).unwrap_or_default();
     Some(reason.replace(type_name, "…").chars().take(MAX_REASON).collect())
 }

@@ -3,22 +3,28 @@
 //! The specification lets answers come in any order. Most clients never see another than that of their requests, so it is
 //! good to know of a server that doesn't keep to it. That a request isn't answered at all is another rule's matter.
 
-use super::fw::{self, PerConnection, Role, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{
+    Attempt, Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Role, Rule,
+    RuleContext, Sent, SessionCheck, Status, Step, Strain, Trial, mutant, source,
+};
+use crate::flockwave::transport::endpoint::Endpoint;
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-25",
         level: Level::Info,
         status: Status::Advisory,
         statement: "Answers to requests that are sent at once come in the order of the requests.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "requests that try it",
     },
-    check: Check::State(|| Box::new(Order::default())),
+    checks: &[Check::Session(|| Box::new(Order::default()))],
+    covers: &[],
+    bug: Bug::behaviour("Over TCP, requests that come at once are answered from the last to the first."),
+    trial: Some(Trial::Attempts(Strain::Sound, attempts)),
     mutants: &[Mutant {
         name: "the last one is answered first",
-        make: || fw::over("tcp#9", |talk| talk.pipelines("FW-ENV-25", &[2, 0, 1])),
+        make: || mutant::over("tcp#9", |session| session.pipelines(&RULE.rule, &[2, 0, 1])),
         also: &[],
     }],
 };
@@ -35,18 +41,19 @@ struct Answered {
     is_told: bool,
 }
 
-impl Checker for Order {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
-        let is_answer = turn.role == Role::Response && turn.exchange.connection.is_told;
-        let Some(asked) = turn.asked.as_ref().filter(|_| is_answer && turn.tried(&RULE.rule).is_some())
+impl SessionCheck for Order {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        let is_answer = exchange.role == Role::Response && exchange.record.connection.is_told;
+        let Some(asked) =
+            exchange.asked.as_ref().filter(|_| is_answer && exchange.tried(&RULE.rule).is_some())
         else {
             return;
         };
-        judged.exercise();
-        let answered = self.0.of(turn);
+        context.covered();
+        let answered = self.0.of(exchange);
         let later = answered.latest.filter(|latest| *latest > asked.place);
         if let Some(later) = later.filter(|_| !answered.is_told) {
-            turn.breaks(judged, || {
+            exchange.violates(context, || {
                 Detail::new(format!("the request in {later} was answered before that in {}", asked.place))
                     .at("/refs")
             });
@@ -58,4 +65,15 @@ impl Checker for Order {
     fn damage(&mut self, _: Place) {
         self.0.clear();
     }
+}
+
+/// Many requests in one pass. Over other transports there is no order.
+fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
+    if !matches!(endpoint, Endpoint::Tcp(_) | Endpoint::SocketIo { .. }) {
+        return Vec::new();
+    }
+    let kinds =
+        ["SYS-VER", "SYS-TIME", "UAV-LIST", "SYS-PORTS", "CONN-LIST", "OBJ-LIST", "SYS-VER", "SYS-TIME"];
+    let requests = kinds.iter().enumerate().map(|(at, kind)| Sent::request(&format!("at-once-{at}"), kind));
+    vec![Attempt::new("", [Step::Together(requests.collect())])]
 }

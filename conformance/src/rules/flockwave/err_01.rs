@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Shape, Tree, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
+    Tree, body, mutant, source, ust_errors,
+};
 use crate::flockwave::body_schema::Mismatch;
 use crate::json::pointer;
 
@@ -13,30 +15,33 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "Codes are integers, 0 or more.",
-        source: fw::ERRORS,
+        source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[Attribution::new(&["UAV-INF"], "status.*.errors.*", &[Fault::Value])],
+    bug: Bug::message("An error code is negative.", |out| out.set_in_state("errors", json!([-1]))),
+    trial: None,
     mutants: &[
-        Mutant { name: "a negative code", make: || fw::errors(&[-1]), also: &[] },
+        Mutant { name: "a negative code", make: || mutant::errors(&[-1]), also: &[] },
         Mutant {
             name: "a word",
-            make: || fw::state(|kite| kite["errors"] = json!(["windy"])),
-            also: &["FW-UST-ERRORS"],
+            make: || mutant::state(|kite| kite["errors"] = json!(["windy"])),
+            also: &[&ust_errors::RULE.rule],
         },
     ],
 };
 
 const CODE: Shape = Shape::Integer(0, i128::MAX);
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    for (uav, state) in fw::states(turn, "UAV-INF") {
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    for (uav, state) in body::states(message, "UAV-INF") {
         let Some(Tree::List(codes)) = state.get("errors") else { continue };
-        judged.exercise();
+        context.covered();
         let wrong = codes.iter().enumerate().find_map(|(at, code)| Some((at, CODE.mismatch(code)?)));
         if let Some((at, found)) = wrong {
             let path = pointer(&["body", "status", uav, "errors", &at.to_string()]);
-            fw::mismatched(turn, judged, Mismatch { path, ..found });
+            body::mismatched(message, context, Mismatch { path, ..found });
         }
     }
 }

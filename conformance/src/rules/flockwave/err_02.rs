@@ -1,7 +1,10 @@
 //! `FW-ERR-02`.
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,16 +12,19 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Should,
         status: Status::Normative,
         statement: "0 isn't listed: an empty list says that there is no error.",
-        source: fw::ERRORS,
+        source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("The absence of errors is listed.", |out| out.set_in_state("errors", json!([0]))),
+    trial: None,
     mutants: &[
-        Mutant { name: "0", make: || fw::errors(&[0]), also: &[] },
-        Mutant { name: "0 beside another", make: || fw::errors(&[0, 1]), also: &[] },
+        Mutant { name: "0", make: || mutant::errors(&[0]), also: &[] },
+        Mutant { name: "0 beside another", make: || mutant::errors(&[0, 1]), also: &[] },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::codes(turn, judged, |codes| codes.contains(&0).then(|| "0 is listed".to_owned()));
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    body::codes(message, context, |codes| codes.contains(&0).then(|| "0 is listed".to_owned()));
 }

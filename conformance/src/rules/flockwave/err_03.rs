@@ -1,7 +1,10 @@
 //! `FW-ERR-03`.
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,15 +12,18 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "Codes from 256 to 32767 are reserved.",
-        source: fw::ERRORS,
+        source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
     },
-    check: Check::Exchange(judge),
-    mutants: &[Mutant { name: "300", make: || fw::errors(&[300]), also: &[] }],
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("An error code is reserved.", |out| out.set_in_state("errors", json!([300]))),
+    trial: None,
+    mutants: &[Mutant { name: "300", make: || mutant::errors(&[300]), also: &[] }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::codes(turn, judged, |codes| {
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    body::codes(message, context, |codes| {
         let reserved = codes.iter().find(|code| (256..=32767).contains(*code))?;
         Some(format!("{reserved} is reserved"))
     });

@@ -1,9 +1,12 @@
 //! `FW-ERR-04`.
 
+use serde_json::json;
+
 use std::ops::RangeInclusive;
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,19 +14,22 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "A code below 256 is one that the specification has.",
-        source: fw::ERRORS,
+        source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
     },
-    check: Check::Exchange(judge),
-    mutants: &[Mutant { name: "12", make: || fw::errors(&[12]), also: &[] }],
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("An error code isn't registered.", |out| out.set_in_state("errors", json!([50]))),
+    trial: None,
+    mutants: &[Mutant { name: "12", make: || mutant::errors(&[12]), also: &[] }],
 };
 
 /// The codes that there are, but for 0.
 const KNOWN: [RangeInclusive<i128>; 9] =
     [1..=11, 63..=63, 64..=75, 127..=127, 128..=142, 188..=191, 192..=207, 253..=254, 255..=255];
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::codes(turn, judged, |codes| {
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    body::codes(message, context, |codes| {
         let is_known =
             |code: &i128| *code <= 0 || *code > 255 || KNOWN.iter().any(|known| known.contains(code));
         let unknown = codes.iter().find(|code| !is_known(code))?;

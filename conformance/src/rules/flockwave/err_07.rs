@@ -1,7 +1,10 @@
 //! `FW-ERR-07`.
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,20 +14,23 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             "The text of code 65 names 131 as its alternative, which has nothing to do with it; 132 is meant.",
         ),
         statement: "Codes that are alternatives don't stand together: 65 and 132; 66, 134 and 199; 133 and 197; 71 and 201; 72 and 139.",
-        source: fw::ERRORS,
+        source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("A battery is low in two ways.", |out| out.set_in_state("errors", json!([66, 134]))),
+    trial: None,
     mutants: &[
-        Mutant { name: "both on the battery", make: || fw::errors(&[66, 134]), also: &[] },
-        Mutant { name: "both on the fence", make: || fw::errors(&[71, 201]), also: &[] },
+        Mutant { name: "both on the battery", make: || mutant::errors(&[66, 134]), also: &[] },
+        Mutant { name: "both on the fence", make: || mutant::errors(&[71, 201]), also: &[] },
     ],
 };
 
 const ALTERNATIVES: [&[i128]; 5] = [&[65, 132], &[66, 134, 199], &[133, 197], &[71, 201], &[72, 139]];
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::codes(turn, judged, |codes| {
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    body::codes(message, context, |codes| {
         let both = ALTERNATIVES.iter().find_map(|group| {
             let mut found = group.iter().filter(|code| codes.contains(code));
             found.next().zip(found.next())

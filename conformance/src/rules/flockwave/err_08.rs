@@ -1,7 +1,10 @@
 //! `FW-ERR-08`.
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,19 +12,24 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Should,
         status: Status::Normative,
         statement: "201, outside the fence in the air, doesn't stand beside 1, on the ground; 71 does.",
-        source: fw::ERRORS,
+        source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("On the ground a UAV has left the fence in the air.", |out| {
+        out.set_in_state("errors", json!([1, 201]));
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "outside the fence, on the ground",
-        make: || fw::errors(&[1, 201]),
+        make: || mutant::errors(&[1, 201]),
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::codes(turn, judged, |codes| {
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    body::codes(message, context, |codes| {
         [201, 1]
             .iter()
             .all(|code| codes.contains(code))

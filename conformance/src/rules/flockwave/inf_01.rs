@@ -2,8 +2,9 @@
 
 use serde_json::json;
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, mutant, reply, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,44 +12,49 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "Each id or path that was asked for stands in exactly one map of the reply.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "BCN-INF, CLK-INF, DEV-INF, EXT-INF, RTK-INF, UAV-PREFLT, WTH-INF",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::message("The last thing that was asked for is missing, in BCN-INF and the like.", |out| {
+        out.lose_last(&["BCN-INF", "CLK-INF", "WTH-INF", "RTK-INF", "EXT-INF", "UAV-PREFLT"]);
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "nothing of what was asked for, BCN-INF",
-            make: || fw::reply("BCN-INF", |body| body["status"] = json!({})),
+            make: || mutant::reply("BCN-INF", |body| body["status"] = json!({})),
             also: &[],
         },
         Mutant {
             name: "nothing of what was asked for, CLK-INF",
-            make: || fw::reply("CLK-INF", |body| body["status"] = json!({})),
+            make: || mutant::reply("CLK-INF", |body| body["status"] = json!({})),
             also: &[],
         },
         Mutant {
             name: "nothing of what was asked for, DEV-INF",
-            make: || fw::reply("DEV-INF", |body| body["values"] = json!({})),
+            make: || mutant::reply("DEV-INF", |body| body["values"] = json!({})),
             also: &[],
         },
         Mutant {
             name: "nothing of what was asked for, EXT-INF",
-            make: || fw::reply("EXT-INF", |body| body["status"] = json!({})),
+            make: || mutant::reply("EXT-INF", |body| body["status"] = json!({})),
             also: &[],
         },
         Mutant {
             name: "nothing of what was asked for, RTK-INF",
-            make: || fw::reply("RTK-INF", |body| body["preset"] = json!({})),
+            make: || mutant::reply("RTK-INF", |body| body["preset"] = json!({})),
             also: &[],
         },
         Mutant {
             name: "nothing of what was asked for, UAV-PREFLT",
-            make: || fw::reply("UAV-PREFLT", |body| body["status"] = json!({})),
+            make: || mutant::reply("UAV-PREFLT", |body| body["status"] = json!({})),
             also: &[],
         },
         Mutant {
             name: "nothing of what was asked for, WTH-INF",
-            make: || fw::reply("WTH-INF", |body| body["status"] = json!({})),
+            make: || mutant::reply("WTH-INF", |body| body["status"] = json!({})),
             also: &[],
         },
     ],
@@ -56,6 +62,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 const TYPES: [&str; 7] = ["BCN-INF", "CLK-INF", "DEV-INF", "EXT-INF", "RTK-INF", "UAV-PREFLT", "WTH-INF"];
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::partition(turn, judged, &TYPES);
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    reply::partition(exchange, context, &TYPES);
 }

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Shape, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Role, Rule, RuleContext, Shape,
+    Status, attribution, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,22 +13,32 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "OBJ-DEL is a notification with `ids`, a list of strings.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "OBJ-DEL",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[
+        Attribution::new(&["OBJ-DEL"], "ids", attribution::MISSING),
+        Attribution::new(&["OBJ-DEL"], "ids.*", attribution::MISSING),
+    ],
+    bug: Bug::message("OBJ-DEL has its ids as a text.", |out| {
+        if let Some(body) = out.body_of("OBJ-DEL") {
+            body["ids"] = body["ids"][0].take();
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "no ids",
-            make: || fw::notice("OBJ-DEL", |body| *body = json!({ "type": "OBJ-DEL" })),
+            make: || mutant::notice("OBJ-DEL", |body| *body = json!({ "type": "OBJ-DEL" })),
             also: &[],
         },
         Mutant {
             name: "as an answer",
             make: || {
-                fw::then(|talk| {
-                    let id = talk.sends(json!({ "type": "UAV-SOAR" }));
-                    talk.answers(&id, json!({ "body": { "type": "OBJ-DEL", "ids": ["vane"] } }));
+                mutant::then(|session| {
+                    let id = session.sends(json!({ "type": "UAV-SOAR" }));
+                    session.answers(&id, json!({ "body": { "type": "OBJ-DEL", "ids": ["vane"] } }));
                 })
             },
             also: &[],
@@ -34,13 +46,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("OBJ-DEL").is_none() {
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body_of("OBJ-DEL").is_none() {
         return;
     }
-    judged.exercise();
-    if turn.role != Role::Notification {
-        turn.breaks(judged, || Detail::new("it has `refs`, and is a notification"));
+    context.covered();
+    if message.role != Role::Notification {
+        message.violates(context, || Detail::new("it has `refs`, and is a notification"));
     }
-    fw::field(turn, judged, "ids", true, &Shape::List(&Shape::Text));
+    body::field(message, context, "ids", true, &Shape::List(&Shape::Text));
 }

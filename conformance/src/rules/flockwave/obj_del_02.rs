@@ -2,25 +2,30 @@
 
 use serde_json::json;
 
-use super::fw::{self, Tree, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Place, Rule, RuleContext, SessionCheck,
+    Status, StatusReport, Tree, body, mutant, source,
+};
 use crate::flockwave::session::ids::Ids;
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-OBJ-DEL-02",
         level: Level::Info,
         status: Status::Advisory,
         statement: "Objects that OBJ-DEL names aren't in later lists, unless something is told of them again.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "OBJ-DEL, OBJ-LIST and UAV-LIST over time",
     },
-    check: Check::State(|| Box::new(Gone::default())),
+    checks: &[Check::Session(|| Box::new(Gone::default()))],
+    covers: &[],
+    bug: Bug::behaviour("Objects that are gone stay in the lists."),
+    trial: None,
     mutants: &[Mutant {
         name: "one is listed again",
         make: || {
-            fw::then(|talk| {
-                talk.asks(json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite", "swift", "vane"] }));
+            mutant::then(|session| {
+                session.asks(json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite", "swift", "vane"] }));
             })
         },
         also: &[],
@@ -42,34 +47,42 @@ impl Default for Gone {
     }
 }
 
-impl Checker for Gone {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
-        if !turn.is_of_server() || !turn.exchange.connection.is_told {
+impl SessionCheck for Gone {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        if !exchange.is_of_server() || !exchange.record.connection.is_told {
             return;
         }
-        for (id, _) in fw::members(turn, "status") {
-            self.0.remove(turn.serial, id);
+        for (id, _) in body::members(exchange.body, "status") {
+            self.0.remove(exchange.serial, id);
         }
-        let ids = match turn.field("ids") {
+        let ids = match exchange.field("ids") {
             Some(Tree::List(ids)) => ids.iter().filter_map(Tree::as_str).filter(|id| id.len() <= MAX_ID),
             _ => return,
         };
-        match turn.type_name {
-            Some("OBJ-DEL") => ids.for_each(|id| self.0.insert(turn.serial, id, (), id.len())),
+        match exchange.type_name {
+            Some("OBJ-DEL") => ids.for_each(|id| self.0.insert(exchange.serial, id, (), id.len())),
             Some("OBJ-LIST" | "UAV-LIST") => {
-                judged.exercise();
+                context.covered();
                 let mut ids = ids;
-                if let Some(id) = ids.find(|id| self.0.contains(turn.serial, id)) {
-                    turn.breaks(judged, || {
+                if let Some(id) = ids.find(|id| self.0.contains(exchange.serial, id)) {
+                    exchange.violates(context, || {
                         Detail::new(format!(
                             "{} is listed, and OBJ-DEL has said that it is gone",
-                            fw::quoted(id)
+                            body::quoted(id)
                         ))
                         .at("/body/ids")
                     });
                 }
             }
             _ => {}
+        }
+    }
+
+    fn status_report(&mut self, report: &StatusReport<'_>, _: &mut RuleContext<'_>) {
+        if report.connection().is_told {
+            for (id, _) in report.timestamps() {
+                self.0.remove(report.connection_id().serial, id);
+            }
         }
     }
 

@@ -1,7 +1,9 @@
 //! `FW-OBJ-LIST-01`.
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,22 +11,32 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "`ids` is a list of strings.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "OBJ-LIST",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[
+        Attribution::new(&["OBJ-LIST"], "ids", attribution::MISSING),
+        Attribution::new(&["OBJ-LIST"], "ids.*", attribution::MISSING),
+    ],
+    bug: Bug::message("The last id in OBJ-LIST is a number.", |out| out.make_last_id_a_number("OBJ-LIST")),
+    trial: None,
     mutants: &[
-        Mutant { name: "no ids", make: || fw::reply("OBJ-LIST", |body| fw::remove(body, "ids")), also: &[] },
+        Mutant {
+            name: "no ids",
+            make: || mutant::reply("OBJ-LIST", |body| mutant::remove(body, "ids")),
+            also: &[],
+        },
         Mutant {
             name: "an id that is a number",
-            make: || fw::reply("OBJ-LIST", |body| body["ids"][0] = 7.into()),
+            make: || mutant::reply("OBJ-LIST", |body| body["ids"][0] = 7.into()),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("OBJ-LIST").is_some() {
-        fw::field(turn, judged, "ids", true, &Shape::List(&Shape::Text));
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body_of("OBJ-LIST").is_some() {
+        body::field(message, context, "ids", true, &Shape::List(&Shape::Text));
     }
 }

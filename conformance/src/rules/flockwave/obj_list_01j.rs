@@ -1,7 +1,9 @@
 //! `FW-OBJ-LIST-01J`.
 
-use super::fw::{self, Shape, Tree, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
+    Tree, body, mutant, source,
+};
 use crate::flockwave::body_schema::Mismatch;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -10,30 +12,36 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Should,
         status: Status::Advisory,
         statement: "The `ids` are unique, and each has 1 to 64 characters, none of them `/`.",
-        source: fw::SCHEMA,
+        source: source::SCHEMA,
         applies_to: "OBJ-LIST",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[
+        Attribution::new(&["OBJ-LIST"], "ids", &[Fault::Value]),
+        Attribution::new(&["OBJ-LIST"], "ids.*", &[Fault::Value]),
+    ],
+    bug: Bug::message("OBJ-LIST has its first id twice.", |out| out.repeat_first_id("OBJ-LIST")),
+    trial: None,
     mutants: &[
         Mutant {
             name: "an id twice",
-            make: || fw::reply("OBJ-LIST", |body| body["ids"][0] = "swift".into()),
+            make: || mutant::reply("OBJ-LIST", |body| body["ids"][0] = "swift".into()),
             also: &[],
         },
         Mutant {
             name: "an id with a slash",
-            make: || fw::reply("OBJ-LIST", |body| body["ids"][0] = "kite/2".into()),
+            make: || mutant::reply("OBJ-LIST", |body| body["ids"][0] = "kite/2".into()),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(Tree::List(ids)) = turn.body_of("OBJ-LIST").and_then(|body| body.get("ids")) else { return };
-    fw::unique(turn, judged, "ids");
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    let Some(Tree::List(ids)) = message.body_of("OBJ-LIST").and_then(|body| body.get("ids")) else { return };
+    body::unique(message, context, "ids");
     // What is no string is another rule's matter.
     let wrong = ids.iter().filter(|id| id.as_str().is_some()).find_map(|id| Shape::ObjectId.mismatch(id));
     if let Some(found) = wrong {
-        fw::mismatched(turn, judged, Mismatch { path: "/body/ids".to_owned(), ..found });
+        body::mismatched(message, context, Mismatch { path: "/body/ids".to_owned(), ..found });
     }
 }

@@ -4,26 +4,32 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::json;
 
-use super::fw::{self, PerConnection, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status, obj_list_03};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule, RuleContext,
+    SessionCheck, Status, body, mutant, obj_list_03, reply, source, uav_list_02,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-OBJ-LIST-02",
         level: Level::Must,
         status: Status::Normative,
         statement: "A filter leaves the objects of its types alone: no object is listed for two types.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "OBJ-LIST over time",
     },
-    check: Check::State(|| Box::new(Listed::default())),
+    checks: &[Check::Session(|| Box::new(Listed::default()))],
+    covers: &[],
+    bug: Bug::behaviour("OBJ-LIST doesn't heed its filter.")
+        .with(&[&obj_list_03::RULE.rule, &uav_list_02::RULE.rule]),
+    trial: None,
     mutants: &[Mutant {
         name: "the filter is left out of account",
         make: || {
-            fw::over("tcp#9", |talk| {
+            mutant::over("tcp#9", |session| {
                 for kind in ["uav", "beacon"] {
                     let all = json!({ "ids": ["kite", "mast", "swift"] });
-                    talk.asks(json!({ "type": "OBJ-LIST", "filter": [kind] }), all);
+                    session.asks(json!({ "type": "OBJ-LIST", "filter": [kind] }), all);
                 }
             })
         },
@@ -38,32 +44,32 @@ const MAX_KINDS: usize = 8;
 #[derive(Default)]
 struct Listed(PerConnection<BTreeMap<String, BTreeSet<String>>>);
 
-impl Checker for Listed {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
-        if !turn.is_of_server() || !turn.exchange.connection.is_told {
+impl SessionCheck for Listed {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        if !exchange.is_of_server() || !exchange.record.connection.is_told {
             return;
         }
-        if turn.notification("OBJ-DEL").is_some() {
+        if exchange.notification("OBJ-DEL").is_some() {
             // What comes anew with the id of one that is gone may be of another type.
-            let gone = fw::listed(turn);
+            let gone = reply::listed(exchange);
             let is_left = |id: &String| gone.as_ref().is_some_and(|gone| !gone.contains(id));
-            self.0.of(turn).values_mut().for_each(|list| list.retain(is_left));
+            self.0.of(exchange).values_mut().for_each(|list| list.retain(is_left));
             return;
         }
-        let asked = turn.response("OBJ-LIST").and(turn.asked_same());
+        let asked = exchange.response("OBJ-LIST").and(exchange.asked_same());
         // What a type may be that there isn't is another rule's matter.
-        let asked = asked.filter(|_| turn.tried(&obj_list_03::RULE.rule).is_none());
+        let asked = asked.filter(|_| exchange.tried(&obj_list_03::RULE.rule).is_none());
         let Some(filter) = asked.and_then(|asked| asked.filter.as_ref()).filter(|filter| filter.len() == 1)
         else {
             return;
         };
-        let (Some(kind), Some(list)) = (filter.first(), fw::listed(turn)) else { return };
-        let lists = self.0.of(turn);
+        let (Some(kind), Some(list)) = (filter.first(), reply::listed(exchange)) else { return };
+        let lists = self.0.of(exchange);
         for (other, known) in lists.iter().filter(|(other, _)| *other != kind) {
-            judged.exercise();
+            context.covered();
             if let Some(id) = list.intersection(known).next() {
-                turn.breaks(judged, || {
-                    let (id, kind, other) = (fw::quoted(id), fw::quoted(kind), fw::quoted(other));
+                exchange.violates(context, || {
+                    let (id, kind, other) = (body::quoted(id), body::quoted(kind), body::quoted(other));
                     Detail::new(format!("{id} is listed for the type {kind}, and was for {other}"))
                         .at("/body/ids")
                 });

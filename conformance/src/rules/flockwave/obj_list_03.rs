@@ -2,41 +2,48 @@
 
 use serde_json::json;
 
-use super::fw::{self, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Request, Rule, RuleContext, Status, Tree,
+    Trial, mutant, served, source,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-OBJ-LIST-03",
         level: Level::Should,
         status: Status::Normative,
         statement: "For a type that the server doesn't know OBJ-LIST gives an empty list.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "OBJ-LIST that tries it",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::behaviour("OBJ-LIST refuses types that the server doesn't know."),
+    trial: Some(Trial::Requests(|_| {
+        vec![Request::new("", json!({ "type": "OBJ-LIST", "filter": ["kite-of-nobody"] }))]
+    })),
     mutants: &[
-        Mutant { name: "the request is refused", make: || fw::refused("tcp#9", "FW-OBJ-LIST-03"), also: &[] },
+        Mutant { name: "the request is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
         Mutant {
             name: "all objects are listed",
             make: || {
                 let asked = json!({ "type": "OBJ-LIST", "filter": ["cloud"] });
                 let all = json!({ "type": "OBJ-LIST", "ids": ["kite", "swift"] });
-                fw::over("tcp#9", |talk| talk.tries_and_hears("FW-OBJ-LIST-03", "", asked, all))
+                mutant::over("tcp#9", |session| session.tries_and_hears(&RULE.rule, "", asked, all))
             },
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if !fw::served(turn, judged) || turn.response("OBJ-LIST").is_none() {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if !served::served(exchange, context) || exchange.response("OBJ-LIST").is_none() {
         return;
     }
-    if let Some(Tree::List(ids)) = turn.field("ids")
+    if let Some(Tree::List(ids)) = exchange.field("ids")
         && !ids.is_empty()
     {
-        turn.breaks(judged, || {
+        exchange.violates(context, || {
             Detail::differs("an empty list", format!("one of {}", ids.len())).at("/body/ids")
         });
     }

@@ -7,28 +7,33 @@ use std::collections::BTreeSet;
 
 use serde_json::json;
 
-use super::fw::{self, PerConnection, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule, RuleContext,
+    SessionCheck, Status, body, mutant, reply, source,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-OBJ-LIST-04",
         level: Level::Must,
         status: Status::Normative,
         statement: "Without a filter OBJ-LIST has all objects.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "OBJ-LIST over time",
     },
-    check: Check::State(|| Box::new(Objects::default())),
+    checks: &[Check::Session(|| Box::new(Objects::default()))],
+    covers: &[],
+    bug: Bug::behaviour("OBJ-LIST without a filter has UAVs only."),
+    trial: None,
     mutants: &[Mutant {
         name: "those of one type are missing",
         make: || {
             let all = || json!({ "ids": ["kite", "swift"] });
             let masts = json!({ "type": "OBJ-LIST", "filter": ["beacon"] });
-            fw::over("tcp#9", |talk| {
-                talk.asks(json!({ "type": "OBJ-LIST" }), all());
-                talk.asks(masts, json!({ "ids": ["mast"] }));
-                talk.asks(json!({ "type": "OBJ-LIST" }), all());
+            mutant::over("tcp#9", |session| {
+                session.asks(json!({ "type": "OBJ-LIST" }), all());
+                session.asks(masts, json!({ "ids": ["mast"] }));
+                session.asks(json!({ "type": "OBJ-LIST" }), all());
             })
         },
         also: &[],
@@ -51,20 +56,20 @@ struct Listed {
     others: BTreeSet<String>,
 }
 
-impl Checker for Objects {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
-        if !turn.is_of_server() || !turn.exchange.connection.is_told {
+impl SessionCheck for Objects {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        if !exchange.is_of_server() || !exchange.record.connection.is_told {
             return;
         }
-        let is_end = turn.notification("OBJ-DEL").or_else(|| turn.notification("CONN-DEL")).is_some();
+        let is_end = exchange.notification("OBJ-DEL").or_else(|| exchange.notification("CONN-DEL")).is_some();
         if is_end {
-            let gone = fw::listed(turn);
+            let gone = reply::listed(exchange);
             let is_left = |id: &String| gone.as_ref().is_some_and(|gone| !gone.contains(id));
-            return self.0.of(turn).others.retain(is_left);
+            return self.0.of(exchange).others.retain(is_left);
         }
-        let asked = turn.response("OBJ-LIST").and(turn.asked_same());
-        let (Some(asked), Some(list)) = (asked, fw::listed(turn)) else { return };
-        let listed = self.0.of(turn);
+        let asked = exchange.response("OBJ-LIST").and(exchange.asked_same());
+        let (Some(asked), Some(list)) = (asked, reply::listed(exchange)) else { return };
+        let listed = self.0.of(exchange);
         match &asked.filter {
             Some(filter) if filter.is_empty() => {}
             Some(_) if listed.others.len() + list.len() <= MAX_OBJECTS => listed.others.extend(list),
@@ -73,11 +78,11 @@ impl Checker for Objects {
                 let others = std::mem::take(&mut listed.others);
                 if listed.all.as_ref() == Some(&list) {
                     if !others.is_empty() {
-                        judged.exercise();
+                        context.covered();
                     }
                     if let Some(id) = others.difference(&list).next() {
-                        turn.breaks(judged, || {
-                            let id = fw::quoted(id);
+                        exchange.violates(context, || {
+                            let id = body::quoted(id);
                             Detail::new(format!("{id} is missing, which a list with a filter has"))
                                 .at("/body/ids")
                         });

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, Tree, body,
+    mutant, source,
+};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -12,14 +14,22 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "Where `success` is true, `failed` is empty or absent.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "results of PRM-SET-MANY",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::message("PRM-SET-MANY succeeds, and has failed.", |out| {
+        let Some(body) = out.body_of("PRM-SET-MANY") else { return };
+        for outcome in body["result"].as_object_mut().into_iter().flat_map(|map| map.values_mut()) {
+            *outcome = json!({ "success": true, "failed": ["CRUISE_SPEED"] });
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "all is said to be set",
-            make: || fw::reply("PRM-SET-MANY", |body| body["result"]["kite"]["success"] = true.into()),
+            make: || mutant::reply("PRM-SET-MANY", |body| body["result"]["kite"]["success"] = true.into()),
             also: &[],
         },
         Mutant {
@@ -27,9 +37,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             make: || {
                 let asked = json!({ "type": "PRM-SET-MANY", "ids": ["kite"], "parameters": { "GEAR": 1 } });
                 let outcome = json!({ "success": true, "failed": ["GEAR"] });
-                fw::then(|talk| {
-                    talk.asks(asked, json!({ "receipt": { "kite": "rcpt-8" } }));
-                    talk.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": outcome }));
+                mutant::then(|session| {
+                    session.asks(asked, json!({ "receipt": { "kite": "rcpt-8" } }));
+                    session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": outcome }));
                 })
             },
             also: &[],
@@ -37,26 +47,27 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let at_once = fw::members(turn, "result").iter().filter(|_| turn.response("PRM-SET-MANY").is_some());
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let at_once =
+        body::members(exchange.body, "result").iter().filter(|_| exchange.response("PRM-SET-MANY").is_some());
     for (key, outcome) in at_once {
-        check(turn, judged, outcome, &["body", "result", key]);
+        check_outcome(exchange, context, outcome, &["body", "result", key]);
     }
-    let later = turn.notification("ASYNC-RESP").and_then(|body| body.get("result"));
-    let known = turn.operations.first().and_then(|named| named.before.as_ref());
+    let later = exchange.notification("ASYNC-RESP").and_then(|body| body.get("result"));
+    let known = exchange.operations.first().and_then(|named| named.before.as_ref());
     if let Some(outcome) =
         later.filter(|_| known.is_some_and(|known| known.type_name.as_deref() == Some("PRM-SET-MANY")))
     {
-        check(turn, judged, outcome, &["body", "result"]);
+        check_outcome(exchange, context, outcome, &["body", "result"]);
     }
 }
 
-fn check(turn: &Turn<'_>, judged: &mut Judged<'_>, outcome: &Tree<'_>, keys: &[&str]) {
-    judged.exercise();
+fn check_outcome(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, outcome: &Tree<'_>, keys: &[&str]) {
+    context.covered();
     let is_success = outcome.get("success") == Some(&Tree::Bool(true));
     let failed = if let Some(Tree::List(failed)) = outcome.get("failed") { failed.len() } else { 0 };
     if is_success && failed > 0 {
-        turn.breaks(judged, || {
+        exchange.violates(context, || {
             Detail::new(format!("`success` is true, and {failed} parameters are said to have failed"))
                 .at(pointer(keys))
         });

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Shape, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, Detail, Fault, FlockwaveRule, Level, Message, Mutant, Needs, Role, Rule,
+    RuleContext, Shape, Status, body, mutant, source, sys_close_02,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,36 +13,42 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "SYS-CLOSE is a notification with an optional string `reason`.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "SYS-CLOSE",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[Attribution::new(&["SYS-CLOSE"], "reason", &[Fault::Kind])],
+    bug: Bug::message("The reason of SYS-CLOSE is a number.", |out| {
+        out.set("SYS-CLOSE", "reason", json!(7));
+    })
+    .needs(Needs::Farewell),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a reason that is a number",
-            make: || fw::notice("SYS-CLOSE", |body| body["reason"] = 7.into()),
+            make: || mutant::notice("SYS-CLOSE", |body| body["reason"] = 7.into()),
             also: &[],
         },
         Mutant {
             name: "as an answer",
             make: || {
-                fw::then(|talk| {
-                    let id = talk.sends(json!({ "type": "UAV-SOAR" }));
-                    talk.answers(&id, json!({ "body": { "type": "SYS-CLOSE" } }));
+                mutant::then(|session| {
+                    let id = session.sends(json!({ "type": "UAV-SOAR" }));
+                    session.answers(&id, json!({ "body": { "type": "SYS-CLOSE" } }));
                 })
             },
-            also: &["FW-SYS-CLOSE-02"],
+            also: &[&sys_close_02::RULE.rule],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("SYS-CLOSE").is_none() {
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body_of("SYS-CLOSE").is_none() {
         return;
     }
-    judged.exercise();
-    if turn.role != Role::Notification {
-        turn.breaks(judged, || Detail::new("it has `refs`, and is a notification"));
+    context.covered();
+    if message.role != Role::Notification {
+        message.violates(context, || Detail::new("it has `refs`, and is a notification"));
     }
-    fw::field(turn, judged, "reason", false, &Shape::Nullable(&Shape::Text));
+    body::field(message, context, "reason", false, &Shape::Nullable(&Shape::Text));
 }

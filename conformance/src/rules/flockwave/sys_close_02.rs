@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Conversation, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Session, SessionCheck,
+    Status, StatusReport, source,
+};
 use crate::flockwave::session::remembered::Remembered;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -12,18 +14,25 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "After SYS-CLOSE the server closes the connection.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "SYS-CLOSE over time",
     },
-    check: Check::State(|| Box::new(Closing::default())),
+    checks: &[Check::Session(|| Box::new(Closing::default()))],
+    covers: &[],
+    bug: Bug::message("SYS-CLOSE comes after each SYS-VER, and the connection goes on.", |out| {
+        if out.kind() == "SYS-VER" {
+            out.follow(None, json!({ "type": "SYS-CLOSE" }));
+        }
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "the server speaks on",
         make: || {
-            let mut talk = Conversation::new();
-            let closed = talk.lines.pop()?;
-            talk.tells(json!({ "type": "SYS-MSG", "items": [{ "message": "One more thing" }] }));
-            talk.lines.push(closed);
-            Some(talk.to_bytes())
+            let mut session = Session::new();
+            let closed = session.lines.pop()?;
+            session.tells(json!({ "type": "SYS-MSG", "items": [{ "message": "One more thing" }] }));
+            session.lines.push(closed);
+            Some(session.to_bytes())
         },
         also: &[],
     }],
@@ -41,17 +50,27 @@ impl Default for Closing {
     }
 }
 
-impl Checker for Closing {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
-        if !turn.is_of_server() || !turn.exchange.connection.is_told {
+impl SessionCheck for Closing {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        if !exchange.is_of_server() || !exchange.record.connection.is_told {
             return;
         }
-        if self.0.remove(&turn.serial).is_some() {
-            turn.breaks(judged, || Detail::new("the server speaks on after SYS-CLOSE"));
+        if self.0.remove(&exchange.serial).is_some() {
+            exchange.violates(context, goes_on);
         }
-        if turn.body_of("SYS-CLOSE").is_some() {
-            judged.exercise();
-            self.0.insert(turn.serial, (), 0);
+        if exchange.body_of("SYS-CLOSE").is_some() {
+            context.covered();
+            self.0.insert(exchange.serial, (), 0);
         }
     }
+
+    fn status_report(&mut self, report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
+        if report.connection().is_told && self.0.remove(&report.connection_id().serial).is_some() {
+            report.violates(context, goes_on);
+        }
+    }
+}
+
+fn goes_on() -> Detail {
+    Detail::new("the server speaks on after SYS-CLOSE")
 }

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Shape, Tree, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status, Tree,
+    attribution, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,33 +13,44 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "`items` is a list, and each has a string `message`.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "SYS-MSG",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[
+        Attribution::new(&["SYS-MSG"], "items", attribution::MISSING),
+        Attribution::new(&["SYS-MSG"], "items.*", attribution::MISSING),
+        Attribution::new(&["SYS-MSG"], "items.*.message", attribution::MISSING),
+    ],
+    bug: Bug::message("Items of SYS-MSG have no message.", |out| {
+        if let Some(item) = out.item() {
+            item.remove("message");
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "an item without a message",
-            make: || fw::notice("SYS-MSG", |body| body["items"][0] = json!({ "severity": "info" })),
+            make: || mutant::notice("SYS-MSG", |body| body["items"][0] = json!({ "severity": "info" })),
             also: &[],
         },
         Mutant {
             name: "no list",
-            make: || fw::notice("SYS-MSG", |body| body["items"] = "Thermals".into()),
+            make: || mutant::notice("SYS-MSG", |body| body["items"] = "Thermals".into()),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("SYS-MSG").is_none() {
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body_of("SYS-MSG").is_none() {
         return;
     }
-    fw::field(turn, judged, "items", true, &Shape::List(&Shape::Object));
-    if let Some(Tree::List(items)) = turn.field("items") {
+    body::field(message, context, "items", true, &Shape::List(&Shape::Object));
+    if let Some(Tree::List(items)) = message.field("items") {
         for (at, item) in items.iter().enumerate().filter(|(_, item)| matches!(item, Tree::Object(_))) {
             let keys = ["body", "items", &at.to_string()];
-            fw::member(turn, judged, Some(item), &keys, ("message", true), &Shape::Text);
+            body::member(message, context, Some(item), &keys, ("message", true), &Shape::Text);
         }
     }
 }

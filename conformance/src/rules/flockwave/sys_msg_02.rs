@@ -1,7 +1,11 @@
 //! `FW-SYS-MSG-02`.
 
-use super::fw::{self, Shape, Tree, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status, Tree,
+    attribution, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,23 +13,32 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "`severity` of an item is debug, info, warning, error or critical.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "SYS-MSG",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[Attribution::new(&["SYS-MSG"], "items.*.severity", attribution::WRONG)],
+    bug: Bug::message("Items of SYS-MSG are of severity loud.", |out| {
+        if let Some(item) = out.item() {
+            item.insert("severity".to_owned(), json!("loud"));
+        }
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "a severity of its own",
-        make: || fw::notice("SYS-MSG", |body| body["items"][0]["severity"] = "loud".into()),
+        make: || mutant::notice("SYS-MSG", |body| body["items"][0]["severity"] = "loud".into()),
         also: &[],
     }],
 };
 
 const SEVERITY: Shape = Shape::Nullable(&Shape::OneOf(&["debug", "info", "warning", "error", "critical"]));
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(Tree::List(items)) = turn.body_of("SYS-MSG").and_then(|body| body.get("items")) else { return };
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    let Some(Tree::List(items)) = message.body_of("SYS-MSG").and_then(|body| body.get("items")) else {
+        return;
+    };
     for (at, item) in items.iter().enumerate() {
         let keys = ["body", "items", &at.to_string()];
-        fw::member(turn, judged, Some(item), &keys, ("severity", false), &SEVERITY);
+        body::member(message, context, Some(item), &keys, ("severity", false), &SEVERITY);
     }
 }

@@ -4,43 +4,52 @@
 
 use serde_json::json;
 
-use super::fw::{self, Role, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, body,
+    env_16, mutant, served, source,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SYS-PING-01",
         level: Level::Must,
         status: Status::Normative,
         statement: "SYS-PING is answered with ACK-ACK.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "SYS-PING",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::message("SYS-PING is answered with ACK-NAK.", |out| {
+        if out.asked() == Some("SYS-PING") {
+            out.message()["body"] = json!({ "type": "ACK-NAK" });
+        }
+    }),
+    trial: None,
     mutants: &[
-        Mutant { name: "it is refused", make: || fw::refused("tcp#9", "FW-SYS-PING-01"), also: &[] },
-        Mutant { name: "it isn't answered", make: || fw::unanswered("tcp#9", "FW-SYS-PING-01"), also: &[] },
+        Mutant { name: "it is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
+        Mutant { name: "it isn't answered", make: || mutant::unanswered("tcp#9", &RULE.rule), also: &[] },
         Mutant {
             name: "it is answered with something else",
-            make: || fw::reply("ACK-ACK", |body| *body = json!({ "type": "CONN-LIST", "ids": [] })),
-            also: &["FW-ENV-16"],
+            make: || mutant::reply("ACK-ACK", |body| *body = json!({ "type": "CONN-LIST", "ids": [] })),
+            also: &[&env_16::RULE.rule],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let is_trial = turn.tried(&RULE.rule).is_some();
-    if is_trial && !fw::served(turn, judged) {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let is_trial = exchange.tried(&RULE.rule).is_some();
+    if is_trial && !served::served(exchange, context) {
         return;
     }
-    let asked = turn.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
-    if turn.role != Role::Response || !turn.is_of_server() || asked != Some("SYS-PING") {
+    let asked = exchange.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
+    if exchange.role != Role::Response || !exchange.is_of_server() || asked != Some("SYS-PING") {
         return;
     }
     if !is_trial {
-        judged.exercise();
+        context.covered();
     }
-    if let Some(found) = turn.type_name.filter(|found| !["ACK-ACK", "ACK-NAK"].contains(found)) {
-        turn.breaks(judged, || Detail::differs("ACK-ACK", fw::quoted(found)).at("/body/type"));
+    if let Some(found) = exchange.type_name.filter(|found| !["ACK-ACK", "ACK-NAK"].contains(found)) {
+        exchange.violates(context, || Detail::differs("ACK-ACK", body::quoted(found)).at("/body/type"));
     }
 }

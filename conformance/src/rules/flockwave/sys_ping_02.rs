@@ -1,7 +1,11 @@
 //! `FW-SYS-PING-02`.
 
-use super::fw::{self, Role, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, env_16,
+    mutant, source, sys_ping_01,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,24 +13,32 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "SYS-PING isn't answered with SYS-PING.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "SYS-PING",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::message("SYS-PING is answered with SYS-PING.", |out| {
+        if out.asked() == Some("SYS-PING") {
+            out.message()["body"] = json!({ "type": "SYS-PING" });
+        }
+    })
+    .with(&[&sys_ping_01::RULE.rule, &env_16::RULE.rule]),
+    trial: None,
     mutants: &[Mutant {
         name: "it is",
-        make: || fw::reply("ACK-ACK", |body| body["type"] = "SYS-PING".into()),
-        also: &["FW-ENV-16", "FW-SYS-PING-01"],
+        make: || mutant::reply("ACK-ACK", |body| body["type"] = "SYS-PING".into()),
+        also: &[&env_16::RULE.rule, &sys_ping_01::RULE.rule],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let asked = turn.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
-    if turn.role != Role::Response || !turn.is_of_server() || asked != Some("SYS-PING") {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let asked = exchange.asked.as_ref().and_then(|asked| asked.type_name.as_deref());
+    if exchange.role != Role::Response || !exchange.is_of_server() || asked != Some("SYS-PING") {
         return;
     }
-    judged.exercise();
-    if turn.type_name == Some("SYS-PING") {
-        turn.breaks(judged, || Detail::new("a request in the place of an answer").at("/body/type"));
+    context.covered();
+    if exchange.type_name == Some("SYS-PING") {
+        exchange.violates(context, || Detail::new("a request in the place of an answer").at("/body/type"));
     }
 }

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -13,26 +15,33 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             "A port is one of TCP or UDP by the text, hence from 1 to 65535; the published schema takes any number.",
         ),
         statement: "`ports` maps names to ports, 1 to 65535.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "SYS-PORTS",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[Attribution::new(&["SYS-PORTS"], "ports.**", attribution::UNFIT)],
+    bug: Bug::message("Ports are texts.", |out| {
+        for port in out.ports() {
+            *port = json!(port.to_string());
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "port 0",
-            make: || fw::reply("SYS-PORTS", |body| body["ports"]["tcp"] = 0.into()),
+            make: || mutant::reply("SYS-PORTS", |body| body["ports"]["tcp"] = 0.into()),
             also: &[],
         },
         Mutant {
             name: "a list of ports",
-            make: || fw::reply("SYS-PORTS", |body| body["ports"] = json!([7001])),
+            make: || mutant::reply("SYS-PORTS", |body| body["ports"] = json!([7001])),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("SYS-PORTS").is_some() {
-        fw::field(turn, judged, "ports", true, &Shape::Map(&Shape::Integer(1, 65535)));
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body_of("SYS-PORTS").is_some() {
+        body::field(message, context, "ports", true, &Shape::Map(&Shape::Integer(1, 65535)));
     }
 }

@@ -4,8 +4,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, PerConnection, Role, Tree, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Role, Rule,
+    RuleContext, SessionCheck, Status, Tree, mutant, source,
+};
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::json::pointer;
 
@@ -15,15 +17,23 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "Where SYS-PORTS lists the transport that is in use, it is with the port that is in use.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "SYS-PORTS on connections whose URL is known",
     },
-    check: Check::State(|| Box::new(Used::default())),
+    checks: &[Check::Session(|| Box::new(Used::default()))],
+    covers: &[],
+    bug: Bug::message("All ports are off by one.", |out| {
+        for port in out.ports() {
+            let number = port.as_u64().unwrap_or(1);
+            *port = json!(if number == 1 { 2 } else { number - 1 });
+        }
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "another port",
         make: || {
             let ports = json!({ "ports": { "tcp": 7004, "udp": 7002 } });
-            fw::over("tcp#9", |talk| talk.asks(json!({ "type": "SYS-PORTS" }), ports))
+            mutant::over("tcp#9", |session| session.asks(json!({ "type": "SYS-PORTS" }), ports))
         },
         also: &[],
     }],
@@ -33,20 +43,22 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 #[derive(Default)]
 struct Used(PerConnection<Option<(&'static str, u16)>>);
 
-impl Checker for Used {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
-        if turn.role == Role::Event && turn.exchange.text == "connect" {
-            *self.0.of(turn) = turn.exchange.note.and_then(in_use);
+impl SessionCheck for Used {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        if exchange.role == Role::Event && exchange.record.text == "connect" {
+            *self.0.of(exchange) = exchange.record.note.and_then(in_use);
             return;
         }
-        let Some(body) = turn.response("SYS-PORTS") else { return };
-        let Some((transport, port)) = *self.0.of(turn) else { return };
+        let Some(body) = exchange.response("SYS-PORTS") else { return };
+        let Some((transport, port)) = *self.0.of(exchange) else { return };
         let Some(Tree::Int(listed)) = body.get("ports").and_then(|ports| ports.get(transport)) else {
             return;
         };
-        judged.exercise();
+        context.covered();
         if *listed != i128::from(port) {
-            turn.breaks(judged, || Detail::differs(port, listed).at(pointer(&["body", "ports", transport])));
+            exchange.violates(context, || {
+                Detail::differs(port, listed).at(pointer(&["body", "ports", transport]))
+            });
         }
     }
 

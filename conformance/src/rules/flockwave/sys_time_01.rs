@@ -1,7 +1,11 @@
 //! `FW-SYS-TIME-01`.
 
-use super::fw::{self, INTEGER, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, FlockwaveRule, INTEGER, Level, Message, Mutant, Rule, RuleContext, Status,
+    attribution, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,26 +13,35 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "`timestamp` is an integer, in milliseconds.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "SYS-TIME",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[Attribution::new(&["SYS-TIME"], "timestamp", attribution::MISSING)],
+    bug: Bug::message("The time of the server is in seconds, with a fraction.", |out| {
+        if let Some(body) = out.body_of("SYS-TIME") {
+            #[expect(clippy::cast_precision_loss, reason = "it is a bug")]
+            let seconds = body["timestamp"].as_u64().unwrap_or_default() as f64 / 1000.0 + 0.000_5;
+            body["timestamp"] = json!(seconds);
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "seconds with a fraction",
-            make: || fw::reply("SYS-TIME", |body| body["timestamp"] = 1_790_000_000.25.into()),
+            make: || mutant::reply("SYS-TIME", |body| body["timestamp"] = 1_790_000_000.25.into()),
             also: &[],
         },
         Mutant {
             name: "a string",
-            make: || fw::reply("SYS-TIME", |body| body["timestamp"] = "noon".into()),
+            make: || mutant::reply("SYS-TIME", |body| body["timestamp"] = "noon".into()),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("SYS-TIME").is_some() {
-        fw::field(turn, judged, "timestamp", true, &INTEGER);
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body_of("SYS-TIME").is_some() {
+        body::field(message, context, "timestamp", true, &INTEGER);
     }
 }

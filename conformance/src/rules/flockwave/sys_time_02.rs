@@ -5,8 +5,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Conversation, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status, sys_time_03};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Session, Status, mutant,
+    source, sys_time_03, uav_inf_09,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -14,28 +16,36 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "The time that a server tells lies between sending the request and receiving the answer, but for an offset that stays the same.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "SYS-TIME over time",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::message("The clock of the server stands still.", |out| {
+        out.set("SYS-TIME", "timestamp", json!(1_700_000_000_000_u64));
+    })
+    .with(&[&uav_inf_09::RULE.rule]),
+    trial: None,
     mutants: &[
         Mutant {
             name: "the second answer is ahead",
             make: || {
-                let later = |talk: &mut Conversation| {
-                    talk.asks(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1_800_000_000_000_u64 }));
+                let later = |session: &mut Session| {
+                    session
+                        .asks(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1_800_000_000_000_u64 }));
                 };
-                fw::then(later)
+                mutant::then(later)
             },
             also: &[],
         },
         Mutant {
             name: "the time goes back",
             make: || {
-                let before = |talk: &mut Conversation| {
-                    talk.asks(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1_780_000_000_000_u64 }));
+                let before = |session: &mut Session| {
+                    session
+                        .asks(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1_780_000_000_000_u64 }));
                 };
-                fw::then(before)
+                mutant::then(before)
             },
             also: &[],
         },
@@ -45,11 +55,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 /// How much clocks may drift apart from one answer to the next, in seconds.
 pub(super) const TOLERANCE: f64 = 1.0;
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(found) = turn.clock_move else { return };
-    judged.exercise();
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(found) = exchange.clock_move else { return };
+    context.covered();
     if found.by > TOLERANCE && !sys_time_03::is_adjusted(&found) {
-        turn.breaks(judged, || {
+        exchange.violates(context, || {
             let by = found.by;
             Detail::new(format!("the server's clock has moved by {by:.1} s against that of the recording"))
                 .at("/body/timestamp")

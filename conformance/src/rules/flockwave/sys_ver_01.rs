@@ -1,7 +1,11 @@
 //! `FW-SYS-VER-01`.
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
+    attribution, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,26 +13,31 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "`software` is a string.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "SYS-VER",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[Attribution::new(&["SYS-VER"], "software", attribution::MISSING)],
+    bug: Bug::message("The name of the software is a number.", |out| {
+        out.set("SYS-VER", "software", json!(7));
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a number",
-            make: || fw::reply("SYS-VER", |body| body["software"] = 7.into()),
+            make: || mutant::reply("SYS-VER", |body| body["software"] = 7.into()),
             also: &[],
         },
         Mutant {
             name: "no software",
-            make: || fw::reply("SYS-VER", |body| fw::remove(body, "software")),
+            make: || mutant::reply("SYS-VER", |body| mutant::remove(body, "software")),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("SYS-VER").is_some() {
-        fw::field(turn, judged, "software", true, &Shape::Text);
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body_of("SYS-VER").is_some() {
+        body::field(message, context, "software", true, &Shape::Text);
     }
 }

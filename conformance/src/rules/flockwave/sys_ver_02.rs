@@ -1,7 +1,11 @@
 //! `FW-SYS-VER-02`.
 
-use super::fw::{self, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, Tree,
+    attribution, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,30 +13,35 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "`version` is a string of one to three numbers with dots between them.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "SYS-VER",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[Attribution::new(&["SYS-VER"], "version", attribution::UNFIT)],
+    bug: Bug::message("The version of the software is a word.", |out| {
+        out.set("SYS-VER", "version", json!("newest"));
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a number",
-            make: || fw::reply("SYS-VER", |body| body["version"] = 3.1.into()),
+            make: || mutant::reply("SYS-VER", |body| body["version"] = 3.1.into()),
             also: &[],
         },
         Mutant {
             name: "a word behind the numbers",
-            make: || fw::reply("SYS-VER", |body| body["version"] = "3.1-rc".into()),
+            make: || mutant::reply("SYS-VER", |body| body["version"] = "3.1-rc".into()),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(body) = turn.body_of("SYS-VER") else { return };
-    judged.exercise();
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    let Some(body) = message.body_of("SYS-VER") else { return };
+    context.covered();
     let version = body.get("version");
-    if !version.and_then(Tree::as_str).is_some_and(fw::is_version) {
-        turn.breaks(judged, || {
+    if !version.and_then(Tree::as_str).is_some_and(body::is_version) {
+        message.violates(context, || {
             let found = version.map_or_else(|| "nothing".to_owned(), ToString::to_string);
             Detail::differs("one to three numbers with dots between them", found).at("/body/version")
         });

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Shape, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Attribution, Bug, Check, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
+    body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,27 +13,35 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "`name` and `revision`, where they are present, are strings.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "SYS-VER",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[
+        Attribution::new(&["SYS-VER"], "name", &[Fault::Kind]),
+        Attribution::new(&["SYS-VER"], "revision", &[Fault::Kind]),
+    ],
+    bug: Bug::message("The name of the server is a list.", |out| {
+        out.set("SYS-VER", "name", json!(["glider"]));
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a revision that is a number",
-            make: || fw::reply("SYS-VER", |body| body["revision"] = 7.into()),
+            make: || mutant::reply("SYS-VER", |body| body["revision"] = 7.into()),
             also: &[],
         },
         Mutant {
             name: "a name that is a list",
-            make: || fw::reply("SYS-VER", |body| body["name"] = json!([])),
+            make: || mutant::reply("SYS-VER", |body| body["name"] = json!([])),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if turn.body_of("SYS-VER").is_some() {
-        fw::field(turn, judged, "name", false, &Shape::Nullable(&Shape::Text));
-        fw::field(turn, judged, "revision", false, &Shape::Nullable(&Shape::Text));
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    if message.body_of("SYS-VER").is_some() {
+        body::field(message, context, "name", false, &Shape::Nullable(&Shape::Text));
+        body::field(message, context, "revision", false, &Shape::Nullable(&Shape::Text));
     }
 }

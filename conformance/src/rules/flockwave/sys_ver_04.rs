@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, PerConnection, Tree, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule, RuleContext,
+    SessionCheck, Status, Tree, body, mutant, source,
+};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -12,17 +14,23 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "SYS-VER says the same each time.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "SYS-VER over time",
     },
-    check: Check::State(|| Box::new(Versions::default())),
+    checks: &[Check::Session(|| Box::new(Versions::default()))],
+    covers: &[],
+    bug: Bug::message("The revision of the software is another each time.", |out| {
+        let revision = format!("revision {}", out.number);
+        out.set("SYS-VER", "revision", json!(revision));
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "another revision",
         make: || {
-            fw::over("tcp#9", |talk| {
+            mutant::over("tcp#9", |session| {
                 for revision in ["b7", "b8"] {
                     let version = json!({ "software": "Windward", "version": "3.1", "revision": revision });
-                    talk.asks(json!({ "type": "SYS-VER" }), version);
+                    session.asks(json!({ "type": "SYS-VER" }), version);
                 }
             })
         },
@@ -40,9 +48,9 @@ const MAX_TEXT: usize = 256;
 #[derive(Default)]
 struct Versions(PerConnection<Option<[Option<String>; FIELDS.len()]>>);
 
-impl Checker for Versions {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
-        let Some(body) = turn.response("SYS-VER").filter(|_| turn.exchange.connection.is_told) else {
+impl SessionCheck for Versions {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        let Some(body) = exchange.response("SYS-VER").filter(|_| exchange.record.connection.is_told) else {
             return;
         };
         let text = |value: &Tree<'_>| match value {
@@ -50,13 +58,15 @@ impl Checker for Versions {
             other => other.to_string(),
         };
         let now = FIELDS.map(|field| body.get(field).map(text));
-        let Some(before) = self.0.of(turn).replace(now.clone()) else { return };
-        judged.exercise();
+        let Some(before) = self.0.of(exchange).replace(now.clone()) else { return };
+        context.covered();
         let changed = FIELDS.iter().zip(before).zip(now).find(|((_, before), now)| before != now);
         if let Some(((field, before), now)) = changed {
-            let told =
-                |value: Option<String>| value.map_or_else(|| "nothing".to_owned(), |text| fw::quoted(&text));
-            turn.breaks(judged, || Detail::differs(told(before), told(now)).at(pointer(&["body", field])));
+            let told = |value: Option<String>| {
+                value.map_or_else(|| "nothing".to_owned(), |text| body::quoted(&text))
+            };
+            exchange
+                .violates(context, || Detail::differs(told(before), told(now)).at(pointer(&["body", field])));
         }
     }
 

@@ -3,24 +3,29 @@
 //! Lines that are no messages, but make up one together, are one that holds line breaks. What they make up no message
 //! with is no JSON at all, of which another rule tells.
 
-use super::fw::{self, Lines, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Lines, Mutant, Place, Rule, RuleContext,
+    SessionCheck, Status, StatusReport, lines, mutant, source,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-TCP-01",
         level: Level::Must,
         status: Status::Normative,
         statement: "Over TCP each message ends with a line break, and holds none.",
-        source: fw::TRANSPORT,
+        source: source::TRANSPORT,
         applies_to: "messages of the server on connections whose name begins with `tcp`",
     },
-    check: Check::State(|| Box::new(Broken::default())),
+    checks: &[Check::Session(|| Box::new(Broken::default()))],
+    covers: &[],
+    bug: Bug::behaviour("Over TCP, notifications are written in several lines."),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a message in several lines",
             make: || {
-                fw::over("tcp#9", |talk| {
+                mutant::over("tcp#9", |session| {
                     for line in [
                         "{",
                         "\"$fw.version\": \"1.0\", \"id\": \"{\\\"\",",
@@ -28,7 +33,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
                         "\"vane\"",
                         "] } }",
                     ] {
-                        talk.says_raw(line);
+                        session.says_raw(line);
                     }
                 })
             },
@@ -40,7 +45,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
                 let message = |id: &str| {
                     format!(r#"{{"$fw.version":"1.0","id":"{id}","body":{{"type":"OBJ-DEL","ids":[]}}}}"#)
                 };
-                fw::over("tcp#9", |talk| talk.says_raw(&["a", "b", "c"].map(message).join(" ")))
+                mutant::over("tcp#9", |session| session.says_raw(&["a", "b", "c"].map(message).join(" ")))
             },
             also: &[],
         },
@@ -51,27 +56,35 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 #[derive(Default)]
 struct Broken(Lines);
 
-impl Checker for Broken {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
-        if turn.is_of_server() && fw::is_called(turn, "tcp") {
-            judged.exercise();
+impl SessionCheck for Broken {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        if exchange.is_of_server() && lines::is_called(exchange.record.connection, "tcp") {
+            context.covered();
         }
-        if fw::are_several(turn, "tcp") {
-            turn.breaks(judged, || {
+        if lines::are_several(exchange, "tcp") {
+            exchange.violates(context, || {
                 Detail::new("several messages in a line").expected("one").actual("more than one")
             });
         } else {
-            self.0.follow(turn);
+            self.0.follow(exchange);
         }
         self.0.other.clear();
         for (line, count) in self.0.whole.drain(..) {
-            judged.report("message", line.place, || {
+            context.violation("message", line.place, || {
                 Detail::new(format!("a message in {count} lines"))
                     .expected("one line")
                     .actual(format!("{count} lines"))
                     .excerpt(line.excerpt)
             });
         }
+    }
+
+    fn status_report(&mut self, report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
+        if lines::is_called(report.connection(), "tcp") {
+            context.covered();
+        }
+        self.0.end_of(report.connection().index);
+        self.0.other.clear();
     }
 
     fn damage(&mut self, _: Place) {

@@ -1,7 +1,8 @@
 //! `FW-UAV-INF-01`.
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, mutant, reply, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,24 +10,29 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "Each requested id stands in exactly one of `status` and `error`.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "UAV-INF",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::message("The last UAV that was asked for is missing.", |out| {
+        out.lose_last(&["UAV-INF"]);
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "a glider is missing",
-            make: || fw::reply("UAV-INF", |body| fw::remove(body, "error")),
+            make: || mutant::reply("UAV-INF", |body| mutant::remove(body, "error")),
             also: &[],
         },
         Mutant {
             name: "a glider is in both",
-            make: || fw::reply("UAV-INF", |body| body["error"]["kite"] = "Asleep".into()),
+            make: || mutant::reply("UAV-INF", |body| body["error"]["kite"] = "Asleep".into()),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::partition(turn, judged, &["UAV-INF"]);
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    reply::partition(exchange, context, &["UAV-INF"]);
 }

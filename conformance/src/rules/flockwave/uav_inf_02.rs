@@ -1,7 +1,10 @@
 //! `FW-UAV-INF-02`.
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, mutant, reply, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,17 +12,27 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "A response tells of no UAV that wasn't asked for.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "UAV-INF",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::message("There is a UAV that nobody asked for.", |out| {
+        if !out.is_notification()
+            && let Some(mut state) = out.state().cloned()
+        {
+            state["id"] = json!("ghost-1");
+            out.message()["body"]["status"]["ghost-1"] = state;
+        }
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "one more glider",
-        make: || fw::reply("UAV-INF", |body| body["error"]["hawk"] = "Asleep".into()),
+        make: || mutant::reply("UAV-INF", |body| body["error"]["hawk"] = "Asleep".into()),
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::strangers(turn, judged, &["UAV-INF"]);
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    reply::strangers(exchange, context, &["UAV-INF"]);
 }

@@ -1,7 +1,10 @@
 //! `FW-UAV-INF-03`.
 
-use super::fw::{self, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -9,17 +12,22 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "The key of each state is the `id` in it.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "UAV-INF",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("A UAV has another id than its key.", |out| {
+        out.set_in_state("id", json!("ghost-1"));
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "another id",
-        make: || fw::state(|kite| kite["id"] = "hawk".into()),
+        make: || mutant::state(|kite| kite["id"] = "hawk".into()),
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    fw::keyed(turn, judged, "UAV-INF");
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    body::keyed(message, context, "UAV-INF");
 }

@@ -2,8 +2,10 @@
 
 use serde_json::json;
 
-use super::fw::{self, Tree, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, Tree, body, mutant,
+    source,
+};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -12,23 +14,30 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Should,
         status: Status::Normative,
         statement: "A notification has nothing beside `type` but `status`.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "UAV-INF",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("Notifications have errors, too.", |out| {
+        if let Some(body) = out.notification_of("UAV-INF") {
+            body["error"] = json!({ "ghost-1": "there is no such UAV" });
+        }
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "errors in a notification",
-        make: || fw::notice("UAV-INF", |body| body["error"] = json!({ "owl": "Lost" })),
+        make: || mutant::notice("UAV-INF", |body| body["error"] = json!({ "owl": "Lost" })),
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let Some(Tree::Object(members)) = turn.notification("UAV-INF") else { return };
-    judged.exercise();
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    let Some(Tree::Object(members)) = message.notification("UAV-INF") else { return };
+    context.covered();
     if let Some((key, _)) = members.iter().find(|(key, _)| key != "type" && key != "status") {
-        turn.breaks(judged, || {
-            Detail::new(format!("it has {}, too", fw::quoted(key))).at(pointer(&["body", key]))
+        message.violates(context, || {
+            Detail::new(format!("it has {}, too", body::quoted(key))).at(pointer(&["body", key]))
         });
     }
 }

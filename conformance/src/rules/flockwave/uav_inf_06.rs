@@ -2,28 +2,34 @@
 
 use serde_json::json;
 
-use super::fw;
-use super::{Check, FlockwaveRule, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, FlockwaveRule, Level, Mutant, Request, Rule, Status, Trial, mutant, served, source, trial,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UAV-INF-06",
         level: Level::Info,
         status: Status::Advisory,
         statement: "The id of a UAV that nobody knows has an entry in `error`, and the request isn't refused.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "UAV-INF that tries it",
     },
-    check: Check::Exchange(|turn, judged| fw::in_error(turn, judged, &["UAV-INF"])),
+    checks: &[Check::Exchange(|exchange, context| served::in_error(exchange, context, &["UAV-INF"]))],
+    covers: &[],
+    bug: Bug::behaviour("An unknown UAV makes the whole request fail."),
+    trial: Some(Trial::Requests(|_| {
+        vec![Request::new("", json!({ "type": "UAV-INF", "ids": [trial::NOBODY] }))]
+    })),
     mutants: &[
-        Mutant { name: "the request is refused", make: || fw::refused("tcp#9", "FW-UAV-INF-06"), also: &[] },
+        Mutant { name: "the request is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
         Mutant {
             name: "the UAV has a state",
             make: || {
                 let asked = json!({ "type": "UAV-INF", "ids": ["nobody"] });
                 let status = json!({ "nobody": { "id": "nobody", "timestamp": 1_790_000_000_000_u64 } });
                 let told = json!({ "type": "UAV-INF", "status": status });
-                fw::over("tcp#9", |talk| talk.tries_and_hears("FW-UAV-INF-06", "", asked, told))
+                mutant::over("tcp#9", |session| session.tries_and_hears(&RULE.rule, "", asked, told))
             },
             also: &[],
         },

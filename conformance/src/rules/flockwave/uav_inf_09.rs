@@ -2,8 +2,10 @@
 //!
 //! The time of the server is known from SYS-TIME, as far as it can be: up to the time that its answer took.
 
-use super::fw::{self, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, StatusReport,
+    Tree, body, mutant, source,
+};
 use crate::flockwave::session::seconds;
 use crate::json::pointer;
 
@@ -13,13 +15,18 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "The timestamp of a UAV isn't after the time of the server.",
-        source: fw::DERIVED,
+        source: source::DERIVED,
         applies_to: "UAV-INF over time",
     },
-    check: Check::Context(judge),
+    checks: &[Check::Exchange(check), Check::StatusReport(check_status_report)],
+    covers: &[],
+    bug: Bug::message("Time stamps lie an hour ahead.", |out| {
+        out.shift_timestamps(|time| time + 3_600_000);
+    }),
+    trial: None,
     mutants: &[Mutant {
         name: "a state of tomorrow",
-        make: || fw::state(|kite| kite["timestamp"] = 1_790_086_400_000_u64.into()),
+        make: || mutant::state(|kite| kite["timestamp"] = 1_790_086_400_000_u64.into()),
         also: &[],
     }],
 };
@@ -27,21 +34,34 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 /// How much clocks may have drifted apart since, in seconds.
 const TOLERANCE: f64 = 1.0;
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    let (Some(time), Some((_, ahead))) = (turn.time, turn.clock) else { return };
-    for (uav, state) in fw::states(turn, "UAV-INF") {
-        let Some(stamp) = state.get("timestamp").and_then(seconds) else { continue };
-        judged.exercise();
-        let early = stamp - time - ahead;
-        if early > TOLERANCE {
-            turn.breaks(judged, || {
-                Detail::new(format!("{early:.1} s after the time of the server")).at(pointer(&[
-                    "body",
-                    "status",
-                    uav,
-                    "timestamp",
-                ]))
-            });
-        }
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let states = body::members(exchange.body_of("UAV-INF"), "status");
+    let timestamps = states.iter().map(|(uav, state)| (uav.as_ref(), state.get("timestamp")));
+    for (early, uav) in too_early(timestamps, exchange.time, exchange.clock, context) {
+        exchange.violates(context, || detail(early, uav));
     }
+}
+
+fn check_status_report(report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
+    for (early, uav) in too_early(report.timestamps(), report.time(), report.clock(), context) {
+        report.violates(context, || detail(early, uav));
+    }
+}
+
+/// The timestamps that are after the time of the server: by how much, in seconds, and of which UAV.
+fn too_early<'t>(
+    timestamps: impl Iterator<Item = (&'t str, Option<&'t Tree<'t>>)>,
+    time: Option<f64>,
+    clock: Option<(f64, f64)>,
+    context: &mut RuleContext<'_>,
+) -> Vec<(f64, &'t str)> {
+    let (Some(time), Some((_, ahead))) = (time, clock) else { return Vec::new() };
+    let stamps = timestamps.filter_map(|(uav, stamp)| Some((seconds(stamp?)?, uav)));
+    let early = stamps.inspect(|_| context.covered()).map(|(stamp, uav)| (stamp - time - ahead, uav));
+    early.filter(|(early, _)| *early > TOLERANCE).collect()
+}
+
+fn detail(early: f64, uav: &str) -> Detail {
+    let path = pointer(&["body", "status", uav, "timestamp"]);
+    Detail::new(format!("{early:.1} s after the time of the server")).at(path)
 }

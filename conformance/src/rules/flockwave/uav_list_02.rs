@@ -6,8 +6,10 @@ use std::collections::BTreeSet;
 
 use serde_json::json;
 
-use super::fw::{self, PerConnection, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Place, Rule, RuleContext,
+    SessionCheck, Status, body, mutant, reply, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -15,10 +17,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         level: Level::Must,
         status: Status::Normative,
         statement: "UAV-LIST has the objects that OBJ-LIST has for the type `uav`.",
-        source: fw::MESSAGES,
+        source: source::MESSAGES,
         applies_to: "UAV-LIST and OBJ-LIST over time",
     },
-    check: Check::State(|| Box::new(Uavs::default())),
+    checks: &[Check::Session(|| Box::new(Uavs::default()))],
+    covers: &[],
+    bug: Bug::message("UAV-LIST lacks its last UAV.", |out| {
+        if let Some(ids) = out.ids_of("UAV-LIST") {
+            ids.pop();
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant { name: "UAV-LIST lacks one", make: || listed(&["kite"], &["kite", "swift"]), also: &[] },
         Mutant { name: "UAV-LIST has one more", make: || listed(&["kite", "owl"], &["kite"]), also: &[] },
@@ -27,10 +36,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 /// These are listed by UAV-LIST before and after those by OBJ-LIST.
 fn listed(uavs: &[&str], objects: &[&str]) -> Option<Vec<u8>> {
-    fw::over("tcp#9", |talk| {
-        talk.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
-        talk.asks(json!({ "type": "OBJ-LIST", "filter": ["uav"] }), json!({ "ids": objects }));
-        talk.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
+    mutant::over("tcp#9", |session| {
+        session.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
+        session.asks(json!({ "type": "OBJ-LIST", "filter": ["uav"] }), json!({ "ids": objects }));
+        session.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
     })
 }
 
@@ -50,26 +59,26 @@ struct Listed {
     objects: Vec<(BTreeSet<String>, Place)>,
 }
 
-impl Checker for Uavs {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
-        if !turn.is_of_server() || !turn.exchange.connection.is_told {
+impl SessionCheck for Uavs {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        if !exchange.is_of_server() || !exchange.record.connection.is_told {
             return;
         }
-        if turn.notification("OBJ-DEL").is_some() {
-            return *self.0.of(turn) = Listed::default();
+        if exchange.notification("OBJ-DEL").is_some() {
+            return *self.0.of(exchange) = Listed::default();
         }
-        let Some(list) = fw::listed(turn) else { return };
-        let listed = self.0.of(turn);
-        if let Some(asked) = turn.response("OBJ-LIST").and(turn.asked_same()) {
+        let Some(list) = reply::listed(exchange) else { return };
+        let listed = self.0.of(exchange);
+        if let Some(asked) = exchange.response("OBJ-LIST").and(exchange.asked_same()) {
             let is_of_uavs = |filter: &BTreeSet<String>| filter.len() == 1 && filter.contains("uav");
             if asked.filter.as_ref().is_some_and(is_of_uavs) && listed.objects.len() < MAX_LISTS {
-                listed.objects.push((list, turn.exchange.place));
+                listed.objects.push((list, exchange.record.place));
             }
-        } else if turn.response("UAV-LIST").is_some() {
+        } else if exchange.response("UAV-LIST").is_some() {
             let objects = std::mem::take(&mut listed.objects);
             if listed.uavs.as_ref() == Some(&list) {
                 for (objects, place) in objects {
-                    compare(&list, &objects, place, judged);
+                    compare(&list, &objects, place, context);
                 }
             }
             listed.uavs = Some(list);
@@ -81,13 +90,13 @@ impl Checker for Uavs {
     }
 }
 
-fn compare(uavs: &BTreeSet<String>, objects: &BTreeSet<String>, place: Place, judged: &mut Judged<'_>) {
-    judged.exercise();
+fn compare(uavs: &BTreeSet<String>, objects: &BTreeSet<String>, place: Place, context: &mut RuleContext<'_>) {
+    context.covered();
     if let Some(id) = uavs.symmetric_difference(objects).next() {
-        judged.report("UAV-LIST", place, || {
+        context.violation("UAV-LIST", place, || {
             let (has, lacks) =
                 if objects.contains(id) { ("OBJ-LIST", "UAV-LIST") } else { ("UAV-LIST", "OBJ-LIST") };
-            let id = fw::quoted(id);
+            let id = body::quoted(id);
             Detail::new(format!("{has} has {id}, and {lacks} hasn't, before and after"))
         });
     }

@@ -1,4 +1,4 @@
-//! `FW-UDP-02` and `FW-UDP-03`: requests over UDP that have to be served.
+//! The check of requests over UDP that have to be served.
 //!
 //! Datagrams get lost. So a trial has failed where none of its requests got an answer until the connection ended. Who
 //! tries them asks more than once.
@@ -9,54 +9,33 @@ use std::collections::BTreeMap;
 
 use serde_json::json;
 
-use super::fw::{self, PerConnection, Role, Turn};
-use super::{Check, Checker, Detail, FlockwaveRule, Judged, Level, Mutant, Place, Rule, Status};
+use super::{
+    Detail, Exchange, PerConnection, Place, Role, Rule, RuleContext, SessionCheck, StatusReport, lines,
+    mutant, served,
+};
 
-/// The rule of an id.
-macro_rules! rule {
-    ($rule:ident, $id:literal, $is_silence_told:literal, $statement:literal) => {
-        #[doc = concat!("`", $id, "`.")]
-        pub(super) static $rule: FlockwaveRule = FlockwaveRule {
-            rule: Rule {
-                id: $id,
-                level: Level::Info,
-                status: Status::Advisory,
-                statement: $statement,
-                source: fw::DERIVED,
-                applies_to: "requests that try it, over UDP",
-            },
-            check: Check::State(|| {
-                Box::new(Trials { is_silence_told: $is_silence_told, ..Trials::default() })
-            }),
-            mutants: &[
-                Mutant {
-                    name: "trials without an answer",
-                    make: || {
-                        fw::over("udp#9", |talk| {
-                            for _ in 0..3 {
-                        talk.tries($id, "without an answer", json!({ "type": "SYS-PING" }));
-                            }
-                        })
-                    },
-                    also: &[],
-                },
-                Mutant { name: "a trial that is refused", make: || fw::refused("udp#9", $id), also: &[] },
-            ],
-        };
-    };
+/// The records that these rules apply to.
+pub(super) const APPLIES_TO: &str = "requests that try it, over UDP";
+
+/// The ids of the requests of a trial. Datagrams get lost: one answer is enough.
+pub(super) const REQUESTS: [&str; 3] = ["one", "two", "three"];
+
+/// The session with trials of a rule that get no answer.
+pub(super) fn unanswered(rule: &Rule) -> Option<Vec<u8>> {
+    mutant::over("udp#9", |session| {
+        for _ in 0..3 {
+            session.tries(rule, "without an answer", json!({ "type": "SYS-PING" }));
+        }
+    })
 }
-
-rule!(UDP_02, "FW-UDP-02", true, "The answer goes to the address and port that the request came from.");
-
-rule!(UDP_03, "FW-UDP-03", false, "A datagram that is no message doesn't end the service.");
 
 /// In how many ways a rule is tried on a connection: more are taken for the same.
 const MAX_WAYS: usize = 64;
 
 /// What came of the trials of a rule, by how it is tried.
 #[derive(Default)]
-struct Trials {
-    /// Whether it is told where nothing was ever heard over UDP.
+pub(super) struct Trials {
+    /// True if a violation is reported although the server never sent anything over UDP.
     is_silence_told: bool,
     /// Whether something was.
     is_heard: bool,
@@ -70,32 +49,48 @@ struct Outcome {
     place: Place,
 }
 
-impl Checker for Trials {
-    fn exchanged(&mut self, turn: &Turn<'_>, judged: &mut Judged<'_>) {
-        self.is_heard |= turn.is_of_server() && fw::is_called(turn, "udp");
-        if let Some(trials) = self.connections.closed(turn) {
+impl Trials {
+    /// Trials that fail whenever none of their requests is answered.
+    pub(super) fn new() -> Self {
+        Self { is_silence_told: true, ..Self::default() }
+    }
+
+    /// Trials that fail only if the server sends something else over UDP.
+    pub(super) fn once_heard() -> Self {
+        Self::default()
+    }
+}
+
+impl SessionCheck for Trials {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        self.is_heard |= exchange.is_of_server() && lines::is_called(exchange.record.connection, "udp");
+        if let Some(trials) = self.connections.closed(exchange) {
             for (how, outcome) in trials {
-                judged.exercise();
+                context.covered();
                 if !outcome.is_answered && (self.is_heard || self.is_silence_told) {
                     let subject = if how.is_empty() { "message" } else { how.as_str() };
-                    judged.report(subject, outcome.place, || {
+                    context.violation(subject, outcome.place, || {
                         Detail::new("no response to any request").expected("a response").actual("none")
                     });
                 }
             }
             return;
         }
-        fw::served(turn, judged);
-        let is_answered = turn.role == Role::Response;
+        served::served(exchange, context);
+        let is_answered = exchange.role == Role::Response;
         // Of a recording that doesn't show how the connection ended, nobody knows what was to come.
-        let is_over = turn.role == Role::Unanswered && turn.exchange.note.is_some();
-        if let (Some(how), true) = (turn.tried(judged.rule), is_answered || is_over) {
-            let place = turn.asked.as_ref().map_or(turn.exchange.place, |asked| asked.place);
-            let trials = self.connections.of(turn);
+        let is_over = exchange.role == Role::Unanswered && exchange.record.note.is_some();
+        if let (Some(how), true) = (exchange.tried(context.rule), is_answered || is_over) {
+            let place = exchange.asked.as_ref().map_or(exchange.record.place, |asked| asked.place);
+            let trials = self.connections.of(exchange);
             let how = if trials.len() < MAX_WAYS { how } else { "" };
             let outcome = trials.entry(how.to_owned()).or_insert(Outcome { is_answered, place });
             outcome.is_answered |= is_answered;
         }
+    }
+
+    fn status_report(&mut self, report: &StatusReport<'_>, _: &mut RuleContext<'_>) {
+        self.is_heard |= lines::is_called(report.connection(), "udp");
     }
 
     fn damage(&mut self, _: Place) {

@@ -1,38 +1,49 @@
 //! `FW-UDP-01`.
 
-use super::fw::{self, Turn};
-use super::{Check, Detail, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Needs, Rule, RuleContext, Status,
+    StatusReport, lines, mutant, source,
+};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UDP-01",
         level: Level::Must,
         status: Status::Normative,
         statement: "Over UDP each datagram holds one message.",
-        source: fw::TRANSPORT,
+        source: source::TRANSPORT,
         applies_to: "messages of the server on connections whose name begins with `udp`",
     },
-    check: Check::Context(judge),
+    checks: &[Check::Exchange(check), Check::StatusReport(check_status_report)],
+    covers: &[],
+    bug: Bug::behaviour("Over UDP, each notification is twice in its datagram.").needs(Needs::Udp),
+    trial: None,
     mutants: &[Mutant {
         name: "two messages in a datagram",
         make: || {
             let message = |id: &str| {
                 format!(r#"{{"$fw.version":"1.0","id":"{id}","body":{{"type":"OBJ-DEL","ids":[]}}}}"#)
             };
-            fw::over("udp#9", |talk| talk.says_raw(&["a", "b"].map(message).join("\n")))
+            mutant::over("udp#9", |session| session.says_raw(&["a", "b"].map(message).join("\n")))
         },
         also: &[],
     }],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    if !turn.is_of_server() || !fw::is_called(turn, "udp") {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if !exchange.is_of_server() || !lines::is_called(exchange.record.connection, "udp") {
         return;
     }
-    judged.exercise();
-    if fw::are_several(turn, "udp") {
-        turn.breaks(judged, || {
+    context.covered();
+    if lines::are_several(exchange, "udp") {
+        exchange.violates(context, || {
             Detail::new("several messages in a datagram").expected("one").actual("more than one")
         });
+    }
+}
+
+fn check_status_report(report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
+    if lines::is_called(report.connection(), "udp") {
+        context.covered();
     }
 }

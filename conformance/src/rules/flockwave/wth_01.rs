@@ -1,7 +1,11 @@
 //! `FW-WTH-01`.
 
-use super::fw::{self, INTEGER, Turn};
-use super::{Check, FlockwaveRule, Judged, Level, Mutant, Rule, Status};
+use serde_json::json;
+
+use super::{
+    Attribution, Bug, Check, FlockwaveRule, INTEGER, Level, Message, Mutant, Rule, RuleContext, Status,
+    attribution, body, mutant, source,
+};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -11,31 +15,53 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             "The text counts whole milliseconds, as all its examples do; most schemas allow any number.",
         ),
         statement: "`timestamp` of a weather is an integer, in milliseconds.",
-        source: fw::TYPES,
+        source: source::TYPES,
         applies_to: "WTH-AT, WTH-INF",
     },
-    check: Check::Exchange(judge),
+    checks: &[Check::Message(check)],
+    covers: &[
+        Attribution::new(&["WTH-AT"], "weather", attribution::MISSING),
+        Attribution::new(&["WTH-AT"], "weather.timestamp", attribution::MISSING),
+        Attribution::new(&["WTH-INF"], "status.*", attribution::MISSING),
+        Attribution::new(&["WTH-INF"], "status.*.timestamp", attribution::MISSING),
+    ],
+    bug: Bug::message("The time of the weather is a text.", |out| {
+        out.each_status("WTH-INF", |status| status["timestamp"] = json!("noon"));
+        if let Some(body) = out.body_of("WTH-AT") {
+            body["weather"]["timestamp"] = json!("noon");
+        }
+    }),
+    trial: None,
     mutants: &[
         Mutant {
             name: "seconds with a fraction",
             make: || {
-                fw::reply("WTH-INF", |body| body["status"]["ridge"]["timestamp"] = 1_790_000_000.25.into())
+                mutant::reply("WTH-INF", |body| {
+                    body["status"]["ridge"]["timestamp"] = 1_790_000_000.25.into();
+                })
             },
             also: &[],
         },
         Mutant {
             name: "the same, at a place",
-            make: || fw::reply("WTH-AT", |body| body["weather"]["timestamp"] = 1_790_000_000.25.into()),
+            make: || mutant::reply("WTH-AT", |body| body["weather"]["timestamp"] = 1_790_000_000.25.into()),
             also: &[],
         },
     ],
 };
 
-fn judge(turn: &Turn<'_>, judged: &mut Judged<'_>) {
-    for (key, weather) in fw::states(turn, "WTH-INF") {
-        fw::member(turn, judged, Some(weather), &["body", "status", key], ("timestamp", true), &INTEGER);
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    for (key, weather) in body::states(message, "WTH-INF") {
+        body::member(
+            message,
+            context,
+            Some(weather),
+            &["body", "status", key],
+            ("timestamp", true),
+            &INTEGER,
+        );
     }
-    if let Some(weather) = turn.body_of("WTH-AT").and_then(|body| body.get("weather")) {
-        fw::member(turn, judged, Some(weather), &["body", "weather"], ("timestamp", true), &INTEGER);
+    if let Some(weather) = message.body_of("WTH-AT").and_then(|body| body.get("weather")) {
+        body::member(message, context, Some(weather), &["body", "weather"], ("timestamp", true), &INTEGER);
     }
 }

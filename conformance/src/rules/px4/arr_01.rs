@@ -1,6 +1,6 @@
 //! `PX-ARR-01`.
 
-use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 use crate::rules::sample::Flight;
 use serde_json::Value;
 
@@ -17,24 +17,22 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     mutants: &[
         Mutant {
             name: "an array without its last element",
-            make: |flight| {
+            change: Change::Flight(|flight| {
                 let (topic, name) = array(flight)?;
-                let shorten = |message: &mut Value| _ = message[&name].as_array_mut().and_then(Vec::pop);
-                Some(flight.with_last(topic, shorten)?.lines().to_bytes())
-            },
+                flight.with_last(topic, |message| _ = message[&name].as_array_mut().and_then(Vec::pop))
+            }),
             also: &[],
         },
         Mutant {
             name: "an array with an element more",
-            make: |flight| {
+            change: Change::Flight(|flight| {
                 let (topic, name) = array(flight)?;
-                let lengthen = |message: &mut Value| {
+                flight.with_last(topic, |message| {
                     if let Some(elements) = message[&name].as_array_mut() {
                         elements.extend(elements.last().cloned());
                     }
-                };
-                Some(flight.with_last(topic, lengthen)?.rosbridge().to_bytes())
-            },
+                })
+            }),
             also: &[],
         },
     ],

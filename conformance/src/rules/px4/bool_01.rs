@@ -1,10 +1,10 @@
 //! `PX-BOOL-01`.
 
-use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 use uavspec_codegen::dynamic::{Placed, PlacedElement};
 use uavspec_runtime::Scalar;
 
-pub(crate) static RULE: Px4Rule = Px4Rule {
+pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-BOOL-01",
         level: Level::Must,
@@ -16,11 +16,11 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
     check: Check::Value,
     mutants: &[Mutant {
         name: "the byte of a bool is 153",
-        make: |flight| {
+        change: Change::Ulog(|flight, log| {
             let is_bool = |field: &Placed<'_>| matches!(field.element, PlacedElement::Scalar(Scalar::Bool));
             let (topic, at) = flight.place(is_bool)?;
-            Some(flight.log().with_payload(topic, |payload| payload[at] = 153)?.to_bytes())
-        },
+            log.with_payload(topic, |payload| payload[at] = 153)
+        }),
         also: &[],
     }],
 };

@@ -1,6 +1,6 @@
 //! `PX-CDR-01`.
 
-use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 
 pub(crate) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
@@ -14,7 +14,7 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
     check: Check::Source,
     mutants: &[Mutant {
         name: "a header that names no encoding",
-        make: |flight| Some(flight.bag().with_payload(|payload| payload[1] = 0x42)?.to_bytes()),
+        change: Change::Mcap(|_, bag| bag.with_payload(|payload| payload[1] = 0x42)),
         also: &[],
     }],
 };

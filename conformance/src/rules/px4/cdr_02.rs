@@ -1,6 +1,6 @@
 //! `PX-CDR-02`.
 
-use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 
 pub(crate) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
@@ -15,21 +15,20 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
     mutants: &[
         Mutant {
             name: "a payload without its last four bytes",
-            make: |flight| {
-                // What is cut off first may only fill it up.
-                let shorten = |payload: &mut Vec<u8>| (0..4).for_each(|_| _ = payload.pop());
-                Some(flight.bag().with_payload(shorten)?.to_bytes())
-            },
+            change: Change::Mcap(|_, bag| {
+                // The first bytes that are cut off may be padding.
+                bag.with_payload(|payload| (0..4).for_each(|_| _ = payload.pop()))
+            }),
             also: &[],
         },
         Mutant {
             name: "a payload with four bytes more",
-            make: |flight| Some(flight.bag().with_payload(|payload| payload.extend([0; 4]))?.to_bytes()),
+            change: Change::Mcap(|_, bag| bag.with_payload(|payload| payload.extend([0; 4]))),
             also: &[],
         },
         Mutant {
             name: "a payload without a header",
-            make: |flight| Some(flight.bag().with_payload(|payload| payload.truncate(3))?.to_bytes()),
+            change: Change::Mcap(|_, bag| bag.with_payload(|payload| payload.truncate(3))),
             also: &[],
         },
     ],

@@ -1,6 +1,6 @@
 //! `PX-DATA-01`.
 
-use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 
 pub(crate) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
@@ -15,12 +15,12 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
     mutants: &[
         Mutant {
             name: "a payload of four bytes",
-            make: |flight| Some(flight.log().with_payload(0, |payload| payload.truncate(4))?.to_bytes()),
+            change: Change::Ulog(|_, log| log.with_payload(0, |payload| payload.truncate(4))),
             also: &[],
         },
         Mutant {
             name: "a payload with a byte more",
-            make: |flight| Some(flight.log().with_payload(0, |payload| payload.push(0))?.to_bytes()),
+            change: Change::Ulog(|_, log| log.with_payload(0, |payload| payload.push(0))),
             also: &[],
         },
     ],

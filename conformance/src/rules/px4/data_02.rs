@@ -1,6 +1,6 @@
 //! `PX-DATA-02`.
 
-use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 use crate::rules::sample::Entry;
 
 pub(crate) static RULE: Px4Rule = Px4Rule {
@@ -16,23 +16,21 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
     mutants: &[
         Mutant {
             name: "data of an id that is never subscribed",
-            make: |flight| {
-                let mut log = flight.log();
+            change: Change::Ulog(|_, mut log| {
                 log.entries.push(Entry::Data(u16::MAX, vec![0; 8]));
-                Some(log.to_bytes())
-            },
+                Some(log)
+            }),
             also: &[],
         },
         Mutant {
             name: "a subscription that comes after its data",
-            make: |flight| {
-                let mut log = flight.log();
+            change: Change::Ulog(|_, mut log| {
                 let is_first = |entry: &Entry| matches!(entry, Entry::Subscription(0, ..));
                 let at = log.entries.iter().position(is_first)?;
                 let late = log.entries.remove(at);
                 log.entries.push(late);
-                Some(log.to_bytes())
-            },
+                Some(log)
+            }),
             also: &[],
         },
     ],

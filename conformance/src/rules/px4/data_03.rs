@@ -2,7 +2,9 @@
 
 use std::collections::HashMap;
 
-use super::{Channel, Check, Checker, Detail, Interest, Judged, Level, Mutant, Px4Rule, Rule, Status};
+use super::{
+    Change, Channel, Check, Checker, Detail, Interest, Level, Mutant, Px4Rule, Rule, RuleContext, Status,
+};
 use crate::rules::sample::Entry;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
@@ -17,11 +19,10 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     check: Check::State(|| Box::new(Instances::default())),
     mutants: &[Mutant {
         name: "a second subscription of an instance",
-        make: |flight| {
-            let mut log = flight.log();
+        change: Change::Ulog(|flight, mut log| {
             log.entries.push(Entry::Subscription(u16::MAX, 0, flight.topics.first()?.name.clone()));
-            Some(log.to_bytes())
-        },
+            Some(log)
+        }),
         also: &[],
     }],
 };
@@ -33,13 +34,13 @@ struct Instances {
 }
 
 impl Checker for Instances {
-    fn opened(&mut self, channel: &Channel<'_>, judged: &mut Judged<'_>) -> Interest {
+    fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
         let Some(multi_id) = channel.multi_id else { return Interest::Nothing };
-        judged.exercise();
+        context.covered();
         let first = *self.known.entry((channel.topic.to_owned(), multi_id)).or_insert(channel.index);
         if first != channel.index {
-            let definition = judged.defined(channel.definition);
-            judged.report_defined(channel.topic, channel.place, definition, || {
+            let definition = context.defined(channel.definition);
+            context.violation_of(channel.topic, channel.place, definition, || {
                 Detail::new(format!("a second subscription of instance {multi_id}"))
                     .expected(format!("one subscription of instance {multi_id} at a time"))
                     .actual("a second one")

@@ -1,6 +1,6 @@
 //! `PX-ENUM-01`.
 
-use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 use uavspec_runtime::Rule as Broken;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
@@ -13,21 +13,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         applies_to: "values of messages",
     },
     check: Check::Value,
-    mutants: &[
-        Mutant {
-            name: "a value that is not documented, in a log",
-            make: |flight| Some(flight.breaking(Broken::Enum)?.log().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a value that is not documented, as JSON",
-            make: |flight| Some(flight.breaking(Broken::Enum)?.lines().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a value that is not documented, in MCAP",
-            make: |flight| Some(flight.breaking(Broken::Enum)?.bag().to_bytes()),
-            also: &[],
-        },
-    ],
+    mutants: &[Mutant {
+        name: "a value that is not documented",
+        change: Change::Flight(|flight| flight.breaking(Broken::Enum)),
+        also: &[],
+    }],
 };

@@ -17,7 +17,7 @@ use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, MessageId};
 use uavspec_runtime::Number;
 
-use super::{Channel, Checker, Interest, Judged, Message, Place};
+use super::{Channel, Checker, Interest, Message, Place, RuleContext};
 
 /// How much two times may differ and yet be the same, in µs: messages of a component have the time of its
 /// computer, which follows that of the flight controller within some milliseconds.
@@ -75,10 +75,10 @@ pub(super) trait Listener: Default {
     fn started(&mut self, _time: u64) {}
 
     /// All registered components are asked, on this topic.
-    fn request(&mut self, _topic: &str, _request: Request, _judged: &mut Judged<'_>) {}
+    fn request(&mut self, _topic: &str, _request: Request, _context: &mut RuleContext<'_>) {}
 
     /// A component answers.
-    fn reply(&mut self, _reply: Reply, _judged: &mut Judged<'_>) {}
+    fn reply(&mut self, _reply: Reply, _context: &mut RuleContext<'_>) {}
 
     /// A component is given an id.
     fn registered(&mut self, _id: u8, _time: Option<u64>) {}
@@ -90,7 +90,7 @@ pub(super) trait Listener: Default {
     fn forget(&mut self);
 
     /// The recording ends.
-    fn end(&mut self, _judged: &mut Judged<'_>) {}
+    fn end(&mut self, _context: &mut RuleContext<'_>) {}
 }
 
 /// Tells a listener who says what.
@@ -105,8 +105,8 @@ pub(super) struct Talk<L> {
 }
 
 impl<L: Listener> Checker for Talk<L> {
-    fn opened(&mut self, channel: &Channel<'_>, judged: &mut Judged<'_>) -> Interest {
-        if role(channel, judged).is_some() { Interest::Values } else { Interest::Nothing }
+    fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
+        if role(channel, context).is_some() { Interest::Values } else { Interest::Nothing }
     }
 
     fn closed(&mut self, channel: &Channel<'_>) {
@@ -118,14 +118,14 @@ impl<L: Listener> Checker for Talk<L> {
         self.listener.started(time);
     }
 
-    fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, judged: &mut Judged<'_>) {
-        let Some(role) = role(channel, judged) else { return };
+    fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
+        let Some(role) = role(channel, context) else { return };
         // Loggers subscribe to instances that nobody publishes, so it counts who says something.
         let first = *self.channels[role as usize].get_or_insert(channel.index);
         // Components may share a topic by instances, but there is one who asks.
         let is_instance = channel.multi_id.is_some() && role != Role::Request;
         self.is_unclear |= first != channel.index && !is_instance;
-        if !self.is_unclear && self.hear(role, channel, message, judged).is_none() {
+        if !self.is_unclear && self.hear(role, channel, message, context).is_none() {
             self.forget();
         }
     }
@@ -138,9 +138,9 @@ impl<L: Listener> Checker for Talk<L> {
         self.forget();
     }
 
-    fn end(&mut self, judged: &mut Judged<'_>) {
+    fn end(&mut self, context: &mut RuleContext<'_>) {
         if !self.is_unclear {
-            self.listener.end(judged);
+            self.listener.end(context);
         }
     }
 }
@@ -152,7 +152,7 @@ impl<L: Listener> Talk<L> {
         role: Role,
         channel: &Channel<'_>,
         message: &Message<'_>,
-        judged: &mut Judged<'_>,
+        context: &mut RuleContext<'_>,
     ) -> Option<()> {
         let values = message.values?;
         // 0 is the time of what didn't know any.
@@ -162,14 +162,14 @@ impl<L: Listener> Talk<L> {
             Role::Request => {
                 let id = number(values, "request_id")?;
                 let mask = number(values, "valid_registrations_mask");
-                self.request(channel.topic, Request { id, time, mask, definition, place }, judged);
+                self.request(channel.topic, Request { id, time, mask, definition, place }, context);
             }
             Role::Reply => {
                 let request_id = number(values, "request_id")?;
                 let registration_id = number(values, "registration_id")?;
                 let topic = channel.topic.to_owned();
                 let reply = Reply { topic, request_id, registration_id, time, definition, place };
-                self.listener.reply(reply, judged);
+                self.listener.reply(reply, context);
             }
             Role::Registration => {
                 let is_success = number::<u8>(values, "success")? != 0;
@@ -189,7 +189,7 @@ impl<L: Listener> Talk<L> {
         Some(())
     }
 
-    fn request(&mut self, topic: &str, request: Request, judged: &mut Judged<'_>) {
+    fn request(&mut self, topic: &str, request: Request, context: &mut RuleContext<'_>) {
         let before = self.latest.replace((request.id, request.time));
         // The same message may be recorded twice.
         if before == self.latest {
@@ -198,7 +198,7 @@ impl<L: Listener> Talk<L> {
         if before.is_some_and(|(_, time)| time.zip(request.time).is_some_and(|(before, now)| now < before)) {
             self.listener.forget();
         }
-        self.listener.request(topic, request, judged);
+        self.listener.request(topic, request, context);
     }
 
     fn forget(&mut self) {
@@ -208,21 +208,21 @@ impl<L: Listener> Talk<L> {
 }
 
 /// What the messages of a channel are, where they belong to the talk.
-fn role(channel: &Channel<'_>, judged: &Judged<'_>) -> Option<Role> {
-    let name = px4_message(channel, judged)?;
+fn role(channel: &Channel<'_>, context: &RuleContext<'_>) -> Option<Role> {
+    let name = px4_message(channel, context)?;
     ROLES.iter().find(|(known, _)| *known == name).map(|(_, role)| *role)
 }
 
 /// The name of the messages of a channel, where they are of PX4.
-pub(super) fn px4_message<'j>(channel: &Channel<'_>, judged: &Judged<'j>) -> Option<&'j str> {
-    let schema = &judged.definitions.schema;
+pub(super) fn px4_message<'j>(channel: &Channel<'_>, context: &RuleContext<'j>) -> Option<&'j str> {
+    let schema = &context.definitions.schema;
     let message = schema.message(channel.definition?);
     (schema.package_of(message).form == Form::Msg(Dialect::Px4)).then_some(message.name.as_str())
 }
 
 /// Whether a channel brings answers of components.
-pub(super) fn is_reply(channel: &Channel<'_>, judged: &Judged<'_>) -> bool {
-    role(channel, judged) == Some(Role::Reply)
+pub(super) fn is_reply(channel: &Channel<'_>, context: &RuleContext<'_>) -> bool {
+    role(channel, context) == Some(Role::Reply)
 }
 
 /// A field as an integer, or a bool as 0 or 1; none where there is no such field, or it doesn't fit.

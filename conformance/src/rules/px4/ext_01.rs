@@ -6,7 +6,7 @@
 //! older than all known requests nothing is said: a log begins with the latest message of each topic.
 
 use super::ext::{Listener, Reply, Request, Requests, Talk, Waiting};
-use super::{Check, Detail, Judged, Level, Mutant, Px4Rule, Rule, Status};
+use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
 use crate::rules::sample::Flight;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
@@ -22,18 +22,13 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     check: Check::State(|| Box::new(Talk::<Answers>::default())),
     mutants: &[
         Mutant {
-            name: "a reply to a request of long ago, in a log",
-            make: |flight| Some(stray(flight, 7)?.log().to_bytes()),
+            name: "a reply to a request of long ago",
+            change: Change::Flight(|flight| stray(flight, 7)),
             also: &[],
         },
         Mutant {
-            name: "a reply to a request that wasn't sent yet, as JSON",
-            make: |flight| Some(stray(flight, 255)?.rosbridge().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a reply to a request of long ago, in MCAP",
-            make: |flight| Some(stray(flight, 7)?.bag().to_bytes()),
+            name: "a reply to a request that wasn't sent yet",
+            change: Change::Flight(|flight| stray(flight, 255)),
             also: &[],
         },
     ],
@@ -46,21 +41,21 @@ struct Answers {
 }
 
 impl Listener for Answers {
-    fn request(&mut self, _: &str, request: Request, judged: &mut Judged<'_>) {
+    fn request(&mut self, _: &str, request: Request, context: &mut RuleContext<'_>) {
         let is_next = self.requests.push(request);
         for reply in self.waiting.take().into_iter().filter(|_| is_next) {
-            judged.exercise();
+            context.covered();
             if !is_answer(&reply, self.requests.latest_at(reply.time)) {
                 // When it came, this request wasn't there yet.
-                tell(&reply, request.id.wrapping_sub(1), judged);
+                tell(&reply, request.id.wrapping_sub(1), context);
             }
         }
     }
 
-    fn reply(&mut self, reply: Reply, judged: &mut Judged<'_>) {
+    fn reply(&mut self, reply: Reply, context: &mut RuleContext<'_>) {
         let then = self.requests.latest_at(reply.time);
         if [self.requests.latest(), then].iter().any(|request| is_answer(&reply, *request)) {
-            judged.exercise();
+            context.covered();
         } else if then.is_some() {
             self.waiting.push(reply);
         }
@@ -71,12 +66,12 @@ impl Listener for Answers {
     }
 
     /// The next request may be cut off. That of long ago isn't the next.
-    fn end(&mut self, judged: &mut Judged<'_>) {
+    fn end(&mut self, context: &mut RuleContext<'_>) {
         let Some(latest) = self.requests.latest().map(|request| request.id) else { return };
         for reply in self.waiting.take() {
             let is_behind = latest.wrapping_sub(reply.request_id) < 128;
             if is_behind && self.requests.len() > 1 {
-                tell(&reply, latest, judged);
+                tell(&reply, latest, context);
             }
         }
     }
@@ -87,10 +82,10 @@ fn is_answer(reply: &Reply, request: Option<&Request>) -> bool {
     request.is_some_and(|request| request.id.wrapping_sub(reply.request_id) < 2)
 }
 
-fn tell(reply: &Reply, latest: u8, judged: &mut Judged<'_>) {
+fn tell(reply: &Reply, latest: u8, context: &mut RuleContext<'_>) {
     let before = latest.wrapping_sub(1);
-    let definition = judged.field(reply.definition, "request_id");
-    judged.report_defined(&format!("{}.request_id", reply.topic), reply.place, definition, || {
+    let definition = context.field(reply.definition, "request_id");
+    context.violation_of(&format!("{}.request_id", reply.topic), reply.place, definition, || {
         let Reply { request_id, registration_id, .. } = reply;
         let text = format!(
             "registration {registration_id} answers request {request_id}, where {latest} is the latest"

@@ -11,7 +11,7 @@
 //! on to answer was registered again for all that is known ([`SEVERAL`]).
 
 use super::ext::{Ids, Listener, Reply, Request, TOLERANCE, Talk, Waiting, is_later};
-use super::{Check, Detail, Judged, Level, Mutant, Px4Rule, Rule, Status};
+use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
 use crate::rules::sample::Flight;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
@@ -28,35 +28,16 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     check: Check::State(|| Box::new(Talk::<Registrations>::default())),
     mutants: &[
         Mutant {
-            name: "a reply with an id that was never given out, in a log",
-            make: |flight| Some(stranger(flight, 9)?.log().to_bytes()),
+            name: "a reply with an id that was never given out",
+            change: Change::Flight(|flight| stranger(flight, 9)),
             also: &[],
         },
         Mutant {
-            name: "a reply with an id that nobody can have, as JSON",
-            make: |flight| Some(stranger(flight, 255)?.lines().to_bytes()),
+            name: "a reply with an id that nobody can have",
+            change: Change::Flight(|flight| stranger(flight, 255)),
             also: &[],
         },
-        Mutant {
-            name: "a reply with an id that was given back, in a log",
-            make: |flight| Some(ghost(flight)?.log().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a reply with an id that was given back, as JSON",
-            make: |flight| Some(ghost(flight)?.rosbridge().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a reply with an id that was never given out, in MCAP",
-            make: |flight| Some(stranger(flight, 9)?.bag().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a reply with an id that was given back, in MCAP",
-            make: |flight| Some(ghost(flight)?.bag().to_bytes()),
-            also: &[],
-        },
+        Mutant { name: "a reply with an id that was given back", change: Change::Flight(ghost), also: &[] },
     ],
 };
 
@@ -130,29 +111,29 @@ impl Listener for Registrations {
         self.start = time;
     }
 
-    fn request(&mut self, _: &str, request: Request, judged: &mut Judged<'_>) {
-        self.judge_suspects(request.id, judged);
+    fn request(&mut self, _: &str, request: Request, context: &mut RuleContext<'_>) {
+        self.judge_suspects(request.id, context);
         self.request_id = Some(request.id);
         self.is_masked = request.mask.is_some();
         self.look_for_the_beginning(&request);
         self.learn(&request);
         for reply in self.waiting.take().into_iter().filter(|_| self.whole == Whole::Yes) {
-            judged.exercise();
+            context.covered();
             if matches!(self.known[usize::from(reply.registration_id)], Known::Nothing) {
-                tell(&reply, "was never given out", judged);
+                tell(&reply, "was never given out", context);
             }
         }
     }
 
-    fn reply(&mut self, reply: Reply, judged: &mut Judged<'_>) {
+    fn reply(&mut self, reply: Reply, context: &mut RuleContext<'_>) {
         if self.whole == Whole::Open {
             self.whole = Whole::No;
         }
         if reply.registration_id > GREATEST {
-            return tell(&reply, "can't be given out", judged);
+            return tell(&reply, "can't be given out", context);
         }
         match self.known[usize::from(reply.registration_id)] {
-            Known::Given(_) => judged.exercise(),
+            Known::Given(_) => context.covered(),
             // Its registration may stand behind it in the file.
             Known::Nothing => self.waiting.push(reply),
             Known::GivenBack { is_past, .. } => {
@@ -160,7 +141,7 @@ impl Listener for Registrations {
                     return;
                 }
                 if self.is_masked {
-                    tell(&reply, LEFT, judged);
+                    tell(&reply, LEFT, context);
                 } else {
                     self.suspect(reply);
                 }
@@ -255,7 +236,7 @@ impl Registrations {
     }
 
     /// Tells of those that didn't go on to answer until this request.
-    fn judge_suspects(&mut self, request_id: u8, judged: &mut Judged<'_>) {
+    fn judge_suspects(&mut self, request_id: u8, context: &mut RuleContext<'_>) {
         let is_next = self.request_id.is_some_and(|latest| latest.wrapping_add(1) == request_id);
         if !is_next {
             self.suspects.clear();
@@ -263,7 +244,7 @@ impl Registrations {
         self.suspects.retain(|reply| {
             let is_open = request_id.wrapping_sub(reply.request_id) < SEVERAL;
             if !is_open {
-                tell(reply, LEFT, judged);
+                tell(reply, LEFT, context);
             }
             is_open
         });
@@ -273,9 +254,9 @@ impl Registrations {
 /// What is said of a reply of who has left.
 const LEFT: &str = "was given back before this was asked";
 
-fn tell(reply: &Reply, what: &str, judged: &mut Judged<'_>) {
-    let definition = judged.field(reply.definition, "registration_id");
-    judged.report_defined(&format!("{}.registration_id", reply.topic), reply.place, definition, || {
+fn tell(reply: &Reply, what: &str, context: &mut RuleContext<'_>) {
+    let definition = context.field(reply.definition, "registration_id");
+    context.violation_of(&format!("{}.registration_id", reply.topic), reply.place, definition, || {
         let id = reply.registration_id;
         Detail::new(format!("{id} as the id of who answers, which {what}"))
             .expected("an id from RegisterExtComponentReply")

@@ -13,7 +13,7 @@
 use std::collections::VecDeque;
 
 use super::ext::{Ids, Listener, Reply, Request, Requests, Talk, Waiting, is_later};
-use super::{Check, Detail, Judged, Level, Mutant, Px4Rule, Rule, Status};
+use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
 use crate::rules::sample::Flight;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
@@ -26,23 +26,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         applies_to: "messages over time",
     },
     check: Check::State(|| Box::new(Talk::<Silence>::default())),
-    mutants: &[
-        Mutant {
-            name: "a reply is missing, in a log",
-            make: |flight| Some(silent(flight)?.log().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a reply is missing, as JSON",
-            make: |flight| Some(silent(flight)?.lines().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a reply is missing, in MCAP",
-            make: |flight| Some(silent(flight)?.bag().to_bytes()),
-            also: &[],
-        },
-    ],
+    mutants: &[Mutant { name: "a reply is missing", change: Change::Flight(silent), also: &[] }],
 };
 
 /// How many requests in a row a component answers until its answers are known to be in the recording; and how many
@@ -89,7 +73,7 @@ impl Default for Silence {
 }
 
 impl Listener for Silence {
-    fn request(&mut self, topic: &str, request: Request, judged: &mut Judged<'_>) {
+    fn request(&mut self, topic: &str, request: Request, context: &mut RuleContext<'_>) {
         if !self.requests.push(request) {
             self.asked.clear();
         }
@@ -104,11 +88,11 @@ impl Listener for Silence {
         }
         self.asked.push_back(asked);
         if self.asked.len() > 2 {
-            self.judge(topic, judged);
+            self.judge(topic, context);
         }
     }
 
-    fn reply(&mut self, reply: Reply, _: &mut Judged<'_>) {
+    fn reply(&mut self, reply: Reply, _: &mut RuleContext<'_>) {
         let Some(at) = self.asked.iter().rposition(|asked| asked.request.id == reply.request_id) else {
             return self.waiting.push(reply);
         };
@@ -148,7 +132,7 @@ impl Silence {
     }
 
     /// Judges the oldest request: two more have come.
-    fn judge(&mut self, topic: &str, judged: &mut Judged<'_>) {
+    fn judge(&mut self, topic: &str, context: &mut RuleContext<'_>) {
         let Some(oldest) = self.asked.pop_front() else { return };
         let Some(next) = self.asked.front() else { return };
         for id in oldest.who.iter().filter(|id| next.who.contains(*id)) {
@@ -156,23 +140,23 @@ impl Silence {
             let behind = &mut self.behind_in_a_row[usize::from(id)];
             *behind = if oldest.behind.contains(id) { behind.saturating_add(1) } else { 0 };
             if *behind >= IN_A_ROW {
-                tell(topic, &oldest, id, judged);
+                tell(topic, &oldest, id, context);
             }
             if oldest.answered.contains(id) {
                 *in_a_row = in_a_row.saturating_add(1);
             } else if *in_a_row < IN_A_ROW {
                 *in_a_row = 0;
             } else {
-                tell(topic, &oldest, id, judged);
+                tell(topic, &oldest, id, context);
             }
-            judged.exercise();
+            context.covered();
         }
     }
 }
 
-fn tell(topic: &str, asked: &Asked, id: u8, judged: &mut Judged<'_>) {
-    let definition = judged.defined(asked.request.definition);
-    judged.report_defined(topic, asked.request.place, definition, || {
+fn tell(topic: &str, asked: &Asked, id: u8, context: &mut RuleContext<'_>) {
+    let definition = context.defined(asked.request.definition);
+    context.violation_of(topic, asked.request.place, definition, || {
         let request = asked.request.id;
         let (when, found) = if asked.late.contains(id) || asked.behind.contains(id) {
             ("answers it only after the next one", "a reply after the next request")

@@ -4,7 +4,8 @@ use uavspec_codegen::dynamic::Value;
 
 use super::ext::{is_reply, number};
 use super::{
-    Channel, Check, Checker, Detail, Interest, Judged, Level, Message, Mutant, Px4Rule, Rule, Status,
+    Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, Px4Rule, Rule, RuleContext,
+    Status,
 };
 use crate::rules::sample::Flight;
 
@@ -19,33 +20,17 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         applies_to: "values of messages",
     },
     check: Check::State(|| Box::new(Reasons)),
-    mutants: &[
-        Mutant {
-            name: "an event without an id, in a log",
-            make: |flight| Some(nameless(flight)?.log().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "an event without an id, as JSON",
-            make: |flight| Some(nameless(flight)?.lines().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "an event without an id, in MCAP",
-            make: |flight| Some(nameless(flight)?.bag().to_bytes()),
-            also: &[],
-        },
-    ],
+    mutants: &[Mutant { name: "an event without an id", change: Change::Flight(nameless), also: &[] }],
 };
 
 struct Reasons;
 
 impl Checker for Reasons {
-    fn opened(&mut self, channel: &Channel<'_>, judged: &mut Judged<'_>) -> Interest {
-        if is_reply(channel, judged) { Interest::Values } else { Interest::Nothing }
+    fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
+        if is_reply(channel, context) { Interest::Values } else { Interest::Nothing }
     }
 
-    fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, judged: &mut Judged<'_>) {
+    fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
         let Some(values) = message.values else { return };
         let in_use: Option<usize> = number(values, "num_events");
         let (Some(in_use), Some(Value::Array(events))) = (in_use, values.get("events")) else { return };
@@ -53,9 +38,9 @@ impl Checker for Reasons {
         for (index, event) in events.iter().take(in_use).enumerate().filter(|_| in_use <= events.len()) {
             let Value::Message(event) = event else { return };
             let Some(id) = number::<u32>(event, "id") else { return };
-            judged.exercise();
+            context.covered();
             if id == 0 {
-                judged.report_field(channel, "events", message.place, || {
+                context.violation_in_field(channel, "events", message.place, || {
                     Detail::new(format!("an event without an id, where {in_use} are in use"))
                         .at(format!("events[{index}].id"))
                         .expected("an id other than 0")

@@ -2,7 +2,8 @@
 
 use super::ext::{is_reply, number};
 use super::{
-    Channel, Check, Checker, Detail, Interest, Judged, Level, Message, Mutant, Px4Rule, Rule, Status,
+    Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, Px4Rule, Rule, RuleContext,
+    Status,
 };
 use crate::rules::sample::Flight;
 
@@ -16,39 +17,27 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         applies_to: "values of messages",
     },
     check: Check::State(|| Box::new(Refusals)),
-    mutants: &[
-        Mutant {
-            name: "a refusal without a reason, in a log",
-            make: |flight| Some(without_reason(flight)?.log().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a refusal without a reason, as JSON",
-            make: |flight| Some(without_reason(flight)?.rosbridge().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a refusal without a reason, in MCAP",
-            make: |flight| Some(without_reason(flight)?.bag().to_bytes()),
-            also: &[],
-        },
-    ],
+    mutants: &[Mutant {
+        name: "a refusal without a reason",
+        change: Change::Flight(without_reason),
+        also: &[],
+    }],
 };
 
 struct Refusals;
 
 impl Checker for Refusals {
-    fn opened(&mut self, channel: &Channel<'_>, judged: &mut Judged<'_>) -> Interest {
-        if is_reply(channel, judged) { Interest::Values } else { Interest::Nothing }
+    fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
+        if is_reply(channel, context) { Interest::Values } else { Interest::Nothing }
     }
 
-    fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, judged: &mut Judged<'_>) {
+    fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
         let Some(values) = message.values else { return };
         let is_agreed = number::<u8>(values, "can_arm_and_run").map(|agreed| agreed != 0);
         let (Some(false), Some(events)) = (is_agreed, number::<u64>(values, "num_events")) else { return };
-        judged.exercise();
+        context.covered();
         if events == 0 {
-            judged.report_field(channel, "num_events", message.place, || {
+            context.violation_in_field(channel, "num_events", message.place, || {
                 Detail::new("can_arm_and_run is false, and no event says why")
                     .expected("1 or more")
                     .actual("0")

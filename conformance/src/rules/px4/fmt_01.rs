@@ -1,6 +1,6 @@
 //! `PX-FMT-01`.
 
-use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 use crate::rules::sample::Flight;
 
 pub(crate) static RULE: Px4Rule = Px4Rule {
@@ -16,24 +16,22 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
     mutants: &[
         Mutant {
             name: "a field has another name",
-            make: |flight| {
+            change: Change::Ulog(|flight, mut log| {
                 let (topic, name) = second_field(flight)?;
-                let mut log = flight.log();
                 let fields = log.format_mut(&flight.topics[topic].name)?;
                 *fields = fields.replace(&format!(" {name};"), &format!(" {name}_before;"));
-                Some(log.to_bytes())
-            },
+                Some(log)
+            }),
             also: &[],
         },
         Mutant {
             name: "a schema with another name of a field",
-            make: |flight| {
+            change: Change::Mcap(|flight, mut bag| {
                 let (topic, name) = second_field(flight)?;
-                let mut bag = flight.bag();
                 let text = &mut bag.channels[topic].text;
                 *text = text.replacen(&format!(" {name}\n"), &format!(" {name}_before\n"), 1);
-                Some(bag.to_bytes())
-            },
+                Some(bag)
+            }),
             also: &[],
         },
     ],

@@ -1,6 +1,6 @@
 //! `PX-FMT-02`.
 
-use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 use crate::rules::sample::Entry;
 
 pub(crate) static RULE: Px4Rule = Px4Rule {
@@ -15,12 +15,11 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
     check: Check::Source,
     mutants: &[Mutant {
         name: "a type that the log doesn't have",
-        make: |flight| {
-            let mut log = flight.log();
-            log.entries
-                .insert(1, Entry::Format("tow".to_owned(), "uint64_t timestamp;rope[2] ropes;".to_owned()));
-            Some(log.to_bytes())
-        },
+        change: Change::Ulog(|_, mut log| {
+            let fields = "uint64_t timestamp;rope[2] ropes;".to_owned();
+            log.entries.insert(1, Entry::Format("tow".to_owned(), fields));
+            Some(log)
+        }),
         also: &[],
     }],
 };

@@ -1,6 +1,6 @@
 //! `PX-FMT-03`.
 
-use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status, fmt_01};
 
 pub(crate) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
@@ -14,13 +14,12 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
     check: Check::Source,
     mutants: &[Mutant {
         name: "`timestamp` has another name",
-        make: |flight| {
+        change: Change::Ulog(|flight, mut log| {
             let topic = flight.regular(|_| true)?;
-            let mut log = flight.log();
             let fields = log.format_mut(&flight.topics[topic].name)?;
             *fields = fields.replace("uint64_t timestamp;", "uint64_t time;");
-            Some(log.to_bytes())
-        },
-        also: &["PX-FMT-01"],
+            Some(log)
+        }),
+        also: &[&fmt_01::RULE],
     }],
 };

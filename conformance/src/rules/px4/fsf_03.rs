@@ -8,8 +8,8 @@ use uavspec_codegen::dynamic::{DynamicView, Value};
 
 use super::ext::px4_message;
 use super::{
-    Channel, Check, Checker, Detail, Interest, Judged, Level, Message, Mutant, PerChannel, Px4Rule, Rule,
-    Status,
+    Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, PerChannel, Px4Rule, Rule,
+    RuleContext, Status,
 };
 use crate::rules::sample::Flight;
 
@@ -24,23 +24,11 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         applies_to: "values of messages",
     },
     check: Check::State(|| Box::new(Flags::default())),
-    mutants: &[
-        Mutant {
-            name: "a flag is set that no mode requires, in a log",
-            make: |flight| Some(unasked(flight)?.log().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a flag is set that no mode requires, as JSON",
-            make: |flight| Some(unasked(flight)?.lines().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a flag is set that no mode requires, in MCAP",
-            make: |flight| Some(unasked(flight)?.bag().to_bytes()),
-            also: &[],
-        },
-    ],
+    mutants: &[Mutant {
+        name: "a flag is set that no mode requires",
+        change: Change::Flight(unasked),
+        also: &[],
+    }],
 };
 
 const REQUIREMENT: &str = "mode_req_";
@@ -68,22 +56,22 @@ struct Fields {
 }
 
 impl Checker for Flags {
-    fn opened(&mut self, channel: &Channel<'_>, judged: &mut Judged<'_>) -> Interest {
+    fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
         self.channels.open(channel, None);
-        let is_wanted = px4_message(channel, judged) == Some("FailsafeFlags");
+        let is_wanted = px4_message(channel, context) == Some("FailsafeFlags");
         if is_wanted { Interest::Values } else { Interest::Nothing }
     }
 
-    fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, judged: &mut Judged<'_>) {
+    fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
         let (Some(values), Some(fields)) = (message.values, self.channels.of(channel)) else { return };
         // All messages of a channel have the same fields.
         let fields = fields.get_or_insert_with(|| Fields::of(values));
         let is_set = |at: &usize| values.field(*at).map(is_set);
         for (flag, requirement) in &fields.pairs {
-            judged.exercise();
+            context.covered();
             if is_set(flag) == Some(true) && is_set(requirement) == Some(false) {
                 let [flag, requirement] = [&fields.names[*flag], &fields.names[*requirement]];
-                judged.report_field(channel, flag, message.place, || {
+                context.violation_in_field(channel, flag, message.place, || {
                     Detail::new(format!("set, and {requirement} is 0: no mode requires it"))
                         .expected(format!("not set, or {requirement} other than 0"))
                         .actual("set")

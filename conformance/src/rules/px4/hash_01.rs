@@ -1,6 +1,6 @@
 //! `PX-HASH-01`.
 
-use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 
 pub(crate) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
@@ -14,11 +14,10 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
     check: Check::Source,
     mutants: &[Mutant {
         name: "the hash of another type",
-        make: |flight| {
-            let mut bag = flight.bag();
+        change: Change::Mcap(|_, mut bag| {
             bag.channels.first_mut()?.hash = format!("RIHS01_{}", "0".repeat(64));
-            Some(bag.to_bytes())
-        },
+            Some(bag)
+        }),
         also: &[],
     }],
 };

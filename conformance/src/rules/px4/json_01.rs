@@ -1,8 +1,7 @@
 //! `PX-JSON-01`.
 
-use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 use crate::rules::sample::{PERIOD, ROUNDS, START};
-use serde_json::Value;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
@@ -17,28 +16,27 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     mutants: &[
         Mutant {
             name: "a field is missing",
-            make: |flight| {
-                let remove = |message: &mut Value| {
+            change: Change::Flight(|flight| {
+                flight.with_last(0, |message| {
                     if let Some(fields) = message.as_object_mut() {
                         let last = fields.keys().next_back().cloned();
                         last.and_then(|last| fields.remove(&last));
                     }
-                };
-                Some(flight.with_last(0, remove)?.lines().to_bytes())
-            },
+                })
+            }),
             also: &[],
         },
         Mutant {
             name: "a field that the definition doesn't have",
-            make: |flight| Some(flight.with_last(0, |message| message["tow"] = 1.into())?.lines().to_bytes()),
+            change: Change::Flight(|flight| flight.with_last(0, |message| message["tow"] = 1.into())),
             also: &[],
         },
         Mutant {
             name: "a field stands twice",
-            make: |flight| {
+            change: Change::Json(|lines| {
                 let time = format!("\"timestamp\":{}", START + (ROUNDS - 1) * PERIOD);
-                Some(flight.lines().with_text(&time, &format!("{time},{time}"))?.to_bytes())
-            },
+                lines.with_text(&time, &format!("{time},{time}"))
+            }),
             also: &[],
         },
     ],

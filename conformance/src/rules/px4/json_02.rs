@@ -1,6 +1,6 @@
 //! `PX-JSON-02`.
 
-use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
@@ -15,21 +15,19 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     mutants: &[
         Mutant {
             name: "a bool is a number",
-            make: |flight| Some(flight.lines().with_text(":true", ":1")?.to_bytes()),
+            change: Change::Json(|lines| lines.with_text(":true", ":1")),
             also: &[],
         },
         Mutant {
             name: "an integer is a string",
-            make: |flight| {
-                Some(flight.with_last(0, |message| message["timestamp"] = "1".into())?.rosbridge().to_bytes())
-            },
+            change: Change::Flight(|flight| flight.with_last(0, |message| message["timestamp"] = "1".into())),
             also: &[],
         },
         Mutant {
             name: "an integer is out of the range of its type",
-            make: |flight| {
-                Some(flight.with_last(0, |message| message["timestamp"] = (-1).into())?.lines().to_bytes())
-            },
+            change: Change::Flight(|flight| {
+                flight.with_last(0, |message| message["timestamp"] = (-1).into())
+            }),
             also: &[],
         },
     ],

@@ -1,6 +1,6 @@
 //! `PX-LEN-01`.
 
-use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 use uavspec_runtime::Rule as Broken;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
@@ -13,21 +13,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         applies_to: "values of messages",
     },
     check: Check::Value,
-    mutants: &[
-        Mutant {
-            name: "one entry more in use than the array has, in a log",
-            make: |flight| Some(flight.breaking(Broken::Count)?.log().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "one entry more in use than the array has, as JSON",
-            make: |flight| Some(flight.breaking(Broken::Count)?.lines().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "one entry more in use than the array has, in MCAP",
-            make: |flight| Some(flight.breaking(Broken::Count)?.bag().to_bytes()),
-            also: &[],
-        },
-    ],
+    mutants: &[Mutant {
+        name: "one entry more in use than the array has",
+        change: Change::Flight(|flight| flight.breaking(Broken::Count)),
+        also: &[],
+    }],
 };

@@ -1,6 +1,6 @@
 //! `PX-NAN-01`.
 
-use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 use uavspec_runtime::Rule as Broken;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
@@ -13,21 +13,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         applies_to: "values of messages",
     },
     check: Check::Value,
-    mutants: &[
-        Mutant {
-            name: "NaN without a meaning, in a log",
-            make: |flight| Some(flight.breaking(Broken::Nan)?.log().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "NaN without a meaning, as JSON",
-            make: |flight| Some(flight.breaking(Broken::Nan)?.lines().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "NaN without a meaning, in MCAP",
-            make: |flight| Some(flight.breaking(Broken::Nan)?.bag().to_bytes()),
-            also: &[],
-        },
-    ],
+    mutants: &[Mutant {
+        name: "NaN without a meaning",
+        change: Change::Flight(|flight| flight.breaking(Broken::Nan)),
+        also: &[],
+    }],
 };

@@ -3,8 +3,8 @@
 use uavspec_codegen::schema;
 
 use super::{
-    Channel, Check, Checker, Detail, Interest, Judged, Level, Message, Mutant, PerChannel, Px4Rule, Rule,
-    Status,
+    Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, PerChannel, Px4Rule, Rule,
+    RuleContext, Status,
 };
 use crate::rules::sample::Flight;
 
@@ -18,23 +18,11 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         applies_to: "messages over time",
     },
     check: Check::State(|| Box::new(Bursts::default())),
-    mutants: &[
-        Mutant {
-            name: "more messages at one time than the queue holds, in a log",
-            make: |flight| Some(burst(flight)?.log().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "more messages at one time than the queue holds, as JSON",
-            make: |flight| Some(burst(flight)?.lines().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "more messages at one time than the queue holds, in MCAP",
-            make: |flight| Some(burst(flight)?.bag().to_bytes()),
-            also: &[],
-        },
-    ],
+    mutants: &[Mutant {
+        name: "more messages at one time than the queue holds",
+        change: Change::Flight(burst),
+        also: &[],
+    }],
 };
 
 /// What PX4 keeps of a topic that doesn't say.
@@ -55,14 +43,14 @@ struct Burst {
 }
 
 impl Checker for Bursts {
-    fn opened(&mut self, channel: &Channel<'_>, judged: &mut Judged<'_>) -> Interest {
-        let message = channel.definition.map(|id| judged.definitions.schema.message(id));
+    fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
+        let message = channel.definition.map(|id| context.definitions.schema.message(id));
         let length = message.map(|message| message.queue_length.unwrap_or(DEFAULT));
         self.channels.open(channel, Burst { length, ..Burst::default() });
         if length.is_some() { Interest::Times } else { Interest::Nothing }
     }
 
-    fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, judged: &mut Judged<'_>) {
+    fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
         let Some(burst) = self.channels.of(channel) else { return };
         let (Some(timestamp), Some(length)) = (message.timestamp, burst.length) else { return };
         // 0 is the time of what was never published.
@@ -70,10 +58,10 @@ impl Checker for Bursts {
             (burst.timestamp, burst.count) = (timestamp, 0);
         }
         burst.count += 1;
-        judged.exercise();
+        context.covered();
         if burst.count == length.saturating_add(1) && length > DEFAULT {
-            let definition = judged.defined(channel.definition);
-            judged.report_defined(channel.topic, message.place, definition, || {
+            let definition = context.defined(channel.definition);
+            context.violation_of(channel.topic, message.place, definition, || {
                 Detail::new(format!(
                     "more than {length} messages at {timestamp} µs, which is all that its queue holds"
                 ))

@@ -1,6 +1,6 @@
 //! `PX-RANGE-01`.
 
-use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 use uavspec_runtime::Rule as Broken;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
@@ -13,21 +13,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         applies_to: "values of messages",
     },
     check: Check::Value,
-    mutants: &[
-        Mutant {
-            name: "a value out of its range, in a log",
-            make: |flight| Some(flight.breaking(Broken::Range)?.log().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a value out of its range, as JSON",
-            make: |flight| Some(flight.breaking(Broken::Range)?.lines().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a value out of its range, in MCAP",
-            make: |flight| Some(flight.breaking(Broken::Range)?.bag().to_bytes()),
-            also: &[],
-        },
-    ],
+    mutants: &[Mutant {
+        name: "a value out of its range",
+        change: Change::Flight(|flight| flight.breaking(Broken::Range)),
+        also: &[],
+    }],
 };

@@ -1,6 +1,6 @@
 //! `PX-STR-01`.
 
-use super::{Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 use uavspec_codegen::dynamic::{Placed, PlacedElement};
 
 pub(super) static RULE: Px4Rule = Px4Rule {
@@ -15,23 +15,25 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     check: Check::Value,
     mutants: &[
         Mutant {
-            name: "text that is no UTF-8, in a log",
-            make: |flight| {
-                let is_text = |field: &Placed<'_>| matches!(field.element, PlacedElement::Text(_));
+            name: "text that is no UTF-8",
+            change: Change::Ulog(|flight, log| {
                 let (topic, at) = flight.place(is_text)?;
-                Some(flight.log().with_payload(topic, |payload| payload[at] = 0xff)?.to_bytes())
-            },
+                log.with_payload(topic, |payload| payload[at] = 0xff)
+            }),
             also: &[],
         },
         Mutant {
-            name: "text with a NUL, as JSON",
-            make: |flight| {
-                let is_text = |field: &Placed<'_>| matches!(field.element, PlacedElement::Text(_));
+            name: "text with a NUL",
+            change: Change::Flight(|flight| {
                 let (topic, _) = flight.place(is_text)?;
                 let name = flight.type_of(topic).layout().find(is_text)?.name;
-                Some(flight.with_last(topic, |message| message[name] = "D\0".into())?.lines().to_bytes())
-            },
+                flight.with_last(topic, |message| message[name] = "D\0".into())
+            }),
             also: &[],
         },
     ],
 };
+
+fn is_text(field: &Placed<'_>) -> bool {
+    matches!(field.element, PlacedElement::Text(_))
+}

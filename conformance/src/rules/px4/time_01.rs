@@ -1,8 +1,8 @@
 //! `PX-TIME-01`.
 
 use super::{
-    Channel, Check, Checker, Detail, Interest, Judged, Level, Message, Mutant, PerChannel, Px4Rule, Rule,
-    Status,
+    Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, PerChannel, Px4Rule, Rule,
+    RuleContext, Status,
 };
 use crate::rules::sample::{Flight, START};
 
@@ -17,23 +17,11 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         applies_to: "messages over time",
     },
     check: Check::State(|| Box::new(Times::default())),
-    mutants: &[
-        Mutant {
-            name: "the last message is older than those before, in a log",
-            make: |flight| Some(back(flight)?.log().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "the last message is older than those before, as JSON",
-            make: |flight| Some(back(flight)?.rosbridge().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "the last message is older than those before, in MCAP",
-            make: |flight| Some(back(flight)?.bag().to_bytes()),
-            also: &[],
-        },
-    ],
+    mutants: &[Mutant {
+        name: "the last message is older than those before",
+        change: Change::Flight(back),
+        also: &[],
+    }],
 };
 
 /// The latest time of each channel.
@@ -43,24 +31,24 @@ struct Times {
 }
 
 impl Checker for Times {
-    fn opened(&mut self, channel: &Channel<'_>, _: &mut Judged<'_>) -> Interest {
+    fn opened(&mut self, channel: &Channel<'_>, _: &mut RuleContext<'_>) -> Interest {
         self.latest.open(channel, 0);
         Interest::Times
     }
 
-    fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, judged: &mut Judged<'_>) {
+    fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
         let (Some(timestamp), Some(latest)) = (message.timestamp, self.latest.of(channel)) else {
             return;
         };
         if timestamp < *latest && timestamp != 0 {
             let latest = *latest;
-            judged.report_field(channel, "timestamp", message.place, || {
+            context.violation_in_field(channel, "timestamp", message.place, || {
                 Detail::new(format!("timestamp is {timestamp}, and was {latest} before"))
                     .expected(format!("{latest} or later"))
                     .actual(timestamp.to_string())
             });
         }
-        judged.exercise();
+        context.covered();
         // What follows is judged by this message: one that is wrong, or a flight controller that starts again, doesn't
         // make all others wrong.
         if timestamp != 0 {

@@ -1,8 +1,8 @@
 //! `PX-TIME-02`.
 
 use super::{
-    Channel, Check, Checker, Detail, Interest, Judged, Level, Message, Mutant, PerChannel, Place, Px4Rule,
-    Rule, Status,
+    Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, PerChannel, Place, Px4Rule,
+    Rule, RuleContext, Status,
 };
 use crate::rules::sample::Flight;
 
@@ -16,23 +16,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         applies_to: "messages over time",
     },
     check: Check::State(|| Box::new(Gaps::default())),
-    mutants: &[
-        Mutant {
-            name: "a topic pauses, in a log",
-            make: |flight| Some(pause(flight)?.log().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a topic pauses, as JSON",
-            make: |flight| Some(pause(flight)?.lines().to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a topic pauses, in MCAP",
-            make: |flight| Some(pause(flight)?.bag().to_bytes()),
-            also: &[],
-        },
-    ],
+    mutants: &[Mutant { name: "a topic pauses", change: Change::Flight(pause), also: &[] }],
 };
 
 /// How many periods a channel is looked at before anything is said of it.
@@ -64,12 +48,12 @@ struct Rhythm {
 }
 
 impl Checker for Gaps {
-    fn opened(&mut self, channel: &Channel<'_>, _: &mut Judged<'_>) -> Interest {
+    fn opened(&mut self, channel: &Channel<'_>, _: &mut RuleContext<'_>) -> Interest {
         self.channels.open(channel, Rhythm::default());
         Interest::Times
     }
 
-    fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, judged: &mut Judged<'_>) {
+    fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
         let (Some(timestamp), Some(rhythm)) = (message.timestamp, self.channels.of(channel)) else {
             return;
         };
@@ -81,10 +65,10 @@ impl Checker for Gaps {
         }
         rhythm.latest = timestamp;
         let Some(period) = period else { return };
-        judged.exercise();
+        context.covered();
         if pause > period.saturating_mul(PAUSE) && latest > self.excused_until {
-            let definition = judged.defined(channel.definition);
-            judged.report_defined(channel.topic, message.place, definition, || {
+            let definition = context.defined(channel.definition);
+            context.violation_of(channel.topic, message.place, definition, || {
                 let (pause, most) = (time_text(pause), time_text(period.saturating_mul(PAUSE)));
                 let period = time_text(period);
                 Detail::new(format!("{pause} without a message, where one comes each {period}"))

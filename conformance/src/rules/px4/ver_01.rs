@@ -1,6 +1,8 @@
 //! `PX-VER-01`.
 
-use super::{Channel, Check, Checker, Detail, Interest, Judged, Level, Mutant, Px4Rule, Rule, Status};
+use super::{
+    Change, Channel, Check, Checker, Detail, Interest, Level, Mutant, Px4Rule, Rule, RuleContext, Status,
+};
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
@@ -12,59 +14,37 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         applies_to: "names of topics",
     },
     check: Check::State(|| Box::new(Versions)),
-    mutants: &[
-        Mutant {
-            name: "a topic of another version",
-            make: |flight| {
-                let topic = flight.regular(|message| message.version.is_some())?;
-                let mut flight = flight.clone();
-                flight.topics[topic].name += "_v9999";
-                Some(flight.log().to_bytes())
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "a topic of another version, as JSON",
-            make: |flight| {
-                let topic = flight.regular(|message| message.version.is_some())?;
-                let mut flight = flight.clone();
-                flight.topics[topic].name += "_v9999";
-                Some(flight.rosbridge().to_bytes())
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "a topic of another version, in MCAP",
-            make: |flight| {
-                let topic = flight.regular(|message| message.version.is_some())?;
-                let mut bag = flight.bag();
-                bag.channels[topic].topic += "_v9999";
-                Some(bag.to_bytes())
-            },
-            also: &[],
-        },
-    ],
+    mutants: &[Mutant {
+        name: "a topic of another version",
+        change: Change::Flight(|flight| {
+            let topic = flight.regular(|message| message.version.is_some())?;
+            let mut flight = flight.clone();
+            flight.topics[topic].name += "_v9999";
+            Some(flight)
+        }),
+        also: &[],
+    }],
 };
 
 struct Versions;
 
 impl Checker for Versions {
-    fn opened(&mut self, channel: &Channel<'_>, judged: &mut Judged<'_>) -> Interest {
-        let message = channel.definition.map(|id| judged.definitions.schema.message(id));
+    fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
+        let message = channel.definition.map(|id| context.definitions.schema.message(id));
         // A topic may well be called so itself.
         let message = message.filter(|message| message.topics.iter().all(|topic| topic != channel.topic));
         let Some((message, version)) = message.zip(version_of(channel.topic)) else {
             return Interest::Nothing;
         };
-        judged.exercise();
+        context.covered();
         // A source of another version than the definition may well agree with itself.
         let (whose, stated) = match channel.version {
             Some(stated) => ("its schema", stated),
             None => ("the definition", message.version.unwrap_or(0)),
         };
         if version != stated.to_string() {
-            let definition = judged.defined(channel.definition);
-            judged.report_defined(channel.topic, channel.place, definition, || {
+            let definition = context.defined(channel.definition);
+            context.violation_of(channel.topic, channel.place, definition, || {
                 Detail::new(format!("the topic is of version {version}, {whose} of version {stated}"))
                     .expected(stated.to_string())
                     .actual(version)

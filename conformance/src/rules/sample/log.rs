@@ -67,6 +67,11 @@ impl Log {
         }
     }
 
+    /// The number of its messages.
+    pub(super) fn messages(&self) -> usize {
+        self.entries.iter().filter(|entry| matches!(entry, Entry::Data(..))).count()
+    }
+
     /// Changes the last payload of a topic.
     #[must_use]
     pub fn with_payload(mut self, topic: usize, change: impl FnOnce(&mut Vec<u8>)) -> Option<Self> {

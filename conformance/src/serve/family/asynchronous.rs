@@ -3,6 +3,7 @@
 use uavspec::flockwave::json::{Request, async_cancel, async_resume};
 
 use super::unknown;
+use crate::rules::flockwave::{asy_17, asy_18, asy_19};
 use crate::serve::hub::{Answer, Hub, SessionId};
 use crate::serve::message::Outcomes;
 use crate::serve::operation::Operation;
@@ -16,7 +17,7 @@ pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Ans
 }
 
 fn cancel(hub: &mut Hub, session: SessionId, request: async_cancel::Request) -> Answer {
-    let (is_forgetting, is_pretending) = (hub.breaks("FW-ASY-17"), hub.breaks("FW-ASY-18"));
+    let (is_forgetting, is_pretending) = (hub.has_bug(&asy_17::RULE), hub.has_bug(&asy_18::RULE));
     let outcomes = Outcomes::of(request.ids, |receipt| {
         match hub.operation(session, receipt) {
             Some(operation) if !is_forgetting => operation.cancel(),
@@ -30,7 +31,7 @@ fn cancel(hub: &mut Hub, session: SessionId, request: async_cancel::Request) -> 
 }
 
 fn resume(hub: &mut Hub, session: SessionId, request: async_resume::Request) -> Answer {
-    let is_lenient = hub.breaks("FW-ASY-19");
+    let is_lenient = hub.has_bug(&asy_19::RULE);
     let outcomes =
         Outcomes::of(request.ids, |receipt| match hub.operation(session, receipt).map(Operation::resume) {
             Some(was_suspended) if was_suspended || is_lenient => Ok(()),

@@ -8,6 +8,7 @@ use uavspec::flockwave::json::{
 };
 
 use super::unknown;
+use crate::rules::flockwave::{obj_list_02, obj_list_03, obj_list_04};
 use crate::serve::error_code::settable;
 use crate::serve::hub::{Answer, Hub, SessionId};
 use crate::serve::message::{Outcome, Outcomes};
@@ -25,12 +26,12 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
 
 fn list(hub: &Hub, filter: Option<&[ObjectType]>) -> Answer {
     let has_unknown = filter.is_some_and(|kinds| kinds.iter().any(|kind| !kind.is_known()));
-    if has_unknown && hub.breaks("FW-OBJ-LIST-03") {
+    if has_unknown && hub.has_bug(&obj_list_03::RULE) {
         return Err("there is no such type".to_owned());
     }
     let is_wanted = |kind: &ObjectType| match filter {
-        None => *kind == ObjectType::Uav || !hub.breaks("FW-OBJ-LIST-04"),
-        Some(_) if hub.breaks("FW-OBJ-LIST-02") => true,
+        None => *kind == ObjectType::Uav || !hub.has_bug(&obj_list_04::RULE),
+        Some(_) if hub.has_bug(&obj_list_02::RULE) => true,
         Some(kinds) => kinds.contains(kind),
     };
     let wanted = hub.world.objects().filter(|(_, kind)| is_wanted(kind));

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use uavspec::flockwave::json::{PortNumber, Request, clk_inf, sys_ports, sys_time, sys_ver};
 
 use super::{clock, unknown};
+use crate::rules::flockwave::sys_time_03;
 use crate::serve::hub::{Answer, Hub, SessionId};
 use crate::serve::message::acknowledgment;
 
@@ -33,7 +34,7 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
 }
 
 fn adjust(hub: &mut Hub, adjustment: f64) -> Result<(), String> {
-    if hub.breaks("FW-SYS-TIME-03") && adjustment == 0.0 {
+    if hub.has_bug(&sys_time_03::RULE) && adjustment == 0.0 {
         hub.adjustment += 3_600_000;
     }
     if adjustment < 0.0 {

@@ -12,6 +12,7 @@ use uavspec::flockwave::json::{
 use uavspec_runtime::ErrorClass;
 
 use super::unknown;
+use crate::rules::flockwave::{uav_inf_06, uav_inf_07};
 use crate::serve::hub::{Answer, Hub, SessionId};
 use crate::serve::message::{Outcome, Outcomes};
 use crate::serve::operation::Operation;
@@ -110,10 +111,10 @@ fn no_such() -> String {
 }
 
 fn state(hub: &mut Hub, ids: Vec<ObjectId>) -> Answer {
-    if hub.breaks("FW-UAV-INF-07") && (ids.is_empty() || each_once(ids.clone())?.len() != ids.len()) {
+    if hub.has_bug(&uav_inf_07::RULE) && (ids.is_empty() || each_once(ids.clone())?.len() != ids.len()) {
         return Err("the ids are empty or not unique".to_owned());
     }
-    if hub.breaks("FW-UAV-INF-06") && ids.iter().any(|id| hub.uav(&id.0).is_none()) {
+    if hub.has_bug(&uav_inf_06::RULE) && ids.iter().any(|id| hub.uav(&id.0).is_none()) {
         return Err(no_such());
     }
     let outcomes = Outcomes::of(ids, |id| hub.uav(id).map(|uav| uav.status()).ok_or_else(no_such))?;

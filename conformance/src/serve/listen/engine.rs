@@ -16,6 +16,7 @@ use super::{LOOK, SEND_LIMIT, Shared};
 use crate::flockwave::transport::MESSAGE_LIMIT;
 use crate::flockwave::transport::engine::{Kind, Packet, Revision, decode, encode};
 use crate::flockwave::transport::http::{Connection, Request, Response, is_silence};
+use crate::rules::flockwave::sio_02;
 use crate::serve::outbox::Taken;
 
 /// How many sessions there may be at a time.
@@ -107,7 +108,7 @@ pub(super) fn by_polling(shared: &Shared, request: &Request) -> Response {
     if request.field("j").is_some() {
         return refused("JSONP isn't served");
     }
-    if shared.breaks("FW-SIO-02") {
+    if shared.has_bug(&sio_02::RULE) {
         return refused("long polling isn't served");
     }
     let session = match session(shared, request) {

@@ -12,6 +12,7 @@ use serde_json::Value;
 use super::{LOOK, SEND_LIMIT, Shared};
 use crate::flockwave::transport::http::is_silence;
 use crate::flockwave::transport::lines::{Line, Lines};
+use crate::rules::flockwave::{env_25, tcp_01, tcp_02, tcp_03, tcp_04};
 use crate::serve::hub::{Manner, SessionId, Sink};
 use crate::serve::outbox::{Outbox, Taken};
 
@@ -51,7 +52,7 @@ pub(super) fn converse(shared: &Arc<Shared>, mut stream: TcpStream) -> io::Resul
     let own = stream.try_clone()?;
     let taken = Arc::clone(&outbox);
     let writer = thread::spawn(move || write(own, &taken));
-    let sink = LineSink { outbox: Arc::clone(&outbox), is_spread: shared.breaks("FW-TCP-01") };
+    let sink = LineSink { outbox: Arc::clone(&outbox), is_spread: shared.has_bug(&tcp_01::RULE) };
     let id = shared.open(Manner::Standing, Arc::new(sink));
     let ending = read(shared, id, &mut stream, &writer);
     shared.close(id);
@@ -96,21 +97,21 @@ fn read(
         };
         lines.feed(&piece[..length]);
         let mut taken = lines.taken();
-        if shared.breaks("FW-ENV-25") {
+        if shared.has_bug(&env_25::RULE) {
             taken.reverse();
         }
         for line in taken {
             // Of a line that is too long nobody knows what it asked.
             let Line::Whole(line) = line else { continue };
-            if shared.breaks("FW-TCP-03") && serde_json::from_slice::<IgnoredAny>(&line).is_err() {
+            if shared.has_bug(&tcp_03::RULE) && serde_json::from_slice::<IgnoredAny>(&line).is_err() {
                 return Ok(());
             }
             shared.receive(id, &line);
-            if shared.breaks("FW-TCP-02") {
+            if shared.has_bug(&tcp_02::RULE) {
                 break;
             }
         }
-        if shared.breaks("FW-TCP-04") {
+        if shared.has_bug(&tcp_04::RULE) {
             lines.drop_rest();
         }
     }

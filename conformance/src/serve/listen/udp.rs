@@ -12,6 +12,7 @@ use serde_json::Value;
 
 use super::{LOOK, Shared};
 use crate::flockwave::transport::http::is_silence;
+use crate::rules::flockwave::{udp_01, udp_02, udp_03};
 use crate::serve::hub::{Manner, SessionId, Sink};
 use crate::serve::message::{enveloped, refusal, text};
 
@@ -78,7 +79,7 @@ pub(super) fn serve(shared: &Arc<Shared>, socket: &UdpSocket) {
             }
         };
         let datagram = &datagram[..length];
-        if shared.breaks("FW-UDP-03") && serde_json::from_slice::<IgnoredAny>(datagram).is_err() {
+        if shared.has_bug(&udp_03::RULE) && serde_json::from_slice::<IgnoredAny>(datagram).is_err() {
             return;
         }
         if let Some(session) = session(shared, socket, &mut peers, client) {
@@ -102,10 +103,10 @@ fn session(
         return None;
     }
     let mut answered = client;
-    if shared.breaks("FW-UDP-02") {
+    if shared.has_bug(&udp_02::RULE) {
         answered.set_port(client.port() ^ 1);
     }
-    let is_doubling = shared.breaks("FW-UDP-01");
+    let is_doubling = shared.has_bug(&udp_01::RULE);
     let sink = DatagramSink { socket: socket.try_clone().ok()?, client: answered, is_doubling };
     let session = shared.open(Manner::Datagrams, Arc::new(sink));
     peers.insert(client, Peer { session, heard: Instant::now() });

@@ -6,8 +6,8 @@ use serde_json::Value;
 
 use super::{Bench, Check, Manner};
 use crate::testee::link::Link;
+use crate::testee::options::excerpt;
 use crate::testee::protocol::{Format, Hello, Op};
-use crate::testee::run::excerpt;
 
 pub(super) const INTRODUCTION: Check = Check {
     id: "introduction",

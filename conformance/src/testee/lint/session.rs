@@ -8,8 +8,8 @@ use serde_json::Value;
 
 use crate::testee::case::Case;
 use crate::testee::link::{Link, Said, last_words};
+use crate::testee::options::{Options, excerpt};
 use crate::testee::protocol::{Answer, Hello};
-use crate::testee::run::{Options, excerpt};
 
 /// The first id of questions that no check chose.
 const FIRST_ID: i64 = 1_000;

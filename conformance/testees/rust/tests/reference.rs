@@ -6,7 +6,8 @@ use std::time::Duration;
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::testee::case::{Case, cases};
 use uavspec_conformance::testee::lint::lint;
-use uavspec_conformance::testee::run::{Options, run};
+use uavspec_conformance::testee::options::Options;
+use uavspec_conformance::testee::run::run;
 use uavspec_conformance::testee::target::Target;
 
 fn options() -> Options {

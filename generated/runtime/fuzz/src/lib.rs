@@ -1,6 +1,6 @@
 //! What the targets share: which message the first byte names, and messages whose size varies.
 
-use uavspec_runtime::Message;
+use uavspec_runtime::{Definition, Message};
 
 /// Calls a generic function with the message that the first byte names, and the other bytes.
 #[macro_export]
@@ -23,10 +23,7 @@ macro_rules! sample {
         }
 
         impl Message for $type {
-            const PACKAGE: &'static str = "samples";
-            const NAME: &'static str = stringify!($type);
-            const HASH: u32 = 0;
-            const TYPE_HASH: &'static str = "";
+            const DEFINITION: Definition = Definition::new("samples", stringify!($type));
         }
     };
 }

@@ -1,9 +1,11 @@
 //! Tables of fields and elements, and what types look like in them.
 
-use super::super::error_codes;
-use super::super::fields::{range, unit};
-use super::super::markdown::{Page, Table, anchor, code, href, inline, link, number_column, text_column};
-use super::{Json, Owner, anchor_of};
+use super::directory::{Json, Owner, anchor_of};
+use crate::emit::docs::cell::{range, unit};
+use crate::emit::docs::error_codes;
+use crate::emit::docs::markdown::{
+    Page, Table, anchor, code, href, inline, link, number_column, text_column,
+};
 use crate::emit::docs::words::ENGLISH;
 use crate::schema::json_type::{Expression, Limits, Member};
 use crate::value::Value;

@@ -1,10 +1,10 @@
 //! The page of a message: a section for each direction.
 
-use super::super::markdown::{Page, Table, code, inline, text_column, unbroken};
-use super::super::message::package_cell;
-use super::{Json, Owner};
-use crate::emit::OutputFile;
+use super::directory::{Json, Owner};
+use crate::emit::docs::markdown::{Page, Table, code, inline, text_column, unbroken};
+use crate::emit::docs::message::package_cell;
 use crate::emit::docs::words::ENGLISH;
+use crate::emit::file::OutputFile;
 use crate::emit::json_schema::Target;
 use crate::schema::JsonMessageId;
 

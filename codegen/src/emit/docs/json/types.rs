@@ -1,27 +1,15 @@
 //! The page of a type.
 
-use super::super::fields::unit;
-use super::super::markdown::{Page, Table, code, inline, text_column, unbroken};
-use super::super::message::package_cell;
+use super::directory::{Json, Owner, kind};
 use super::member::{json_code, values};
-use super::{Json, Owner};
-use crate::emit::OutputFile;
+use crate::emit::docs::cell::unit;
+use crate::emit::docs::markdown::{Page, Table, code, inline, text_column, unbroken};
+use crate::emit::docs::message::package_cell;
 use crate::emit::docs::words::ENGLISH;
+use crate::emit::file::OutputFile;
 use crate::emit::json_schema::Target;
 use crate::schema::JsonTypeId;
 use crate::schema::json_type::{Definition, Set, SetValue, SetValues};
-
-/// What a type is, in a word or two.
-pub(super) fn kind(definition: &Definition) -> &'static str {
-    match definition {
-        Definition::Object(object) if object.is_closed => "object, closed",
-        Definition::Object(_) => "object",
-        Definition::Tuple(_) => "array",
-        Definition::Set(set) if set.is_open => "set, open",
-        Definition::Set(_) => "set, closed",
-        Definition::Named(_) => "value",
-    }
-}
 
 impl Json<'_, '_> {
     /// The page of a type.

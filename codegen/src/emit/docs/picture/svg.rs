@@ -6,9 +6,9 @@
 use std::fmt;
 
 use super::grid::{Cell, Grid, Line, ROW, Segment, Tint};
+use crate::emit::docs::markdown::notice;
 use crate::emit::docs::markdown::{append, plural, thousands};
-use crate::emit::docs::notice;
-use crate::emit::prose;
+use crate::prose;
 
 /// Room for the offsets of the rows, left of the boxes.
 const LEFT: usize = 44;

@@ -1,12 +1,13 @@
 //! The rules of `breaking`. What is said of the examples is what the rules themselves say, when the pages are
 //! made.
 
-use super::{Chapter, OVERVIEW, RulePage, Shown, rule_link};
+use super::chapter::{Chapter, OVERVIEW, RulePage, Shown, rule_link};
 use crate::breaking::{Between, Category, RULES, Rule, breaking};
-use crate::diagnostic::{Level, render};
+use crate::diagnostic::Level;
 use crate::emit::docs::markdown::{Table, gist, text_column, with_code};
 use crate::example::{Example, packages};
-use crate::read;
+use crate::read::read;
+use crate::render;
 use crate::source::SourceMap;
 
 /// What stands above the table.

@@ -1,13 +1,14 @@
 //! The rules of `lint`. What is said of the examples is what the rules themselves say, when the pages are
 //! made.
 
-use super::{Chapter, OVERVIEW, RulePage, Shown, rule_link};
-use crate::diagnostic::{Level, render};
+use super::chapter::{Chapter, OVERVIEW, RulePage, Shown, rule_link};
+use crate::diagnostic::Level;
 use crate::emit::docs::markdown::{Table, code, gist, number_column, text_column, with_code};
 use crate::example::{Example, catalogues, is_catalogue, packages};
 use crate::finding::Finding;
 use crate::lint::{Check, Levels, Measured, Preset, RULES, Rule, Settings, lint};
 use crate::msg::{Dialect, Kind};
+use crate::render;
 use crate::schema::Form;
 use crate::source::SourceMap;
 

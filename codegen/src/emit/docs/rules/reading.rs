@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
-use super::{OVERVIEW, rule_link};
+use super::chapter::{OVERVIEW, rule_link};
 use crate::diagnostic::{Problem, ProblemKind};
-use crate::emit::OutputFile;
 use crate::emit::docs::markdown::{Page, code, href, link, with_code};
+use crate::emit::file::OutputFile;
 use crate::lint;
 use crate::report::READING_PAGE;
 

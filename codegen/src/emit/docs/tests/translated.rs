@@ -4,8 +4,8 @@ use pulldown_cmark::{Event, Tag};
 
 use super::{BOATS, anchors, definitions, events, is, links_that_lead_somewhere, targets, text_of};
 use crate::SourceMap;
-use crate::emit::OutputFile;
 use crate::emit::docs::{Options, emit};
+use crate::emit::file::OutputFile;
 use crate::translation::catalogue::{Catalogue, print};
 use crate::translation::{Text, new_catalogue, resolve, texts, update};
 

@@ -3,11 +3,13 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
+use super::super::context::Context;
+use super::super::file::{documentation, header_of, inner_documentation, layout_file};
 use super::super::identifier::{Scope, ident, module_name, pascal_case};
-use super::super::{Context, documentation, header, inner_documentation, layout_file};
+use super::names::{MODULE, Names, TYPES, is_own, text};
 use super::types::Definitions;
-use super::{MODULE, Names, TYPES, is_own, text};
-use crate::emit::{OutputFile, prose};
+use crate::emit::file::OutputFile;
+use crate::prose;
 use crate::schema::json_type::{Direction, JsonMessage, JsonPart, Member, Object};
 use crate::schema::{JsonMessageId, Package};
 
@@ -36,12 +38,10 @@ pub(super) fn files(
     });
     let enums = Direction::ALL.map(|direction| direction_tokens(&places, direction));
     let root = quote!(#(#modules)* #(#enums)*);
-    let files = places.iter().map(|place| {
-        let source = context.sources.path(context.sources.source_of(place.message.span));
-        OutputFile {
-            path: format!("{module}/{MODULE}/{}.rs", place.module),
-            text: header(source) + &layout_file(message_tokens(context, names, place.message)),
-        }
+    let files = places.iter().map(|place| OutputFile {
+        path: format!("{module}/{MODULE}/{}.rs", place.module),
+        text: header_of(context, package, place.message.span)
+            + &layout_file(message_tokens(context, names, place.message)),
     });
     (root, files.collect())
 }

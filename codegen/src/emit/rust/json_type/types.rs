@@ -3,11 +3,14 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
-use super::super::identifier::{Scope, ident, pascal_case};
-use super::super::message::range_text;
-use super::super::{Context, documentation, types as literals};
-use super::{Names, default, field_names, text};
-use crate::emit::prose;
+use super::super::context::Context;
+use super::super::file::documentation;
+use super::super::identifier::{self, Scope, ident, pascal_case};
+use super::super::text::range_text;
+use super::super::types as literals;
+use super::default;
+use super::names::{Names, field_names, text};
+use crate::prose;
 use crate::schema::json_type::{
     Definition, Expression, JsonType, Limits, Member, Object, Set, SetValue, SetValues, Typed,
 };
@@ -108,7 +111,7 @@ impl<'c> Definitions<'c> {
         let declaration = self.declaration(doc, name, &places);
         let openness = ident(if object.is_closed { "closed" } else { "open" });
         let entries = places.iter().map(|Place { member, ident, presence, .. }| {
-            let (key, presence) = (&member.name, super::ident(presence));
+            let (key, presence) = (&member.name, identifier::ident(presence));
             quote!(#ident #key #presence;)
         });
         quote!(#declaration ::uavspec_runtime::json_object! { #name #openness; #(#entries)* })
@@ -118,7 +121,7 @@ impl<'c> Definitions<'c> {
         let places = self.places(name, elements, tuple_presence);
         let declaration = self.declaration(doc, name, &places);
         let entries = places.iter().map(|Place { ident, presence, .. }| {
-            let presence = super::ident(presence);
+            let presence = identifier::ident(presence);
             quote!(#ident #presence;)
         });
         quote!(#declaration ::uavspec_runtime::json_tuple! { #name; #(#entries)* })

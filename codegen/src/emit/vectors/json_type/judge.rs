@@ -6,8 +6,8 @@ use serde_json::Value as Json;
 
 use super::rule;
 use crate::emit::json_schema::BASE64;
+use crate::pattern::is_match;
 use crate::schema::json_type::{Definition, Expression, Limits, Member, Object, Set, SetValues};
-use crate::schema::pattern::is_match;
 use crate::schema::{JsonTypeId, Range, Schema};
 use crate::value::Value;
 

@@ -3,8 +3,9 @@
 use serde_json::{Map, Value as Json};
 
 use super::judge::Judge;
+use crate::pattern;
 use crate::schema::json_type::{Definition, Expression, Limits, Object, SetValues};
-use crate::schema::{JsonTypeId, Range, Schema, pattern};
+use crate::schema::{JsonTypeId, Range, Schema};
 use crate::value::Value;
 
 /// Types within types are whole down to this depth, and below it as short as they can be.

@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 
 use crate::definitions::Definitions;
-use crate::flockwave::record::{Connection, Direction, Exchange};
-use crate::flockwave::session::Conversations;
+use crate::flockwave::record::{Connection, Direction, SessionRecord};
+use crate::flockwave::session::Sessions;
 use crate::json::Tree;
 use crate::model::{Findings, Place, Rule};
-use crate::rules::Judged;
-use crate::rules::flockwave::{Check, RULES};
+use crate::rules::RuleContext;
+use crate::rules::flockwave::{Check, Message, RULES};
 
 /// How many versions are known, and how many kinds of states: hostile input can have any number.
 const MAX_KNOWN: usize = 256;
@@ -145,7 +145,7 @@ impl<'d> Known<'d> {
             super::TYPE
         );
         let message = Tree::read(&text).ok()?;
-        let exchange = Exchange {
+        let record = SessionRecord {
             connection: Connection { index: 0, name: "", is_told: false },
             direction: Direction::In,
             time: None,
@@ -156,16 +156,17 @@ impl<'d> Known<'d> {
             place: Place::Line(1),
         };
         let definitions = self.definitions;
-        let turn = Conversations::default().follow(&exchange, definitions);
+        let exchange = Sessions::default().follow(&record, definitions.body_schemas());
         let mut findings = Findings::default();
+        let message = Message::of(&exchange)?;
         let mut all = Vec::new();
-        for of in RULES {
-            let Check::Exchange(judge) = of.check else { continue };
-            let rule = &of.rule;
+        let checks = RULES.iter().flat_map(|of| of.checks.iter().map(|check| (&of.rule, check)));
+        for (rule, check) in checks {
+            let Check::Message(check) = check else { continue };
             let mut exercised = 0;
-            judge(
-                &turn,
-                &mut Judged { rule, definitions, findings: &mut findings, exercised: &mut exercised },
+            check(
+                &message,
+                &mut RuleContext { rule, definitions, findings: &mut findings, coverage: &mut exercised },
             );
             all.push((rule, exercised));
         }

@@ -9,6 +9,7 @@ use serde_json::json;
 
 use crate::flockwave::transport::engine::{Kind, Packet, Revision};
 use crate::flockwave::transport::{MESSAGE_LIMIT, socketio};
+use crate::rules::flockwave::{sio_01, sio_03};
 use crate::serve::hub::{Manner, SessionId, Sink};
 use crate::serve::listen::Shared;
 use crate::serve::outbox::Outbox;
@@ -164,7 +165,7 @@ impl Session {
 
     fn take_message(&self, shared: &Shared, text: &str) {
         let packet = socketio::Packet::parse(text);
-        if shared.breaks("FW-SIO-03") && matches!(packet, None | Some(socketio::Packet::Other)) {
+        if shared.has_bug(&sio_03::RULE) && matches!(packet, None | Some(socketio::Packet::Other)) {
             self.state().is_deaf = true;
         }
         match packet {
@@ -204,7 +205,7 @@ impl Session {
     fn join(&self, shared: &Shared) {
         let mut state = self.state();
         if state.joined.is_none() {
-            let event = if shared.breaks("FW-SIO-01") { "flockwave" } else { socketio::EVENT };
+            let event = if shared.has_bug(&sio_01::RULE) { "flockwave" } else { socketio::EVENT };
             let sink = PacketSink { outbox: Arc::clone(&self.outbox), event };
             state.joined = Some(shared.open(Manner::Standing, Arc::new(sink)));
         }

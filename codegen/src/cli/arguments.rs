@@ -1,0 +1,71 @@
+//! Arguments that several commands have.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+
+use crate::emit::Emitter;
+use crate::failure::Failure;
+use crate::load::{Config, Plan};
+use crate::schema::Form;
+
+/// Which definitions a command reads.
+#[derive(Args, Debug)]
+pub(super) struct DefinitionsArgs {
+    /// The configuration file, where it is not found by itself.
+    #[arg(long, value_name = "FILE", conflicts_with = "package")]
+    pub(super) config: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) package: Option<PackageArgs>,
+}
+
+impl DefinitionsArgs {
+    /// The package that is given, or else what the configuration file says.
+    pub(super) fn plan(&self) -> Result<Plan, Failure> {
+        match &self.package {
+            Some(package) => Ok(package.plan(Path::new(""), &[])),
+            None => Config::find(self.config.as_deref())?.plan(),
+        }
+    }
+}
+
+/// A package given on the command line instead of a file.
+#[derive(Args, Clone, Debug)]
+pub(super) struct PackageArgs {
+    /// Name of the package.
+    #[arg(long, value_name = "NAME", required = false, requires_all = ["dialect", "input"])]
+    pub(super) package: String,
+    /// How the definitions are written.
+    #[arg(long, required = false, requires = "package")]
+    pub(super) dialect: Dialect,
+    /// Files, or folders that are searched for definitions.
+    #[arg(long, value_name = "PATH", num_args = 1.., required = false, requires = "package")]
+    pub(super) input: Vec<PathBuf>,
+}
+
+impl PackageArgs {
+    pub(super) fn plan(&self, out: &Path, emit: &[&Emitter]) -> Plan {
+        Plan::from_arguments(&self.package, self.dialect.into(), &self.input, out, emit)
+    }
+}
+
+/// How definitions are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Dialect {
+    /// PX4 uORB messages.
+    Px4,
+    /// ROS 2 interfaces.
+    Ros2,
+    /// Pages with specification tables.
+    Table,
+}
+
+impl From<Dialect> for Form {
+    fn from(dialect: Dialect) -> Self {
+        match dialect {
+            Dialect::Px4 => Self::Msg(crate::msg::Dialect::Px4),
+            Dialect::Ros2 => Self::Msg(crate::msg::Dialect::Ros2),
+            Dialect::Table => Self::Table,
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! `codegen`: writes output, or compares it with what is there.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+
+use super::arguments::PackageArgs;
+use super::print::{plural, report};
+use crate::diagnostic::has_errors;
+use crate::emit::{EMITTERS, Emitter, emitter};
+use crate::failure::Failure;
+use crate::generate::{self, Difference, Folder, emit_all};
+use crate::load::{Config, Loaded, read_translated};
+use crate::schema::Schema;
+
+/// What stands below the options of `codegen --help`.
+const EXAMPLES: &str = "Examples:
+  cargo xtask codegen                 generate what uavspec.toml says
+  cargo xtask codegen --check         write nothing; fail where output is stale
+  cargo xtask codegen --package px4 --dialect px4 --input msg --out generated --emit rust,docs
+
+Without --package, the file uavspec.toml (or definitions/uavspec.toml) is looked for here and in each folder above.
+With --package, each emitter writes to a folder of its name below --out.
+
+Options of outputs in uavspec.toml, where `output.NAME` is a folder or a table with the key `path` and options:";
+
+/// Arguments of `codegen`.
+#[derive(Args, Debug)]
+#[command(after_help = after_help())]
+pub struct CodegenArgs {
+    /// Write nothing; list what differs and fail if anything does.
+    #[arg(long)]
+    check: bool,
+    /// The configuration file, where it is not found by itself.
+    #[arg(long, value_name = "FILE", conflicts_with = "package")]
+    config: Option<PathBuf>,
+    #[command(flatten)]
+    package: Option<PackageArgs>,
+    /// Folder for the output.
+    #[arg(long, value_name = "DIR", requires = "package")]
+    out: Option<PathBuf>,
+    /// What to generate.
+    #[arg(long, value_name = "KIND", value_delimiter = ',', requires = "package", value_parser = emitters(),
+        default_values = ["rust", "json_schema", "docs"])]
+    emit: Vec<&'static Emitter>,
+}
+
+/// The values of `--emit`.
+fn emitters() -> impl TypedValueParser<Value = &'static Emitter> {
+    let values = EMITTERS.iter().map(|emitter| PossibleValue::new(emitter.name).help(emitter.help));
+    PossibleValuesParser::new(values).try_map(|name| emitter(&name))
+}
+
+/// The examples, and the options of each emitter.
+fn after_help() -> String {
+    let mut text = EXAMPLES.to_owned();
+    for emitter in EMITTERS {
+        for (key, meaning) in emitter.options {
+            let _ = write!(text, "\n  {:24} {meaning}", format!("{}.{key}", emitter.name));
+        }
+    }
+    text
+}
+
+pub(super) fn run(args: &CodegenArgs) -> Result<bool, Failure> {
+    let started = Instant::now();
+    let plan = match &args.package {
+        Some(package) => {
+            let Some(out) = &args.out else {
+                return Err(
+                    Failure::new("--package needs --out DIR").with_hint("name a folder for the output")
+                );
+            };
+            package.plan(out, &args.emit)
+        }
+        None => Config::find(args.config.as_deref())?.plan()?,
+    };
+    let (loaded, schema, translations, diagnostics) = read_translated(&plan)?;
+    report("codegen", &loaded, &diagnostics, "nothing written");
+    if has_errors(&diagnostics) {
+        return Ok(false);
+    }
+    let folders = emit_all(&plan, &schema, &translations, &loaded.sources)?;
+    if args.check {
+        let differences = generate::compare(&folders)?;
+        for difference in &differences {
+            anstream::eprintln!("{difference}");
+        }
+        let summary = match differences.len() {
+            0 => "up to date".to_owned(),
+            count => format!("{}; run `cargo xtask codegen`", plural(count, "stale file")),
+        };
+        summarise(&loaded, &schema, &folders, &summary, started);
+        return Ok(differences.is_empty());
+    }
+    let differences = generate::write(&folders)?;
+    let removed =
+        differences.iter().filter(|difference| matches!(difference, Difference::Orphaned(_))).count();
+    let summary = format!("{} written, {removed} removed", differences.len() - removed);
+    summarise(&loaded, &schema, &folders, &summary, started);
+    Ok(true)
+}
+
+fn summarise(loaded: &Loaded, schema: &Schema, folders: &[Folder], result: &str, started: Instant) {
+    let messages: usize =
+        schema.packages.iter().map(|package| package.messages.len() + package.json_messages.len()).sum();
+    let codes: usize =
+        schema.packages.iter().flat_map(|package| &package.error_tables).map(|table| table.codes.len()).sum();
+    let outputs: usize = folders.iter().map(|folder| folder.files.len()).sum();
+    anstream::eprintln!(
+        "codegen: {} read, {}, {}, {}: {result} ({} ms)",
+        plural(loaded.files.len(), "file"),
+        plural(messages, "message"),
+        plural(codes, "error code"),
+        plural(outputs, "output"),
+        started.elapsed().as_millis(),
+    );
+}

@@ -1,0 +1,44 @@
+//! Texts on standard error.
+
+use std::io::Write as _;
+
+use crate::diagnostic::{Diagnostic, Level};
+use crate::load::Loaded;
+use crate::render;
+
+/// Prints a text to standard error, with colours where they are shown. A stream that takes them out would
+/// write each stretch between two of them by itself, which takes as long as all the rest.
+pub(super) fn print_rendered(render: impl FnOnce(bool) -> String) {
+    let is_plain = anstream::AutoStream::choice(&std::io::stderr()) == anstream::ColorChoice::Never;
+    let _ = if is_plain {
+        std::io::stderr().write_all(render(false).as_bytes())
+    } else {
+        anstream::stderr().write_all(render(true).as_bytes())
+    };
+}
+
+/// Prints all diagnostics, and how many there are.
+pub(super) fn report(command: &str, loaded: &Loaded, diagnostics: &[Diagnostic], consequence: &str) {
+    if diagnostics.is_empty() {
+        return;
+    }
+    print_rendered(|styled| render::render(diagnostics, &loaded.sources, styled));
+    let count = |level| diagnostics.iter().filter(|diagnostic| diagnostic.level() == level).count();
+    let (errors, warnings) = (count(Level::Error), count(Level::Warning));
+    let mut files: Vec<_> =
+        diagnostics.iter().map(|diagnostic| loaded.sources.source_of(diagnostic.span)).collect();
+    files.sort_unstable();
+    files.dedup();
+    let counts: Vec<String> = [(errors, "error"), (warnings, "warning")]
+        .into_iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, what)| plural(count, what))
+        .collect();
+    let consequence = if errors > 0 { format!("; {consequence}") } else { String::new() };
+    let place = format!("{} of {}", files.len(), plural(loaded.files.len(), "file"));
+    anstream::eprintln!("{command}: {} in {place}{consequence}", counts.join(", "));
+}
+
+pub(super) fn plural(count: usize, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+}

@@ -1,0 +1,82 @@
+//! Copies and parts of buffers.
+
+use uavspec_runtime::record::Primitive;
+
+use super::step::Width;
+
+/// Copies numbers to the order of bytes in memory, which is little-endian.
+#[inline]
+pub(super) fn copy<const BIG: bool>(from: &[u8], to: &mut [u8], width: Width) {
+    if BIG { copy_swapped(from, to, width) } else { copy_short(from, to) }
+}
+
+/// Copies bytes, without a call where they are few: most runs of a message are.
+#[inline]
+pub(super) fn copy_short(from: &[u8], to: &mut [u8]) {
+    match from.len() {
+        8..=16 => copy_ends::<8>(from, to),
+        4..=7 => copy_ends::<4>(from, to),
+        2..=3 => copy_ends::<2>(from, to),
+        1 => copy_ends::<1>(from, to),
+        _ => to.copy_from_slice(from),
+    }
+}
+
+/// Copies the first and the last `N` bytes, which is all where there are at most twice as many.
+#[inline]
+fn copy_ends<const N: usize>(from: &[u8], to: &mut [u8]) {
+    if let (Some(from), Some(to)) = (from.first_chunk::<N>(), to.first_chunk_mut()) {
+        *to = *from;
+    }
+    if let (Some(from), Some(to)) = (from.last_chunk::<N>(), to.last_chunk_mut()) {
+        *to = *from;
+    }
+}
+
+fn copy_swapped(from: &[u8], to: &mut [u8], width: Width) {
+    match width {
+        Width::One => copy_short(from, to),
+        Width::Two => swap::<2>(from, to),
+        Width::Four => swap::<4>(from, to),
+        Width::Eight => swap::<8>(from, to),
+    }
+}
+
+#[inline]
+fn swap<const N: usize>(from: &[u8], to: &mut [u8]) {
+    for (from, to) in from.as_chunks::<N>().0.iter().zip(to.as_chunks_mut::<N>().0) {
+        *to = *from;
+        to.reverse();
+    }
+}
+
+/// The elements of a sequence in the memory of a message: the offset of the first, and their number. `at` is the offset
+/// of the sequence.
+pub fn sequence(memory: &[u8], at: usize) -> (usize, usize) {
+    slot(memory, at)
+}
+
+/// Where the bytes or elements start that a slot stands for, and how many there are.
+#[inline]
+pub(super) fn slot(bytes: &[u8], at: usize) -> (usize, usize) {
+    let number = |at| u32::read_le(part(bytes, at, 4)) as usize;
+    (number(at), number(at + 4))
+}
+
+/// The bytes from `start` on, as many as `length`; none where the buffer doesn't hold them.
+#[inline]
+pub(super) fn part(bytes: &[u8], start: usize, length: usize) -> &[u8] {
+    bytes.get(start..start + length).unwrap_or_default()
+}
+
+/// The text in a `char[N]`.
+pub(super) fn until_nul(bytes: &[u8]) -> &[u8] {
+    bytes.split(|byte| *byte == 0).next().unwrap_or_default()
+}
+
+/// Makes each byte 0 or 1.
+pub(super) fn make_bools(bytes: &mut [u8]) {
+    for byte in bytes {
+        *byte = u8::from(*byte != 0);
+    }
+}

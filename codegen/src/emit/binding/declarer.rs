@@ -1,0 +1,43 @@
+//! The names that declarations refer to each other by.
+
+use std::collections::BTreeSet;
+
+use super::declaration::Type;
+use super::names::Names;
+use crate::schema::{EnumRef, MessageId, Schema};
+
+/// What declarations are made from.
+pub(super) struct Declarer<'s> {
+    pub(super) schema: &'s Schema,
+    pub(super) names: &'s Names,
+    /// Names of the modules that were referred to.
+    pub(super) imports: BTreeSet<String>,
+}
+
+impl Declarer<'_> {
+    /// The type of a message, as the module of `package` writes it.
+    pub(super) fn message(&mut self, package: usize, id: MessageId) -> Type {
+        let module = self.module(package, self.schema.message(id).package);
+        Type::Named { module, name: self.names.message(id).to_owned() }
+    }
+
+    /// The type of an enum, as the module of `package` writes it.
+    pub(super) fn enumeration(&mut self, package: usize, reference: EnumRef) -> Type {
+        let owner = reference.message;
+        if self.names.message(owner).is_empty() {
+            return Type::Integer;
+        }
+        let module = self.module(package, self.schema.message(owner).package);
+        let name = self.names.enums[owner.0 as usize][reference.index].clone();
+        Type::Enumeration { module, name }
+    }
+
+    fn module(&mut self, from: usize, to: usize) -> Option<String> {
+        let name = &self.names.modules[to];
+        if from == to {
+            return None;
+        }
+        self.imports.insert(name.clone());
+        Some(name.clone())
+    }
+}

@@ -1,0 +1,98 @@
+//! Contents of cells: values, types, bounds, and links to fields and commands.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use super::markdown::{code, inline, link, unbroken};
+use super::scope::Scope;
+use super::site::{FieldRef, Part};
+use super::words::{self, Word, Words};
+use crate::schema::{Constant, Element, Message, MessageId, Parameter, Range, Shape, Special, Type};
+use crate::translation::MessageText;
+use crate::unit;
+use crate::value::Value;
+
+/// The symbol of a unit; nothing where there is none.
+pub(super) fn unit(symbol: Option<&str>) -> String {
+    inline(symbol.filter(|symbol| *symbol != unit::NONE).unwrap_or_default())
+}
+
+/// Bounds in words; nothing where there are none.
+pub(super) fn range(words: Words, range: &Range) -> Option<String> {
+    let finite = |bound: &Option<Value>| {
+        bound
+            .as_ref()
+            .filter(|value| !matches!(value, Value::Float(float) if float.is_infinite()))
+            .map(number)
+    };
+    match (finite(&range.low), finite(&range.high)) {
+        (Some(low), Some(high)) => {
+            Some(unbroken(&words.fill(words::RANGE, &[("low", &low), ("high", &high)])))
+        }
+        (Some(low), None) => Some(unbroken(&format!("≥ {low}"))),
+        (None, Some(high)) => Some(unbroken(&format!("≤ {high}"))),
+        (None, None) => None,
+    }
+}
+
+/// A bound; multiples of π as such.
+fn number(value: &Value) -> String {
+    let known = [(PI, "π"), (FRAC_PI_2, "π/2"), (TAU, "2π")];
+    let name = match value {
+        Value::Float(float) => known.iter().find(|(multiple, _)| multiple.to_bits() == float.abs().to_bits()),
+        _ => None,
+    };
+    let sign = if value.as_f64().is_some_and(|value| value < 0.0) { "-" } else { "" };
+    name.map_or_else(|| inline(&value.to_string()), |(_, name)| format!("{sign}{name}"))
+}
+
+/// A value with a meaning of its own, and when it applies: `text` says it in words.
+pub(super) fn meaning(scope: Scope<'_, '_>, special: &Special, text: MessageText, meaning: Word) -> String {
+    let words = scope.site.words;
+    let empty = || words.get(words::EMPTY).to_owned();
+    let value = special.value.as_ref().map_or_else(empty, |value| code(&value.to_string()));
+    let meaning = format!("{value}:&nbsp;{}", unbroken(words.get(meaning)));
+    let text = scope.inline_of(text);
+    if text.is_empty() { meaning } else { format!("{meaning} ({text})") }
+}
+
+/// The value of a constant or default; texts as code.
+pub(super) fn value_cell(value: &Value) -> String {
+    match value {
+        Value::Bool(_) | Value::Int(_) | Value::Float(_) => value.to_string(),
+        Value::Text(_) | Value::List(_) => code(&value.to_string()),
+    }
+}
+
+/// The type of a constant.
+pub(super) fn constant_type(scope: Scope<'_, '_>, message: &Message, element: Element) -> String {
+    code(&scope.site.schema.type_text(message, Type { element, shape: Shape::Single }))
+}
+
+/// A field of this or another message.
+pub(super) fn field_link(scope: Scope<'_, '_>, own: MessageId, (id, index): FieldRef) -> String {
+    let schema = scope.site.schema;
+    let message = schema.message(id);
+    let field = &message.fields[index].name;
+    let text = if id == own {
+        code(field)
+    } else if message.package == scope.package {
+        code(&format!("{}.{field}", message.name))
+    } else {
+        code(&format!("{}/{}.{field}", schema.package_of(message).name, message.name))
+    };
+    link(&text, &scope.site.href(scope.from, id, Part::Field(index)))
+}
+
+/// The name of a constant, which leads to its parameters where it has any.
+pub(super) fn name_with_parameters(constant: &Constant) -> String {
+    let name = code(&constant.name);
+    if has_parameters(constant) { link(&name, &format!("#{}", command_anchor(constant))) } else { name }
+}
+
+pub(super) fn command_anchor(constant: &Constant) -> String {
+    format!("command-{}", constant.name.to_ascii_lowercase())
+}
+
+pub(super) fn has_parameters(constant: &Constant) -> bool {
+    !constant.parameters.iter().all(Parameter::is_unused)
+}

@@ -1,0 +1,73 @@
+//! The table `output.docs` of the configuration.
+
+use std::fs;
+use std::path::PathBuf;
+
+use serde::Deserialize;
+
+use super::options::{Beside, Options};
+use super::pages::emit;
+use crate::emit::emitter::{Input, Others, Output};
+use crate::emit::file::OutputFile;
+use crate::failure::Failure;
+
+/// Options as they are configured.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(in crate::emit) struct Configuration {
+    title: Option<String>,
+    rules: bool,
+    /// Files with parts of the table of contents, as mdBook writes it.
+    contents: OneOrMany,
+    #[serde(skip)]
+    beside: Beside,
+}
+
+/// A path, or a list of them.
+#[derive(Debug, Deserialize)]
+#[serde(untagged, expecting = "expected a path, or a list of paths")]
+enum OneOrMany {
+    One(PathBuf),
+    Many(Vec<PathBuf>),
+}
+
+impl Default for OneOrMany {
+    fn default() -> Self {
+        Self::Many(Vec::new())
+    }
+}
+
+impl OneOrMany {
+    fn paths(&self) -> &[PathBuf] {
+        match self {
+            Self::One(path) => std::slice::from_ref(path),
+            Self::Many(paths) => paths,
+        }
+    }
+}
+
+impl Output for Configuration {
+    fn complete(&mut self, others: &Others<'_>) {
+        self.contents =
+            OneOrMany::Many(self.contents.paths().iter().map(|path| others.place(path)).collect());
+        self.beside = Beside { schemas: others.address("json_schema"), vectors: others.address("vectors") };
+    }
+
+    /// Reads the files of `contents` only now: commands that make no documentation don't need them.
+    fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
+        let read = |path: &PathBuf| {
+            fs::read_to_string(path).map_err(|error| {
+                Failure::new(format!("{}: {error}", path.display()))
+                    .with_hint("`output.docs.contents` names it: make it first, or take it out")
+            })
+        };
+        let default = Options::default();
+        let options = Options {
+            title: self.title.clone().unwrap_or(default.title),
+            rules: self.rules,
+            more_contents: self.contents.paths().iter().map(read).collect::<Result<String, Failure>>()?,
+            beside: self.beside.clone(),
+        };
+        Ok(emit(input.schema, input.translations, input.sources, &options))
+    }
+}

@@ -1,0 +1,51 @@
+//! Tables of a message that are split by the groups of their rows.
+
+use super::language::{heading, marked};
+use super::markdown::{Page, Table, gist, inline};
+use super::scope::Scope;
+use super::words;
+use crate::translation::MessageText;
+
+/// Longest heading of a group, in characters; what is longer is a text below its start.
+const MAX_HEADING: usize = 100;
+
+/// Writes a table in parts, one for each run of rows of the same group.
+pub(super) fn in_groups(
+    page: &mut Page,
+    scope: Scope<'_, '_>,
+    table: Table,
+    groups: &[Option<usize>],
+    level: usize,
+) {
+    let runs: Vec<&[Option<usize>]> = groups.chunk_by(|left, right| left == right).collect();
+    let tables = table.split(runs.iter().map(|run| run.len()));
+    for (index, (run, table)) in runs.iter().zip(tables).enumerate() {
+        match run[0] {
+            Some(group) => group_heading(page, scope, group, level),
+            None if index > 0 => heading(page, scope.site.words, level, words::OTHERS),
+            None => {}
+        }
+        page.table(&table);
+    }
+}
+
+fn group_heading(page: &mut Page, scope: Scope<'_, '_>, group: usize, level: usize) {
+    let said = scope.site.said_of(scope.message, MessageText::Group(group));
+    let heading = marked(&inline(&heading_text(said.text)), said.tag);
+    if scope.site.language.is_some() {
+        let english = MessageText::Group(group).of(scope.site.schema.message(scope.message));
+        page.heading_for(level, &heading, &heading_text(english));
+    } else {
+        page.heading(level, &heading);
+    }
+    if said.text.chars().count() > MAX_HEADING {
+        page.block(&scope.block_of(MessageText::Group(group)));
+    }
+    page.block(&scope.block_of(MessageText::GroupDescription(group)));
+}
+
+/// The heading of a group that a text stands above.
+fn heading_text(text: &str) -> String {
+    let short = if text.chars().count() <= MAX_HEADING { text.to_owned() } else { gist(text, MAX_HEADING) };
+    short.trim_end_matches(['.', ':']).to_owned()
+}

@@ -1,0 +1,188 @@
+//! Where types and messages are described, and what holds them.
+
+use std::collections::{BTreeMap, HashMap};
+
+use crate::emit::docs::markdown::{Table, code, gist, href, inline, link, number_column, text_column};
+use crate::emit::docs::scope::{is_compound, with_links};
+use crate::emit::docs::site::{Site, stem};
+use crate::emit::file::OutputFile;
+use crate::schema::json_type::{Definition, Direction, Expression, Member};
+use crate::schema::{JsonMessageId, JsonTypeId, Package};
+
+/// Longest text of a cell in an index, in characters.
+const MAX_GIST: usize = 160;
+
+/// Where a field or element is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Owner {
+    Type(JsonTypeId),
+    Message(JsonMessageId, Direction),
+}
+
+/// A field or element, or none where a type is but a name for what it holds.
+pub(super) type Holder<'s> = (Owner, Option<&'s Member>);
+
+/// The types and messages of a package, and where each is described.
+pub(in crate::emit::docs) struct Json<'p, 's> {
+    pub(super) site: &'p Site<'s>,
+    pub(super) package: &'p Package,
+    /// Where types and messages are described, by name.
+    paths: HashMap<&'s str, String>,
+    /// What holds each type, by the type: fields and elements, and types that give it a name.
+    holders: BTreeMap<JsonTypeId, Vec<Holder<'s>>>,
+}
+
+impl<'p, 's> Json<'p, 's> {
+    pub(in crate::emit::docs) fn of(site: &'p Site<'s>, package: &'p Package) -> Self {
+        let schema = site.schema;
+        let types = package.json_types.iter().map(|id| schema.json_type(*id).name.as_str());
+        let types = types.map(|name| (name, format!("{}/types/{}.md", package.name, stem(name))));
+        let messages = package.json_messages.iter().map(|id| schema.json_message(*id).name.as_str());
+        let messages = messages.map(|name| (name, format!("{}/messages/{}.md", package.name, stem(name))));
+        let mut json =
+            Self { site, package, paths: types.chain(messages).collect(), holders: BTreeMap::new() };
+        json.gather_holders();
+        json
+    }
+
+    pub(super) fn gather_holders(&mut self) {
+        let schema = self.site.schema;
+        for id in &self.package.json_types {
+            match &schema.json_type(*id).definition {
+                Definition::Object(object) => self.hold_all(Owner::Type(*id), &object.fields),
+                Definition::Tuple(elements) => self.hold_all(Owner::Type(*id), elements),
+                Definition::Named(typed) => self.hold((Owner::Type(*id), None), &typed.ty),
+                Definition::Set(_) => {}
+            }
+        }
+        for id in &self.package.json_messages {
+            for part in &schema.json_message(*id).parts {
+                self.hold_all(Owner::Message(*id, part.direction), part.fields());
+            }
+        }
+    }
+
+    pub(super) fn hold_all(&mut self, owner: Owner, members: &'s [Member]) {
+        for member in members {
+            self.hold((owner, Some(member)), &member.typed.ty);
+        }
+    }
+
+    pub(super) fn hold(&mut self, holder: Holder<'s>, expression: &Expression) {
+        expression.walk(&mut |inner| {
+            let Expression::Named(id) = inner else { return };
+            let holders = self.holders.entry(*id).or_default();
+            // An expression may name a type twice.
+            if holders.last() != Some(&holder) {
+                holders.push(holder);
+            }
+        });
+    }
+
+    /// The pages of all types and messages.
+    pub(in crate::emit::docs) fn pages(&self) -> Vec<OutputFile> {
+        let types = self.package.json_types.iter().map(|id| self.type_page(*id));
+        types.chain(self.package.json_messages.iter().map(|id| self.message_page(*id))).collect()
+    }
+
+    /// Names and pages of what the contents list: headings, and what stands under each.
+    pub(in crate::emit::docs) fn contents(&self) -> Vec<(&'s str, &str)> {
+        let schema = self.site.schema;
+        let messages = self.package.json_messages.iter().map(|id| schema.json_message(*id).name.as_str());
+        let types = self.package.json_types.iter().map(|id| schema.json_type(*id).name.as_str());
+        messages.chain(types).map(|name| (name, self.path(name))).collect()
+    }
+
+    /// All messages, as seen from the page `from`.
+    pub(in crate::emit::docs) fn message_table(&self, from: &str) -> Table {
+        let mut table = Table::new(&[text_column("Type"), text_column("Directions"), text_column("Summary")]);
+        for id in &self.package.json_messages {
+            let message = self.site.schema.json_message(*id);
+            let directions: Vec<&str> = message.parts.iter().map(|part| part.direction.name()).collect();
+            table.row([
+                self.link(from, &message.name),
+                directions.join(", "),
+                self.inline(from, &gist(&message.docs.summary, MAX_GIST)),
+            ]);
+        }
+        table
+    }
+
+    /// All types, as seen from the page `from`.
+    pub(in crate::emit::docs) fn type_table(&self, from: &str) -> Table {
+        let columns =
+            [text_column("Type"), text_column("Kind"), number_column("Used"), text_column("Summary")];
+        let mut table = Table::new(&columns);
+        for id in &self.package.json_types {
+            let found = self.site.schema.json_type(*id);
+            table.row([
+                self.link(from, &found.name),
+                kind(&found.definition).to_owned(),
+                self.holders(*id).len().to_string(),
+                self.inline(from, &gist(&found.docs.summary, MAX_GIST)),
+            ]);
+        }
+        table
+    }
+
+    pub(super) fn holders(&self, id: JsonTypeId) -> &[Holder<'s>] {
+        self.holders.get(&id).map_or(&[], Vec::as_slice)
+    }
+
+    pub(super) fn path(&self, name: &str) -> &str {
+        self.paths.get(name).map_or("", String::as_str)
+    }
+
+    /// The name of a type or message, which leads to its page.
+    pub(super) fn link(&self, from: &str, name: &str) -> String {
+        self.paths.get(name).map_or_else(|| code(name), |path| link(&code(name), &href(from, path, "")))
+    }
+
+    /// A description on one line, in which the names of types and messages are links.
+    pub(super) fn inline(&self, from: &str, text: &str) -> String {
+        with_links(text, |_, word| {
+            let is_name = word.contains('-') || is_compound(word);
+            let path = self.paths.get(word).filter(|path| is_name && *path != from)?;
+            Some(link(&code(word), &href(from, path, "")))
+        })
+    }
+
+    /// A description of several paragraphs.
+    pub(super) fn block(&self, from: &str, text: &str) -> String {
+        text.split("\n\n").map(|paragraph| self.inline(from, paragraph)).collect::<Vec<_>>().join("\n\n")
+    }
+
+    /// A field or element as a link to where it is described.
+    pub(super) fn holder_link(&self, from: &str, (owner, member): Holder<'_>) -> String {
+        let schema = self.site.schema;
+        let (name, of) = match owner {
+            Owner::Type(id) => (schema.json_type(id).name.as_str(), String::new()),
+            Owner::Message(id, direction) => {
+                (schema.json_message(id).name.as_str(), format!(", {}", inline(direction.name())))
+            }
+        };
+        let Some(member) = member else { return self.link(from, name) };
+        let text = code(&format!("{name}.{}", member.name));
+        link(&text, &href(from, self.path(name), &anchor_of(owner, member))) + &of
+    }
+}
+
+/// Where a field or element stands on the page of its owner.
+pub(super) fn anchor_of(owner: Owner, member: &Member) -> String {
+    match owner {
+        Owner::Type(_) => format!("field-{}", member.name),
+        Owner::Message(_, direction) => format!("{direction}-{}", member.name),
+    }
+}
+
+/// What a type is, in a word or two.
+pub(super) fn kind(definition: &Definition) -> &'static str {
+    match definition {
+        Definition::Object(object) if object.is_closed => "object, closed",
+        Definition::Object(_) => "object",
+        Definition::Tuple(_) => "array",
+        Definition::Set(set) if set.is_open => "set, open",
+        Definition::Set(_) => "set, closed",
+        Definition::Named(_) => "value",
+    }
+}

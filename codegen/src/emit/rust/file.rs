@@ -1,0 +1,213 @@
+//! The text of a generated file: its head, and tokens laid out as people write them.
+
+use std::fmt::Write as _;
+
+use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
+use quote::quote;
+
+use super::context::Context;
+use super::imports;
+use crate::emit::file::GENERATED_BY;
+use crate::schema::Package;
+use crate::span::Span;
+
+/// The header line of a generated file.
+pub(super) fn header(from: &str) -> String {
+    // A path with a line break would end the comment.
+    let from = from.replace(['\n', '\r'], " ");
+    format!("// {GENERATED_BY} from {from}. Do not edit.\n\n")
+}
+
+/// The header line of a file that comes from the definition that holds `span`.
+pub(super) fn header_of(context: &Context<'_>, package: &Package, span: Span) -> String {
+    header(&format!("{} of {}", context.origins.path(span), package.name))
+}
+
+/// The header line of a file that comes from all definitions of a package.
+pub(super) fn header_of_package(package: &Package) -> String {
+    header(&format!("the definitions of {}", package.name))
+}
+
+/// Tokens as text: laid out, with a blank line between items.
+pub(super) fn layout_file(tokens: TokenStream) -> String {
+    let file: syn::File = match syn::parse2(imports::shorten(tokens)) {
+        Ok(file) => file,
+        // The tokens come from `quote` and identifiers alone; were they no Rust, the compiler says so.
+        Err(error) => return format!("compile_error!({:?});\n", error.to_string()),
+    };
+    let attributes = file.attrs;
+    let mut text = String::new();
+    let head = syn::File { shebang: None, frontmatter: None, attrs: attributes, items: Vec::new() };
+    for line in prettyplease::unparse(&head).lines() {
+        push_line(line, &mut text);
+    }
+    let mut last_list = List::None;
+    for item in file.items {
+        let list = List::of(&item);
+        if !text.is_empty() && (list == List::None || list != last_list) {
+            text.push('\n');
+        }
+        last_list = list;
+        if let syn::Item::Macro(call) = item {
+            list_entries(&call, &mut text);
+            continue;
+        }
+        let file = syn::File { shebang: None, frontmatter: None, attrs: Vec::new(), items: vec![item] };
+        space_out(&prettyplease::unparse(&file), &mut text);
+    }
+    text
+}
+
+/// A list of items without blank lines in between.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum List {
+    Imports,
+    /// Modules, and what is re-exported from them.
+    Modules,
+    None,
+}
+
+impl List {
+    fn of(item: &syn::Item) -> Self {
+        match item {
+            syn::Item::Use(item) if matches!(item.vis, syn::Visibility::Inherited) => Self::Imports,
+            syn::Item::Mod(_) | syn::Item::Use(_) => Self::Modules,
+            _ => Self::None,
+        }
+    }
+}
+
+/// Writes a macro call in braces with each entry on a separate line: `name! { first; second; … }`.
+fn list_entries(call: &syn::ItemMacro, text: &mut String) {
+    let path = &call.mac.path;
+    for (index, segment) in path.segments.iter().enumerate() {
+        let separator = if index > 0 || path.leading_colon.is_some() { "::" } else { "" };
+        let _ = write!(text, "{separator}{}", segment.ident);
+    }
+    text.push_str("! {\n");
+    let mut line = String::new();
+    for token in call.mac.tokens.clone() {
+        let is_end = matches!(&token, TokenTree::Punct(punct) if punct.as_char() == ';');
+        write_tokens(token.into(), &mut line);
+        if is_end {
+            push_entry(line.trim_end(), text);
+            line.clear();
+        }
+    }
+    text.push_str("}\n");
+}
+
+/// Writes an entry of a macro call. A long list of names is wrapped.
+fn push_entry(entry: &str, text: &mut String) {
+    let mut width = 0;
+    for word in entry.split_inclusive(' ') {
+        let is_wrapped = !entry.contains('"') && width + word.len() > 100;
+        if width == 0 || is_wrapped {
+            text.truncate(text.trim_end_matches(' ').len());
+            text.push_str(if is_wrapped { "\n    " } else { "    " });
+            width = 0;
+        }
+        text.push_str(word);
+        width += word.len();
+    }
+    text.push('\n');
+}
+
+/// Writes tokens with spaces where people put them, and perhaps one after the last.
+fn write_tokens(tokens: TokenStream, text: &mut String) {
+    for token in tokens {
+        match token {
+            TokenTree::Group(group) => {
+                let (open, close) = match group.delimiter() {
+                    Delimiter::Parenthesis => ("(", ")"),
+                    Delimiter::Bracket => ("[", "]"),
+                    Delimiter::Brace => ("{", "}"),
+                    Delimiter::None => ("", ""),
+                };
+                text.push_str(open);
+                write_tokens(group.stream(), text);
+                text.truncate(text.trim_end().len());
+                text.push_str(close);
+            }
+            TokenTree::Punct(punct) => {
+                let is_path = punct.spacing() == Spacing::Joint || text.ends_with(':');
+                match punct.as_char() {
+                    ':' if is_path => text.push(':'),
+                    '!' => text.push_str(" !"),
+                    '=' if text.ends_with('!') => text.push_str("= "),
+                    '=' => text.push_str(" = "),
+                    separator @ (':' | ',' | ';') => text.extend([separator, ' ']),
+                    operator => text.push(operator),
+                }
+            }
+            TokenTree::Ident(_) | TokenTree::Literal(_) => {
+                if text.ends_with(|last: char| last.is_alphanumeric() || matches!(last, '_' | '"')) {
+                    text.push(' ');
+                }
+                let _ = write!(text, "{token}");
+            }
+        }
+    }
+}
+
+/// Puts a blank line after each function, impl and the like that another item follows.
+fn space_out(item: &str, text: &mut String) {
+    let mut closed_at = None;
+    for line in item.lines() {
+        let code = line.trim_start();
+        let depth = line.len() - code.len();
+        let starts_item = ["fn ", "pub ", "impl ", "impl<", "const ", "///", "#[", "::"]
+            .iter()
+            .any(|start| code.starts_with(start));
+        if closed_at == Some(depth) && depth > 0 && starts_item {
+            text.push('\n');
+        }
+        closed_at = (code == "}").then_some(depth);
+        push_line(line, text);
+    }
+}
+
+/// A line break in documentation until the file is written: one attribute for a whole comment is faster to parse and
+/// to lay out than one for each line. Texts can't contain it, since `prose` replaces control characters.
+const LINE_BREAK: char = '\u{1}';
+
+/// A documentation comment; the text is Markdown.
+pub(super) fn documentation(text: &str) -> TokenStream {
+    let text = comment(text);
+    quote!(#[doc = #text])
+}
+
+/// A documentation comment of the surrounding module.
+pub(super) fn inner_documentation(text: &str) -> TokenStream {
+    let text = comment(text);
+    quote!(#![doc = #text])
+}
+
+fn comment(text: &str) -> String {
+    let mut comment = String::with_capacity(text.len() + 1);
+    for (index, line) in text.lines().enumerate() {
+        if index > 0 {
+            comment.push(LINE_BREAK);
+        }
+        if !line.is_empty() {
+            comment.push(' ');
+            comment.push_str(line);
+        }
+    }
+    comment
+}
+
+/// Writes a line that may be a whole documentation comment.
+fn push_line(line: &str, text: &mut String) {
+    let mut lines = line.split(LINE_BREAK);
+    let first = lines.next().unwrap_or_default();
+    text.push_str(first);
+    text.push('\n');
+    // What the first line starts with: white space and `///` or `//!`.
+    let start = &first[..first.find("//").map_or(0, |at| at + 3).min(first.len())];
+    for line in lines {
+        text.push_str(start);
+        text.push_str(line);
+        text.push('\n');
+    }
+}

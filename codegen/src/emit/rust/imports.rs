@@ -1,0 +1,256 @@
+//! `use` declarations: the emitter writes every path in full, and here a file gets the short names that a person
+//! would write.
+//!
+//! A name that the file itself declares stays a full path, so that a message may be called `Option` or `String`.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use proc_macro2::{Group, Spacing, TokenStream, TokenTree};
+use quote::quote;
+
+use super::identifier::ident;
+
+/// The crates whose paths are shortened.
+const CRATES: [&str; 2] = ["core", "uavspec_runtime"];
+
+/// Names of `core` that every module has without importing them.
+const PRELUDE: [&str; 9] = [
+    "Default",
+    "DoubleEndedIterator",
+    "ExactSizeIterator",
+    "From",
+    "Iterator",
+    "None",
+    "Option",
+    "Some",
+    "write",
+];
+
+/// Keywords that a path can follow. Any other identifier before `::` is a part of the path.
+const BEFORE_PATH: [&str; 8] = ["as", "const", "dyn", "for", "impl", "in", "mut", "return"];
+
+/// Shortens the paths of a file and declares its imports after the inner attributes.
+pub(super) fn shorten(file: TokenStream) -> TokenStream {
+    let mut tokens: Vec<TokenTree> = file.into_iter().collect();
+    let mut imports = Imports { declared: declared(&tokens), used: BTreeMap::new() };
+    // `#`, `!` and a group in brackets each.
+    let is_attribute = |part: &&[TokenTree]| is_punct(part.first(), '#') && is_punct(part.get(1), '!');
+    let attributes = tokens.chunks(3).take_while(is_attribute).count() * 3;
+    let items = tokens.split_off(attributes.min(tokens.len()));
+    let items = imports.shorten(&items);
+    let uses = imports.declarations();
+    let attributes: TokenStream = tokens.into_iter().collect();
+    quote!(#attributes #uses #items)
+}
+
+struct Imports {
+    /// The names that the file declares.
+    declared: BTreeSet<String>,
+    /// By short name, the module that it is imported from; none for a name of the prelude.
+    used: BTreeMap<String, Option<Vec<String>>>,
+}
+
+impl Imports {
+    /// The tokens with short paths, in all groups.
+    fn shorten(&mut self, tokens: &[TokenTree]) -> TokenStream {
+        let mut short = Vec::with_capacity(tokens.len());
+        let mut at = 0;
+        while let Some(token) = tokens.get(at) {
+            let path = if starts_path(tokens, at) { segments(&tokens[at..]) } else { Vec::new() };
+            let is_macro = is_punct(tokens.get(at + 3 * path.len()), '!');
+            if let Some(kept) = self.import(&path, is_macro) {
+                // A segment is two colons and a name. The first kept segment goes without its colons.
+                let end = at + 3 * path.len();
+                short.extend_from_slice(&tokens[end - 3 * kept + 2..end]);
+                at = end;
+                continue;
+            }
+            short.push(match token {
+                TokenTree::Group(group) => {
+                    let content: Vec<TokenTree> = group.stream().into_iter().collect();
+                    let content = self.shorten(&content);
+                    Group::new(group.delimiter(), content).into()
+                }
+                other => other.clone(),
+            });
+            at += 1;
+        }
+        short.into_iter().collect()
+    }
+
+    /// Imports what a path needs to be short. Returns the number of segments to keep, or none if the path has to
+    /// stay as it is.
+    fn import(&mut self, path: &[String], is_macro: bool) -> Option<usize> {
+        let root = path.first().filter(|root| CRATES.contains(&root.as_str()))?;
+        let (name, rest) = imported(path, is_macro)?;
+        let is_prelude = root == "core" && PRELUDE.contains(&path[name].as_str());
+        let module = (!is_prelude).then(|| path[..name].to_vec());
+        let short = &path[name];
+        if self.declared.contains(short) || self.declared.contains(root) {
+            return None;
+        }
+        let known = self.used.entry(short.clone()).or_insert_with(|| module.clone());
+        (*known == module).then_some(rest)
+    }
+
+    /// One declaration a module.
+    fn declarations(&self) -> TokenStream {
+        let mut modules: BTreeMap<&[String], Vec<&String>> = BTreeMap::new();
+        for (name, module) in &self.used {
+            if let Some(module) = module {
+                modules.entry(module).or_default().push(name);
+            }
+        }
+        let mut modules: Vec<_> = modules.into_iter().collect();
+        // A module comes after those within it.
+        let key = |module: &[String]| module.iter().cloned().chain(["~".to_owned()]).collect::<Vec<_>>();
+        modules.sort_by_cached_key(|(module, _)| key(module));
+        let declarations = modules.into_iter().map(|(module, names)| {
+            let module = module.iter().map(|segment| ident(segment));
+            let names = names.into_iter().map(|name| ident(name));
+            quote!(use #(#module::)* {#(#names),*};)
+        });
+        declarations.collect()
+    }
+}
+
+/// The index of the segment that is imported, and the number of segments from it on.
+fn imported(path: &[String], is_macro: bool) -> Option<(usize, usize)> {
+    let last = path.len().checked_sub(1)?;
+    let name = match path.iter().position(|segment| is_type(segment)) {
+        // `fmt::Result` is not `Result`.
+        Some(_) if path[..last].ends_with(&["fmt".to_owned()]) => last - 1,
+        Some(_) if matches!(path[last].as_str(), "None" | "Some") => last,
+        Some(first) => first,
+        None if is_macro => last,
+        // A function is called with its module.
+        None => last.checked_sub(1)?,
+    };
+    (name > 0).then_some((name, path.len() - name))
+}
+
+fn is_type(name: &str) -> bool {
+    name.starts_with(|first: char| first.is_ascii_uppercase())
+}
+
+/// The names that a file declares and re-exports.
+fn declared(tokens: &[TokenTree]) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    let mut at = 0;
+    while let Some(token) = tokens.get(at) {
+        at += 1;
+        let TokenTree::Ident(word) = token else { continue };
+        let rest = &tokens[at..];
+        match (word.to_string().as_str(), rest) {
+            ("enum" | "mod" | "static" | "struct", [TokenTree::Ident(name), ..]) => {
+                names.insert(name.to_string());
+            }
+            ("use", _) => {
+                let end = rest.iter().position(|token| is_punct(Some(token), ';')).unwrap_or(rest.len());
+                collect_names(rest[..end].iter().cloned().collect(), &mut names);
+            }
+            // A macro call declares types that it names before the first semicolon.
+            (_, [TokenTree::Punct(mark), TokenTree::Group(call), ..]) if mark.as_char() == '!' => {
+                let head = call.stream().into_iter().take_while(|token| !is_punct(Some(token), ';'));
+                let mut found = BTreeSet::new();
+                collect_names(head.collect(), &mut found);
+                names.extend(found.into_iter().filter(|name| is_type(name)));
+            }
+            _ => {}
+        }
+    }
+    names
+}
+
+fn collect_names(tokens: TokenStream, names: &mut BTreeSet<String>) {
+    for token in tokens {
+        match token {
+            TokenTree::Ident(name) => drop(names.insert(name.to_string())),
+            TokenTree::Group(group) => collect_names(group.stream(), names),
+            TokenTree::Punct(_) | TokenTree::Literal(_) => {}
+        }
+    }
+}
+
+/// True if a path that begins with `::` starts at `at`.
+fn starts_path(tokens: &[TokenTree], at: usize) -> bool {
+    let is_continued = match at.checked_sub(1).map(|before| &tokens[before]) {
+        Some(TokenTree::Ident(word)) => !BEFORE_PATH.contains(&word.to_string().as_str()),
+        // The end of `<T>`, unless it is that of `->`.
+        Some(TokenTree::Punct(mark)) if mark.as_char() == '>' => {
+            !at.checked_sub(2).is_some_and(|arrow| is_punct(tokens.get(arrow), '-'))
+        }
+        _ => false,
+    };
+    !is_continued
+}
+
+/// The names of a path from its leading `::` on; empty if there is none.
+fn segments(tokens: &[TokenTree]) -> Vec<String> {
+    let name = |part: &[TokenTree]| match part {
+        [TokenTree::Punct(first), TokenTree::Punct(second), TokenTree::Ident(name)]
+            if first.as_char() == ':' && first.spacing() == Spacing::Joint && second.as_char() == ':' =>
+        {
+            Some(name.to_string())
+        }
+        _ => None,
+    };
+    tokens.chunks(3).map_while(name).collect()
+}
+
+fn is_punct(token: Option<&TokenTree>, mark: char) -> bool {
+    matches!(token, Some(TokenTree::Punct(punct)) if punct.as_char() == mark)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shortened(file: &str) -> String {
+        let tokens: TokenStream = file.parse().expect("tokens");
+        shorten(tokens).to_string().replace(' ', "")
+    }
+
+    #[test]
+    fn paths_become_names_with_one_declaration_for_each_module() {
+        let found = shortened(
+            "#![allow(x)] struct A { a: ::uavspec_runtime::alloc::vec::Vec<::core::option::Option<u8>>, b: \
+             ::uavspec_runtime::Text<3> } impl ::uavspec_runtime::Message for A { fn f() -> ::core::fmt::Result { \
+             g(::core::option::Option::Some(::core::array::from_fn(|_| ::core::default::Default::default()))) } } \
+             ::uavspec_runtime::record! { A; }",
+        );
+        let expected = "#![allow(x)]usecore::{array,fmt};useuavspec_runtime::alloc::vec::{Vec};\
+                        useuavspec_runtime::{Message,Text,record};structA{a:Vec<Option<u8>>,b:Text<3>}implMessageforA{fnf()->\
+                        fmt::Result{g(Some(array::from_fn(|_|Default::default())))}}record!{A;}";
+        assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn a_name_that_the_file_declares_is_not_imported() {
+        for declaration in [
+            "struct Text;",
+            "enum Text {}",
+            "mod Text;",
+            "pub use self::a::{B, Text};",
+            "::uavspec_runtime::record! { A, Text, 1, 1; }",
+            "::other::open! { Text: u8 flags; }",
+            "mod uavspec_runtime;",
+        ] {
+            let found = shortened(&format!("{declaration} type B = ::uavspec_runtime::Text<1>;"));
+            assert!(found.ends_with("typeB=::uavspec_runtime::Text<1>;"), "{found}");
+        }
+        let found = shortened("struct Some(u8); const A: T = ::core::option::Option::Some(1);");
+        assert!(found.contains("::core::option::Option::Some(1)"), "{found}");
+        let found = shortened("type A = ::core::a::X; type B = ::core::b::X;");
+        assert_eq!(found, "usecore::a::{X};typeA=X;typeB=::core::b::X;");
+    }
+
+    #[test]
+    fn other_paths_stay_as_they_are() {
+        for file in
+            ["type A = super::core::fmt::B;", "type A = ::other::fmt::B;", "type A = <B>::core::fmt::C;"]
+        {
+            assert_eq!(shortened(file), file.replace(' ', ""));
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! Values of messages: their zero, and one value for each rule that can be broken in them.
+
+use std::collections::BTreeSet;
+
+use super::case::{Sample, Verdict, rule};
+use super::field::FieldSamples;
+use super::part::{Part, Parts};
+use crate::schema::{Element, Message, MessageId, Schema};
+
+/// Deepest nesting of messages that vectors are made for. Readers of JSON give up soon after.
+const DEEPEST: usize = 32;
+
+/// The longest message that vectors are made for, in bytes: longer than those that `ULog` can hold.
+const LONGEST: u64 = 1 << 16;
+
+/// A name that no field has, as fields' names start with a letter.
+const FOREIGN: &str = "_extra";
+
+/// All messages that vectors can be made for, as parts of others.
+pub(super) fn parts(schema: &Schema) -> Parts {
+    let mut parts = Parts(schema.messages.iter().map(|_| None).collect());
+    for level in levels(schema) {
+        for id in level {
+            let part = MessageSamples::new(schema, schema.message(id), &parts).map(MessageSamples::part);
+            if let Some(place) = parts.0.get_mut(id.0 as usize) {
+                *place = part;
+            }
+        }
+    }
+    parts
+}
+
+/// Messages that need only those of the levels before; without those that are too deep or too long.
+fn levels(schema: &Schema) -> Vec<Vec<MessageId>> {
+    let mut is_done = vec![false; schema.messages.len()];
+    let mut levels = Vec::new();
+    let mut open: Vec<MessageId> = (0..schema.messages.len())
+        .map(|index| MessageId(u32::try_from(index).unwrap_or(u32::MAX)))
+        .filter(|id| schema.message(*id).cdr.least <= LONGEST)
+        .collect();
+    while !open.is_empty() && levels.len() < DEEPEST {
+        let is_ready = |id: &MessageId| {
+            schema.message(*id).fields.iter().all(|field| match field.ty.element {
+                Element::Message(nested) => is_done[nested.0 as usize],
+                Element::Scalar(_) | Element::String { .. } => true,
+            })
+        };
+        let (ready, rest): (Vec<MessageId>, Vec<MessageId>) = open.iter().partition(|id| is_ready(id));
+        if ready.is_empty() {
+            break;
+        }
+        for id in &ready {
+            is_done[id.0 as usize] = true;
+        }
+        levels.push(ready);
+        open = rest;
+    }
+    levels
+}
+
+/// A message, and what is tried out in its fields.
+pub(super) struct MessageSamples<'s> {
+    pub(super) message: &'s Message,
+    /// For each field its zero.
+    zeros: Vec<String>,
+    /// For each field what else it is tried with.
+    pub(super) samples: Vec<Vec<Sample>>,
+}
+
+impl<'s> MessageSamples<'s> {
+    /// None where a field has no valid value.
+    pub(super) fn new(schema: &'s Schema, message: &'s Message, parts: &'s Parts) -> Option<Self> {
+        let fields = || message.fields.iter().map(|field| FieldSamples { schema, message, field, parts });
+        let zeros: Option<Vec<String>> = fields().map(FieldSamples::zero).collect();
+        Some(Self { message, zeros: zeros?, samples: fields().map(FieldSamples::samples).collect() })
+    }
+
+    /// The message with all fields zero.
+    pub(super) fn zero(&self) -> String {
+        self.json(None, |_| None)
+    }
+
+    /// The message with another value in one field.
+    pub(super) fn with(&self, field: usize, json: &str) -> String {
+        self.json(None, |index| (index == field).then_some(json))
+    }
+
+    /// The message without one of its fields.
+    pub(super) fn without(&self, field: usize) -> String {
+        self.json(Some(field), |_| None)
+    }
+
+    /// The message with a field that isn't its own.
+    pub(super) fn extended(&self) -> String {
+        let mut json = self.zero();
+        json.pop();
+        let comma = if self.zeros.is_empty() { "" } else { "," };
+        json + comma + "\"" + FOREIGN + "\":0}"
+    }
+
+    fn json<'j>(&'j self, missing: Option<usize>, other: impl Fn(usize) -> Option<&'j str>) -> String {
+        let mut json = String::from("{");
+        for (index, (field, zero)) in self.message.fields.iter().zip(&self.zeros).enumerate() {
+            if missing == Some(index) {
+                continue;
+            }
+            if json.len() > 1 {
+                json.push(',');
+            }
+            json.extend(["\"", &field.name, "\":", other(index).unwrap_or(zero)]);
+        }
+        json.push('}');
+        json
+    }
+
+    fn part(self) -> Part {
+        let fields = Verdict::misshapen(rule::FIELDS);
+        let mut samples = vec![
+            Sample::mistyped("null", "null", "null"),
+            Sample::new("in-extra", "a message with a field that isn't its own", self.extended(), fields),
+        ];
+        if !self.zeros.is_empty() {
+            samples.push(Sample::new(
+                "in-missing",
+                "a message without its first field",
+                self.without(0),
+                fields,
+            ));
+        }
+        let mut seen: BTreeSet<&str> = [rule::FIELDS].into();
+        for (index, field) in self.message.fields.iter().enumerate() {
+            for sample in &self.samples[index] {
+                if !sample.verdict.rule.is_some_and(|rule| seen.insert(rule)) {
+                    continue;
+                }
+                samples.push(Sample {
+                    name: format!("in-{}-{}", field.name, sample.name),
+                    words: format!("a message with {}: {}", field.name, sample.words),
+                    ..sample.within(|json| self.with(index, json))
+                });
+            }
+        }
+        Part { zero: self.zero(), samples }
+    }
+}

@@ -1,0 +1,30 @@
+//! Failures of commands.
+
+use std::fmt;
+
+/// Why a command can't be carried out, with what to do about it.
+#[derive(Debug)]
+pub struct Failure {
+    message: String,
+    hint: Option<String>,
+}
+
+impl std::error::Error for Failure {}
+
+impl Failure {
+    pub(crate) fn new(message: impl Into<String>) -> Self {
+        Self { message: message.into(), hint: None }
+    }
+
+    pub(crate) fn with_hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = Some(hint.into());
+        self
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "error: {}", self.message)?;
+        self.hint.as_ref().map_or(Ok(()), |hint| write!(formatter, "\n  help: {hint}"))
+    }
+}

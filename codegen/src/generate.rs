@@ -1,0 +1,74 @@
+//! Output from a configuration file, for build scripts and the command line.
+
+mod output;
+mod parallel;
+
+use std::path::{Path, PathBuf};
+
+pub(crate) use self::output::{Difference, Folder, compare, write};
+use self::parallel::side_by_side;
+use crate::diagnostic::has_errors;
+use crate::emit::Input;
+use crate::failure::Failure;
+use crate::load::{Config, Plan, read_translated};
+use crate::render;
+use crate::schema::Schema;
+use crate::source::SourceMap;
+use crate::translation::Translations;
+
+/// What [`generate`] read and wrote.
+#[derive(Debug)]
+pub struct Generated {
+    /// The configuration file and all files that were read.
+    pub inputs: Vec<PathBuf>,
+    /// Files that were written or removed, as they were not what they should be.
+    pub changed: Vec<PathBuf>,
+    /// Warnings, rendered; empty where there are none.
+    pub warnings: String,
+}
+
+impl Generated {
+    /// Tells Cargo to run the build script again when an input changes.
+    pub fn print_rerun_if_changed(&self) {
+        for input in &self.inputs {
+            println!("cargo::rerun-if-changed={}", input.display());
+        }
+    }
+}
+
+/// Generates what the configuration file at `config` says: for build scripts.
+///
+/// ```no_run
+/// let generated = uavspec_codegen::generate("uavspec.toml").unwrap_or_else(|failure| panic!("{failure}"));
+/// generated.print_rerun_if_changed();
+/// ```
+pub fn generate(config: impl AsRef<Path>) -> Result<Generated, Failure> {
+    let config = config.as_ref();
+    let plan = Config::find(Some(config))?.plan()?;
+    let (loaded, schema, translations, diagnostics) = read_translated(&plan)?;
+    let rendered = render::render(&diagnostics, &loaded.sources, false);
+    if has_errors(&diagnostics) {
+        return Err(Failure::new(format!("the definitions have mistakes\n{rendered}")));
+    }
+    let changed = write(&emit_all(&plan, &schema, &translations, &loaded.sources)?)?;
+    let mut inputs = loaded.files;
+    inputs.insert(0, config.to_path_buf());
+    Ok(Generated {
+        inputs,
+        changed: changed.into_iter().map(Difference::into_path).collect(),
+        warnings: rendered,
+    })
+}
+
+/// Runs the emitters that the plan names.
+pub(crate) fn emit_all(
+    plan: &Plan,
+    schema: &Schema,
+    translations: &Translations,
+    sources: &SourceMap,
+) -> Result<Vec<Folder>, Failure> {
+    let input = Input { schema, translations, sources };
+    side_by_side(&plan.outputs, |output| {
+        Ok(Folder { path: output.path.clone(), files: output.output.emit(input)? })
+    })
+}

@@ -1,0 +1,396 @@
+//! Files to sources: which files belong to a plan, and their texts.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use globset::{GlobBuilder, GlobSetBuilder};
+use walkdir::WalkDir;
+
+use super::config::{Inputs, Plan, PlannedPackage};
+use crate::diagnostic::Diagnostic;
+use crate::failure::Failure;
+use crate::msg::ast::{Element, Item};
+use crate::msg::{self, Dialect, Kind};
+use crate::path::normalise;
+use crate::read::PackageInput;
+use crate::schema::Form;
+use crate::source::{SourceId, SourceMap, Span};
+
+/// Extensions of pages with tables.
+const PAGE_EXTENSIONS: [&str; 5] = ["md", "markdown", "adoc", "asciidoc", "txt"];
+
+/// Everything that a plan reads.
+pub(crate) struct Loaded {
+    pub(crate) sources: SourceMap,
+    pub(crate) packages: Vec<PackageInput>,
+    /// Of sources that can't be read.
+    pub(crate) diagnostics: Vec<Diagnostic>,
+    /// Every file that was read.
+    pub(crate) files: Vec<PathBuf>,
+    /// The file of each source that could be read.
+    pub(crate) paths: BTreeMap<SourceId, PathBuf>,
+    /// Catalogues of translations, where they were asked for.
+    pub(crate) catalogues: Vec<SourceId>,
+    /// The configuration file, which findings may point into.
+    pub(crate) config: Option<Span>,
+}
+
+/// Reads all sources of `plan`, and what ROS 2 packages among them refer to beside them.
+pub(crate) fn load(plan: &Plan) -> Result<Loaded, Failure> {
+    load_beside(plan, SourceMap::default())
+}
+
+/// Reads all sources of `plan` beside those that are there already.
+pub(crate) fn load_beside(plan: &Plan, sources: SourceMap) -> Result<Loaded, Failure> {
+    let mut loader = loader(plan, sources)?;
+    loader.ros_dependencies()?;
+    Ok(loader.loaded)
+}
+
+/// Reads all sources of `plan`, and the catalogues of their translations.
+pub(crate) fn load_with_catalogues(plan: &Plan) -> Result<Loaded, Failure> {
+    let mut loader = loader(plan, SourceMap::default())?;
+    loader.ros_dependencies()?;
+    loader.catalogues()?;
+    Ok(loader.loaded)
+}
+
+/// Reads the sources that `plan` names, and nothing that they refer to.
+pub(crate) fn load_named(plan: &Plan) -> Result<Loaded, Failure> {
+    Ok(loader(plan, SourceMap::default())?.loaded)
+}
+
+fn loader(plan: &Plan, sources: SourceMap) -> Result<Loader<'_>, Failure> {
+    let mut loader = Loader {
+        plan,
+        loaded: Loaded {
+            sources,
+            packages: Vec::new(),
+            diagnostics: Vec::new(),
+            files: Vec::new(),
+            paths: BTreeMap::new(),
+            catalogues: Vec::new(),
+            config: None,
+        },
+        folders: BTreeMap::new(),
+    };
+    let config = match &plan.config {
+        Some((path, text)) => loader.loaded.sources.add(path.clone(), text.clone().into_bytes()).ok(),
+        None => None,
+    };
+    loader.loaded.config = config.map(|config| loader.loaded.sources.span(config));
+    for package in &plan.packages {
+        let files = files_of(package)?;
+        let select = package.select.as_ref().map(|names| {
+            let place = loader.loaded.config.unwrap_or_default();
+            names.iter().map(|(name, range)| (name.clone(), place.part(range.clone()))).collect::<Vec<_>>()
+        });
+        loader.package(package, select.as_deref(), files)?;
+    }
+    Ok(loader)
+}
+
+struct Loader<'p> {
+    plan: &'p Plan,
+    loaded: Loaded,
+    /// The folder of each ROS 2 package, above its `msg`.
+    folders: BTreeMap<String, PathBuf>,
+}
+
+impl Loader<'_> {
+    fn package(
+        &mut self,
+        package: &PlannedPackage,
+        select: Option<&[(String, Span)]>,
+        files: Vec<PathBuf>,
+    ) -> Result<(), Failure> {
+        let input = |name: String, sources| PackageInput {
+            name,
+            form: package.form,
+            ros_package: package.ros_package.clone(),
+            origin: package.origin.clone(),
+            revision: package.revision.clone(),
+            select: select.map(<[_]>::to_vec),
+            sources,
+        };
+        for (name, files) in self.by_package(package, files) {
+            let sources = self.read_all(&files)?;
+            self.loaded.packages.push(input(name, sources));
+        }
+        Ok(())
+    }
+
+    /// ROS keeps a package's files in `package/msg`. Inputs that span several such packages are told
+    /// apart by their folders; those of a single one are the package that was named.
+    fn by_package(&mut self, package: &PlannedPackage, files: Vec<PathBuf>) -> Vec<(String, Vec<PathBuf>)> {
+        if package.form != Form::Msg(Dialect::Ros2) {
+            return vec![(package.name.clone(), files)];
+        }
+        let mut by_name: BTreeMap<Option<String>, Vec<PathBuf>> = BTreeMap::new();
+        for file in files {
+            by_name.entry(ros_package_of(&file).map(|(name, _)| name)).or_default().push(file);
+        }
+        let is_single = by_name.len() == 1;
+        by_name
+            .into_iter()
+            .map(|(name, files)| {
+                let name = if is_single {
+                    package.name.clone()
+                } else {
+                    name.unwrap_or_else(|| package.name.clone())
+                };
+                if let Some((_, folder)) = files.first().and_then(|file| ros_package_of(file)) {
+                    self.folders.insert(name.clone(), folder);
+                }
+                (name, files)
+            })
+            .collect()
+    }
+
+    fn read_all(&mut self, files: &[PathBuf]) -> Result<Vec<SourceId>, Failure> {
+        let mut sources = Vec::with_capacity(files.len());
+        for path in files {
+            let bytes = fs::read(path).map_err(|error| unreadable(path, &error))?;
+            self.loaded.files.push(path.clone());
+            match self.loaded.sources.add(self.shown(path), bytes) {
+                Ok(id) => {
+                    self.loaded.paths.insert(id, path.clone());
+                    sources.push(id);
+                }
+                Err(diagnostic) => self.loaded.diagnostics.push(diagnostic),
+            }
+        }
+        Ok(sources)
+    }
+
+    /// Reads the catalogues. There may be none yet.
+    fn catalogues(&mut self) -> Result<(), Failure> {
+        let (folder, patterns) = &self.plan.catalogues;
+        let mut files = Vec::new();
+        for pattern in patterns {
+            files.append(&mut matching(folder, pattern, is_catalogue)?);
+        }
+        files.sort();
+        files.dedup();
+        self.loaded.catalogues = self.read_all(&files)?;
+        Ok(())
+    }
+
+    /// A path as diagnostics and output show it.
+    fn shown(&self, path: &Path) -> String {
+        let path = shown(path, &self.plan.root);
+        self.plan.revision.as_ref().map_or_else(|| path.clone(), |revision| format!("{revision}:{path}"))
+    }
+
+    /// Reads packages that others refer to from the folders beside those, until none is missing that
+    /// is there. Of these only what is referred to gets into the output.
+    fn ros_dependencies(&mut self) -> Result<(), Failure> {
+        let mut tried: BTreeSet<String> =
+            self.loaded.packages.iter().map(|package| package.name.clone()).collect();
+        let mut from = 0;
+        while from < self.loaded.packages.len() {
+            let package = &self.loaded.packages[from];
+            let missing: Vec<String> = referenced_packages(&self.loaded.sources, package)
+                .into_iter()
+                .filter(|name| !tried.contains(name))
+                .collect();
+            let beside =
+                self.folders.get(&package.name).and_then(|folder| folder.parent()).map(Path::to_path_buf);
+            from += 1;
+            let Some(beside) = beside else { continue };
+            for name in missing {
+                let folder = beside.join(&name);
+                let messages = folder.join(Kind::Message.name());
+                if !messages.is_dir() {
+                    continue;
+                }
+                let sources = self.read_all(&files_below(&messages, Form::Msg(Dialect::Ros2))?)?;
+                self.folders.insert(name.clone(), folder);
+                tried.insert(name.clone());
+                let dependency = PackageInput::new(name, Form::Msg(Dialect::Ros2), sources);
+                self.loaded.packages.push(PackageInput { select: Some(Vec::new()), ..dependency });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The packages that the definitions of a ROS 2 package name.
+fn referenced_packages(sources: &SourceMap, package: &PackageInput) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    if package.form != Form::Msg(Dialect::Ros2) {
+        return found;
+    }
+    for id in &package.sources {
+        let Some(kind) = Kind::of(sources.path(*id)) else { continue };
+        let (definition, _) = msg::parse(sources, *id, kind, Dialect::Ros2);
+        for line in definition.parts.iter().flat_map(|part| &part.lines) {
+            let Some(Item::Field(field)) = line.item.as_deref() else { continue };
+            match field.ty.element {
+                Element::Message { package: Some(package), .. } => {
+                    found.insert(package.to_owned());
+                }
+                Element::Message { package: None, name: "Header" } => {
+                    found.insert("std_msgs".to_owned());
+                }
+                Element::Message { package: None, name: "time" | "duration" } => {
+                    found.insert("builtin_interfaces".to_owned());
+                }
+                Element::Message { .. } | Element::Scalar(_) | Element::String { .. } => {}
+            }
+        }
+    }
+    found
+}
+
+/// Name and folder of the ROS package that `file` lies in, where its folder is `msg`, `srv` or `action`.
+fn ros_package_of(file: &Path) -> Option<(String, PathBuf)> {
+    let kind_folder = file.parent()?;
+    if !matches!(kind_folder.file_name()?.to_str()?, "msg" | "srv" | "action") {
+        return None;
+    }
+    let folder = kind_folder.parent()?;
+    // A relative path may end here: `msg/A.msg`.
+    let absolute = std::path::absolute(folder).ok()?;
+    Some((absolute.file_name()?.to_str()?.to_owned(), absolute))
+}
+
+fn files_of(package: &PlannedPackage) -> Result<Vec<PathBuf>, Failure> {
+    let mut files = match &package.inputs {
+        Inputs::Paths(paths) => {
+            let mut files = Vec::new();
+            for path in paths {
+                files.append(&mut files_at(path, package.form)?);
+            }
+            files
+        }
+        Inputs::Patterns { folder, patterns } => files_matching(folder, patterns, package)?,
+    };
+    files.sort();
+    files.dedup();
+    Ok(files)
+}
+
+/// The file `path`, or all definitions below the folder `path`.
+fn files_at(path: &Path, form: Form) -> Result<Vec<PathBuf>, Failure> {
+    let metadata = fs::metadata(path).map_err(|error| unreadable(path, &error))?;
+    if metadata.is_dir() {
+        let files = files_below(path, form)?;
+        if files.is_empty() {
+            return Err(
+                Failure::new(format!("no definitions below {}", path.display())).with_hint(wanted(form))
+            );
+        }
+        return Ok(files);
+    }
+    if !is_definition(path, form) {
+        return Err(Failure::new(format!("{} is no definition of this dialect", path.display()))
+            .with_hint(wanted(form)));
+    }
+    Ok(vec![path.to_path_buf()])
+}
+
+fn wanted(form: Form) -> String {
+    match form {
+        Form::Msg(dialect) => format!("the dialect {dialect} is read from .msg, .srv and .action files"),
+        Form::Table => format!("tables are read from files that end in .{}", PAGE_EXTENSIONS.join(", .")),
+    }
+}
+
+pub(crate) fn is_definition(path: &Path, form: Form) -> bool {
+    let Some(extension) = path.extension().and_then(|extension| extension.to_str()) else { return false };
+    match form {
+        Form::Msg(_) => Kind::of(&format!(".{extension}")).is_some(),
+        Form::Table => PAGE_EXTENSIONS.contains(&extension),
+    }
+}
+
+fn is_catalogue(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "po")
+}
+
+fn files_below(folder: &Path, form: Form) -> Result<Vec<PathBuf>, Failure> {
+    search(folder, |path| is_definition(path, form))
+}
+
+fn search(folder: &Path, is_wanted: impl Fn(&Path) -> bool) -> Result<Vec<PathBuf>, Failure> {
+    let mut files = Vec::new();
+    for entry in WalkDir::new(folder).follow_links(true).sort_by_file_name() {
+        let entry = entry.map_err(|error| Failure::new(error.to_string()))?;
+        if entry.file_type().is_file() && is_wanted(entry.path()) {
+            files.push(entry.into_path());
+        }
+    }
+    Ok(files)
+}
+
+fn files_matching(
+    folder: &Path,
+    patterns: &[String],
+    package: &PlannedPackage,
+) -> Result<Vec<PathBuf>, Failure> {
+    let mut files = Vec::new();
+    for pattern in patterns {
+        let mut matching = matching(folder, pattern, |path| is_definition(path, package.form))?;
+        if matching.is_empty() {
+            let message =
+                format!("package {}: `{pattern}` matches no file in {}", package.name, folder.display());
+            return Err(Failure::new(message).with_hint(wanted(package.form)));
+        }
+        files.append(&mut matching);
+    }
+    if files.is_empty() {
+        let message = format!("package {} includes nothing", package.name);
+        return Err(Failure::new(message).with_hint("give `include` a pattern such as \"msg/**/*.msg\""));
+    }
+    Ok(files)
+}
+
+/// The files that match a pattern below a folder.
+fn matching(
+    folder: &Path,
+    pattern: &str,
+    is_wanted: impl Fn(&Path) -> bool,
+) -> Result<Vec<PathBuf>, Failure> {
+    let (base, rest) = literal_base(pattern);
+    let bad = |error: globset::Error| Failure::new(format!("the pattern `{pattern}`: {}", error.kind()));
+    let glob = GlobBuilder::new(&rest).literal_separator(true).build().map_err(bad)?;
+    let set = GlobSetBuilder::new().add(glob).build().map_err(bad)?;
+    let base = normalise(&folder.join(base));
+    if base.is_file() && rest.is_empty() {
+        return Ok(vec![base]);
+    }
+    if !base.is_dir() {
+        return Ok(Vec::new());
+    }
+    let mut files = search(&base, is_wanted)?;
+    files.retain(|file| file.strip_prefix(&base).is_ok_and(|path| set.is_match(path)));
+    Ok(files)
+}
+
+/// Splits a pattern into the folders before its first wildcard, and the rest: only those are searched.
+pub(crate) fn literal_base(pattern: &str) -> (String, String) {
+    let parts: Vec<&str> = pattern.split('/').collect();
+    let literal = parts.iter().take_while(|part| !part.contains(['*', '?', '[', '{'])).count();
+    (parts[..literal].join("/"), parts[literal..].join("/"))
+}
+
+fn unreadable(path: &Path, error: &std::io::Error) -> Failure {
+    let failure = Failure::new(format!("{}: {error}", path.display()));
+    match error.kind() {
+        ErrorKind::NotFound => failure.with_hint("check the path; it is relative to the current folder"),
+        _ => failure,
+    }
+}
+
+/// A path as diagnostics and output show it: below the root, with `/` on every system.
+fn shown(path: &Path, root: &Path) -> String {
+    let path = path.strip_prefix(root).unwrap_or(path);
+    path.components()
+        .map(|part| part.as_os_str().to_string_lossy())
+        .collect::<Vec<_>>()
+        .join("/")
+        .replace("//", "/")
+}

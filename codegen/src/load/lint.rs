@@ -1,0 +1,125 @@
+//! What `uavspec.toml` says of the rules of `lint`.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use globset::{GlobBuilder, GlobMatcher};
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::mistake::misplaced;
+use crate::diagnostic::Level;
+use crate::failure::Failure;
+use crate::lint::{self, Preset};
+use crate::path::normalise;
+
+/// The table `lint`.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Lint {
+    preset: Option<PresetName>,
+    #[serde(default)]
+    levels: BTreeMap<Spanned<String>, LevelName>,
+    #[serde(default, rename = "ignore")]
+    ignores: Vec<Spanned<LintIgnore>>,
+}
+
+/// Findings of a rule that are let stand.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LintIgnore {
+    rule: String,
+    path: Option<String>,
+    reason: String,
+}
+
+/// A set of levels for the rules of `lint`.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum PresetName {
+    /// What PX4's documentation standard asks, and whatever makes readers go wrong.
+    Px4,
+    /// All rules but that on PX4's own list of units.
+    Strict,
+}
+
+impl From<PresetName> for Preset {
+    fn from(name: PresetName) -> Self {
+        match name {
+            PresetName::Px4 => Self::Px4,
+            PresetName::Strict => Self::Strict,
+        }
+    }
+}
+
+/// How grave findings of a rule are.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum LevelName {
+    Off,
+    Note,
+    Warning,
+    Error,
+}
+
+impl LevelName {
+    fn level(self) -> Option<Level> {
+        match self {
+            Self::Off => None,
+            Self::Note => Some(Level::Note),
+            Self::Warning => Some(Level::Warning),
+            Self::Error => Some(Level::Error),
+        }
+    }
+}
+
+/// What `lint` is to do.
+#[derive(Debug, Default)]
+pub(crate) struct PlannedLint {
+    pub(crate) preset: Option<PresetName>,
+    pub(crate) levels: BTreeMap<String, Option<Level>>,
+    pub(crate) ignores: Vec<PlannedIgnore>,
+}
+
+/// Findings of a rule that are let stand.
+#[derive(Debug)]
+pub(crate) struct PlannedIgnore {
+    pub(crate) rule: String,
+    /// Which files, by a pattern below the folder of the configuration file; all, where absent.
+    pub(crate) files: Option<GlobMatcher>,
+    pub(crate) reason: String,
+    /// Its place in the configuration file.
+    pub(crate) range: std::ops::Range<usize>,
+}
+
+impl Lint {
+    /// Checks the names of rules and the patterns; `text` is that of the file at `path`.
+    pub(crate) fn plan(self, folder: &Path, path: &str, text: &str) -> Result<PlannedLint, Failure> {
+        let mut levels = BTreeMap::new();
+        for (id, level) in self.levels {
+            if lint::rule(id.get_ref()).is_none() {
+                let message = format!("no rule `{}`", id.get_ref());
+                return Err(misplaced(path, text, id.span(), &message)
+                    .with_hint("`cargo xtask lint --rules` lists all rules"));
+            }
+            levels.insert(id.into_inner(), level.level());
+        }
+        let mut ignores = Vec::new();
+        for ignore in self.ignores {
+            let range = ignore.span();
+            let LintIgnore { rule, path: pattern, reason } = ignore.into_inner();
+            let glob = |pattern: String| {
+                let below = folder.join(&pattern);
+                let glob =
+                    GlobBuilder::new(&normalise(&below).to_string_lossy()).literal_separator(true).build();
+                glob.map(|glob| glob.compile_matcher()).map_err(|error| {
+                    misplaced(path, text, range.clone(), &format!("`{pattern}`: {}", error.kind()))
+                })
+            };
+            let files = pattern.map(glob).transpose()?;
+            ignores.push(PlannedIgnore { rule, files, reason, range });
+        }
+        Ok(PlannedLint { preset: self.preset, levels, ignores })
+    }
+}

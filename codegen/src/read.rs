@@ -1,0 +1,115 @@
+//! Packages of definitions: from texts to the schema.
+
+use crate::diagnostic::Diagnostic;
+use crate::msg::{self, Kind};
+use crate::resolve::{PackageSource, resolve};
+use crate::schema::{Form, Schema};
+use crate::source::{SourceId, SourceMap, Span, stem};
+use crate::table;
+
+/// The sources of a package, and what is known of it beforehand.
+#[derive(Clone, Debug)]
+pub struct PackageInput {
+    /// Its name: a module, a folder and a part of schema addresses.
+    pub name: String,
+    /// The form of its sources.
+    pub form: Form,
+    /// The name that ROS knows it by; that of the package, where absent, and `px4_msgs` for px4.
+    pub ros_package: Option<String>,
+    /// Where its definitions come from.
+    pub origin: Option<String>,
+    /// Which state of the origin they follow.
+    pub revision: Option<String>,
+    /// Which messages are wanted, with what they refer to; all, where absent.
+    pub select: Option<Vec<(String, Span)>>,
+    /// Its sources.
+    pub sources: Vec<SourceId>,
+}
+
+impl PackageInput {
+    /// A package of which nothing more is known: all its messages are wanted.
+    pub fn new(name: impl Into<String>, form: Form, sources: Vec<SourceId>) -> Self {
+        Self {
+            name: name.into(),
+            form,
+            ros_package: None,
+            origin: None,
+            revision: None,
+            select: None,
+            sources,
+        }
+    }
+}
+
+/// The package in which PX4's messages reach ROS 2.
+const PX4_ROS_PACKAGE: &str = "px4_msgs";
+
+/// Reads packages: the whole way from text to model.
+///
+/// ```
+/// use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
+///
+/// let mut sources = SourceMap::default();
+/// let id = sources.add("Wind.msg", "uint64 timestamp  # [us] Since start\n".into()).unwrap();
+/// let package = PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id]);
+/// let (schema, diagnostics) = read(&sources, &[package]);
+/// assert!(diagnostics.is_empty());
+/// assert_eq!(schema.messages[0].topics, ["wind"]);
+/// assert_eq!(schema.messages[0].fields[0].unit.as_deref(), Some("us"));
+/// ```
+pub fn read(sources: &SourceMap, packages: &[PackageInput]) -> (Schema, Vec<Diagnostic>) {
+    let (parsed, mut diagnostics) = parse_all(sources, packages);
+    let (schema, mut found) = resolve(&parsed);
+    diagnostics.append(&mut found);
+    diagnostics.sort_by_key(|diagnostic| diagnostic.span);
+    (schema, diagnostics)
+}
+
+/// Parses all sources; the packages are sorted by name, as those of the schema will be.
+pub(crate) fn parse_all<'s>(
+    sources: &'s SourceMap,
+    packages: &[PackageInput],
+) -> (Vec<PackageSource<'s>>, Vec<Diagnostic>) {
+    let mut diagnostics = Vec::new();
+    let mut parsed: Vec<PackageSource<'s>> =
+        packages.iter().map(|package| parse(sources, package, &mut diagnostics)).collect();
+    parsed.sort_by(|left, right| left.name.cmp(&right.name));
+    (parsed, diagnostics)
+}
+
+fn parse<'s>(
+    sources: &'s SourceMap,
+    package: &PackageInput,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> PackageSource<'s> {
+    let mut files = Vec::new();
+    let mut pages = Vec::new();
+    for id in &package.sources {
+        match package.form {
+            Form::Table => {
+                let (page, mut found) = table::parse(sources, *id);
+                diagnostics.append(&mut found);
+                pages.push(page);
+            }
+            Form::Msg(dialect) => {
+                let path = sources.path(*id);
+                let Some(kind) = Kind::of(path) else { continue };
+                let (definition, mut found) = msg::parse(sources, *id, kind, dialect);
+                diagnostics.append(&mut found);
+                files.push((stem(path), kind, sources.span(*id), definition));
+            }
+        }
+    }
+    let default_ros_package =
+        if package.form == Form::Msg(msg::Dialect::Px4) { PX4_ROS_PACKAGE } else { &package.name };
+    PackageSource {
+        name: package.name.clone(),
+        form: package.form,
+        ros_package: package.ros_package.clone().unwrap_or_else(|| default_ros_package.to_owned()),
+        origin: package.origin.clone(),
+        revision: package.revision.clone(),
+        select: package.select.clone(),
+        files,
+        pages,
+    }
+}

@@ -1,0 +1,140 @@
+//! Diagnostics and findings as text: path, line, the line itself, a caret and a hint.
+//!
+//! ```
+//! use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, render, schema::Form};
+//!
+//! let mut sources = SourceMap::default();
+//! let id = sources.add("Wind.msg", "float32 speed  # [parsec] Speed\n".into()).unwrap();
+//! let (_, diagnostics) = read(&sources, &[PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])]);
+//! let text = render::render(&diagnostics, &sources, false);
+//! assert!(text.starts_with("warning[unknown-unit]: `parsec` is no known unit\n --> Wind.msg:1:18"));
+//! ```
+
+use std::fmt::Write as _;
+
+use annotate_snippets::{AnnotationKind, Group, Level as Title, Renderer, Snippet};
+
+use crate::diagnostic::{Diagnostic, Level};
+use crate::finding::Finding;
+use crate::source::{SourceMap, Span};
+
+/// How many diagnostics of one source are shown: what stands there is then no definition.
+const MAX_PER_SOURCE: usize = 200;
+
+/// Longest message or hint, in bytes: what definitions have in them may be of any length.
+const MAX_TEXT_LEN: usize = 400;
+
+/// How much of a line is quoted after what is marked in it, in bytes.
+const MAX_REST_LEN: usize = 200;
+
+/// Renders `diagnostics` in the order of their sources and places, with colours where `styled`.
+pub fn render(diagnostics: &[Diagnostic], sources: &SourceMap, styled: bool) -> String {
+    let mut ordered: Vec<Finding> = diagnostics.iter().map(Finding::from).collect();
+    ordered.sort_by_key(|finding| finding.span);
+    findings(&ordered, sources, styled)
+}
+
+/// Renders `findings` in their order, with colours where `styled`. Those in a row that say the same of one
+/// place in several categories are shown as one.
+pub fn findings(findings: &[Finding], sources: &SourceMap, styled: bool) -> String {
+    let renderer = if styled { Renderer::styled() } else { Renderer::plain() };
+    let mut text = String::new();
+    let is_of_one_source =
+        |left: &Finding, right: &Finding| sources.source_of(left.span) == sources.source_of(right.span);
+    let is_one = |left: &Finding, right: &Finding| {
+        (left.rule, left.span, &left.message) == (right.rule, right.span, &right.message)
+            && left.category.is_some()
+    };
+    for of_source in findings.chunk_by(is_of_one_source) {
+        for same in of_source.chunk_by(is_one).take(MAX_PER_SOURCE) {
+            text.push_str(&renderer.render(&[group(same, sources)]));
+            text.push('\n');
+        }
+        let count = of_source.chunk_by(is_one).count();
+        if let Some(more) = count.checked_sub(MAX_PER_SOURCE).filter(|more| *more > 0) {
+            let path = sources.path(sources.source_of(of_source[0].span));
+            let _ = writeln!(text, "… and {more} more in {path}");
+        }
+    }
+    text
+}
+
+/// An error of another tool at a place, in the same form.
+#[cfg(feature = "files")]
+pub(crate) fn plain(message: &str, span: Span, sources: &SourceMap) -> String {
+    let snippet = quote(span, AnnotationKind::Primary, String::new(), sources);
+    let text = Renderer::plain().render(&[Title::ERROR.primary_title(message).element(snippet)]);
+    text.strip_prefix("error: ").map(str::to_owned).unwrap_or(text)
+}
+
+/// What is shown of findings that say the same of one place.
+fn group<'a>(same: &[Finding], sources: &'a SourceMap) -> Group<'a> {
+    let finding = &same[0];
+    let level = same.iter().map(|finding| finding.level).max().unwrap_or(Level::Note);
+    let title = match level {
+        Level::Error => Title::ERROR,
+        Level::Warning => Title::WARNING,
+        Level::Note => Title::NOTE,
+    };
+    let title = title.primary_title(shorten(finding.message.clone())).id(finding.rule);
+    let mut group = Group::with_title(title);
+    // In one set of definitions the help stands beside the caret; between two it tells each who is broken.
+    let label = if finding.category.is_none() { shorten(finding.help.clone()) } else { String::new() };
+    match finding.sides {
+        None => group = group.element(quote(finding.span, AnnotationKind::Primary, label, sources)),
+        Some(sides) => {
+            for (side, label) in [(sides.old, "before"), (sides.new, "now")] {
+                let Some(span) = side else { continue };
+                group = group.element(quote(span, AnnotationKind::Primary, label.to_owned(), sources));
+            }
+        }
+    }
+    for (span, label) in &finding.related {
+        group = group.element(quote(*span, AnnotationKind::Context, shorten(label.clone()), sources));
+    }
+    for finding in same {
+        let Some(category) = finding.category else { continue };
+        group = group.element(Title::NOTE.with_name(category).message(shorten(finding.help.clone())));
+    }
+    group
+}
+
+fn shorten(mut text: String) -> String {
+    if text.len() > MAX_TEXT_LEN {
+        text.truncate(floor_char_boundary(&text, MAX_TEXT_LEN));
+        text.push('…');
+    }
+    text
+}
+
+fn floor_char_boundary(text: &str, mut at: usize) -> usize {
+    while !text.is_char_boundary(at) {
+        at -= 1;
+    }
+    at
+}
+
+/// The lines that `span` touches, and the caret under them. Only those are handed on, so that the
+/// time to render doesn't depend on the length of the file.
+fn quote(
+    span: Span,
+    kind: AnnotationKind,
+    label: String,
+    sources: &SourceMap,
+) -> Snippet<'_, annotate_snippets::Annotation<'_>> {
+    let (text, range) = sources.locate(span);
+    let first = text[..range.start].rfind('\n').map_or(0, |at| at + 1);
+    let end_of_line = |from: usize| text[from..].find('\n').map_or(text.len(), |at| from + at);
+    // A span over several lines is shown by its first.
+    let last = end_of_line(range.start);
+    let end = range.end.min(last);
+    // The renderer counts columns from the start, so that only the end of an overlong line is left out.
+    let last = floor_char_boundary(text, last.min(end + MAX_REST_LEN));
+    Snippet::source(&text[first..last])
+        .path(sources.path(sources.source_of(span)))
+        .line_start(sources.position(span).line)
+        .annotation(
+            kind.span(range.start - first..end.clamp(range.start, last) - first)
+                .label((!label.is_empty()).then_some(label)),
+        )
+}

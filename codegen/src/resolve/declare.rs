@@ -1,0 +1,105 @@
+//! The ids of messages.
+
+use std::collections::BTreeMap;
+
+use super::package::PackageSource;
+use super::resolver::{Origin, Resolver, id};
+use crate::diagnostic::{Diagnostic, Problem};
+use crate::msg::is_identifier;
+use crate::schema::{CdrSize, Dialect, Docs, Form, Interface, Kind, Message, Package};
+use crate::span::Span;
+
+impl<'s> Resolver<'s> {
+    /// Gives each message its id, in the order of package, kind and name.
+    pub(super) fn declare(&mut self, packages: &[PackageSource<'s>]) {
+        for (package, source) in packages.iter().enumerate() {
+            self.package_by_name.insert(source.name.clone(), package);
+            self.selections.push(source.select.clone());
+            let mut files: Vec<usize> = (0..source.files.len()).collect();
+            files.sort_by_key(|file| (source.files[*file].1, source.files[*file].0));
+            let mut interfaces = Vec::new();
+            let mut messages = Vec::new();
+            let mut first: BTreeMap<(Kind, String), (&str, Span)> = BTreeMap::new();
+            for file in files {
+                let (stem, kind, span, ref definition) = source.files[file];
+                self.check_message_name(stem, source.form, span);
+                if let Some((earlier, place)) = first.insert((kind, stem.to_lowercase()), (stem, span)) {
+                    let problem =
+                        Problem::DuplicateMessage { name: stem.to_owned(), package: source.name.clone() };
+                    let mut diagnostic = Diagnostic::new(problem, span.part(0..0))
+                        .with_related(place.part(0..0), "the first one");
+                    if earlier != stem {
+                        let hint = format!(
+                            "on some systems `{earlier}` and `{stem}` are one file: rename one of them"
+                        );
+                        diagnostic = diagnostic.with_hint(hint);
+                    }
+                    self.report(diagnostic);
+                    continue;
+                }
+                let mut parts = Vec::new();
+                for (part, suffix) in kind.part_suffixes().iter().enumerate().take(definition.parts.len()) {
+                    let id = id(self.schema.messages.len());
+                    self.origins.push(Origin { package, file, part });
+                    self.schema.messages.push(empty_message(package, kind, format!("{stem}{suffix}"), span));
+                    parts.push(id);
+                }
+                if kind == Kind::Message {
+                    self.by_name.insert((package, stem), parts[0]);
+                    messages.append(&mut parts);
+                } else {
+                    interfaces.push(Interface { name: stem.to_owned(), kind, parts, type_hash: None, span });
+                }
+            }
+            self.schema.packages.push(Package {
+                name: source.name.clone(),
+                form: source.form,
+                ros_package: source.ros_package.clone(),
+                origin: source.origin.clone(),
+                revision: source.revision.clone(),
+                messages,
+                interfaces,
+                error_tables: Vec::new(),
+                json_types: Vec::new(),
+                json_messages: Vec::new(),
+            });
+        }
+    }
+
+    fn check_message_name(&mut self, stem: &str, form: Form, span: Span) {
+        let is_pascal_case = stem.starts_with(|c: char| c.is_ascii_uppercase()) && !stem.contains('_');
+        let stem_text = stem.to_owned();
+        let problem = if !is_identifier(stem) {
+            Problem::MessageName { stem: stem_text }
+        } else if is_pascal_case {
+            return;
+        } else if form == Form::Msg(Dialect::Ros2) {
+            Problem::NameStyleRos { name: stem_text, style: "PascalCase" }
+        } else {
+            Problem::MessageNameStyle { stem: stem_text }
+        };
+        let diagnostic = Diagnostic::new(problem, span.part(0..0));
+        self.report(if is_identifier(stem) { diagnostic.with_hint("rename the file") } else { diagnostic });
+    }
+}
+
+fn empty_message(package: usize, kind: Kind, name: String, span: Span) -> Message {
+    Message {
+        package,
+        kind,
+        name,
+        span,
+        docs: Docs::default(),
+        topics: Vec::new(),
+        version: None,
+        queue_length: None,
+        fields: Vec::new(),
+        constants: Vec::new(),
+        enums: Vec::new(),
+        groups: Vec::new(),
+        uorb: None,
+        cdr: CdrSize::default(),
+        hash: 0,
+        type_hash: String::new(),
+    }
+}

@@ -1,0 +1,463 @@
+//! Resolution of the types and messages of all pages of a package.
+
+mod endless;
+mod kind;
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use self::kind::{ByName, kinds};
+use crate::diagnostic::{Diagnostic, Problem, has_errors};
+use crate::msg::annotation::{Note, Statement};
+use crate::schema::json_type::{
+    Definition, ERROR_CODE, ERROR_LIST, Expression, JsonMessage, JsonPart, JsonType, JsonTypeId, Limits,
+    Member, Object, Set, SetValue, SetValues, TYPE_FIELD, Typed,
+};
+use crate::schema::{Docs, Range};
+use crate::source::Span;
+use crate::table::type_table::{
+    self, Body, Definitions, Direction, Entry, ExpressionKind, MessageDefinition, PartDefinition,
+    TypeDefinition,
+};
+use crate::table::{Page, Text, type_table::Expression as Written};
+
+/// What a paragraph says of an object that has no further fields.
+const CLOSED: [&str; 2] = ["closed object", "object is closed"];
+
+/// What a paragraph may say of any other.
+const OPEN: &str = "further fields are allowed";
+
+/// A tuple has no more elements than this: nobody tells more of them apart by their place.
+const MAX_ELEMENTS: usize = 64;
+
+/// Beyond this many mistakes no similar names are looked for: the search is over all names.
+const MAX_SUGGESTIONS: usize = 100;
+
+/// No similar names are looked for that are longer than this.
+const MAX_SUGGESTION_LEN: usize = 100;
+
+/// What a package defines beside error codes.
+#[derive(Debug, Default)]
+pub(super) struct Resolved {
+    /// Its types, by name.
+    pub(super) types: Vec<JsonType>,
+    /// Its messages, by name.
+    pub(super) messages: Vec<JsonMessage>,
+    /// For each page, whether it defines any of them, or was meant to.
+    pub(super) has_definitions: Vec<bool>,
+    /// What is wrong.
+    pub(super) diagnostics: Vec<Diagnostic>,
+}
+
+/// Resolves the types and messages of all `pages` of the package at the index `package`. The first type gets the id
+/// `first`; with `has_error_codes` the names of error codes are types too.
+pub(super) fn resolve(pages: &[Page], package: (usize, &str), first: u32, has_error_codes: bool) -> Resolved {
+    let mut resolved = Resolved::default();
+    let mut written = Definitions::default();
+    for page in pages {
+        let (mut found, diagnostics) = type_table::read(page);
+        let is_any = !found.types.is_empty() || !found.messages.is_empty() || !diagnostics.is_empty();
+        resolved.has_definitions.push(is_any);
+        resolved.diagnostics.extend(diagnostics);
+        written.types.append(&mut found.types);
+        written.messages.append(&mut found.messages);
+    }
+    let types =
+        unique(written.types, has_error_codes, |found| (found.name, found.span), &mut resolved.diagnostics);
+    let messages =
+        unique(written.messages, false, |found| (found.name, found.span), &mut resolved.diagnostics);
+    let mut context = Resolver {
+        package: package.0,
+        package_name: package.1,
+        has_error_codes,
+        ids: types.iter().zip(first..).map(|(found, id)| (found.name, JsonTypeId(id))).collect(),
+        by_name: types.iter().map(|found| (found.name, found)).collect(),
+        suggestions: 0,
+        diagnostics: resolved.diagnostics,
+    };
+    resolved.types = types.iter().map(|found| context.json_type(found)).collect();
+    let answering = messages
+        .iter()
+        .filter(|message| message.parts.iter().any(|part| part.direction == Direction::Response));
+    let answering: BTreeSet<&str> = answering.map(|message| message.name).collect();
+    resolved.messages = messages.iter().map(|found| context.message(found, &answering)).collect();
+    resolved.diagnostics = context.diagnostics;
+    if !has_errors(&resolved.diagnostics) {
+        resolved.diagnostics.extend(endless::check(&resolved.types, first));
+    }
+    resolved
+}
+
+/// The definitions sorted by name, of each name the first. Names that differ in case alone are one file on some
+/// systems, so they are one name here.
+fn unique<'p, T>(
+    mut written: Vec<T>,
+    has_error_codes: bool,
+    name_of: impl Fn(&T) -> (&'p str, Span),
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Vec<T> {
+    let mut known: BTreeMap<String, (&str, Span)> = BTreeMap::new();
+    // The spans tell which one was first.
+    written.sort_by_key(|found| name_of(found).1);
+    written.retain(|found| {
+        let (name, span) = name_of(found);
+        let problem = Problem::DuplicateType { name: name.to_owned() };
+        if has_error_codes && matches!(name, ERROR_CODE | ERROR_LIST) {
+            let hint = "the tables of error codes define it";
+            diagnostics.push(Diagnostic::new(problem, span).with_hint(hint));
+            return false;
+        }
+        let Some((earlier, place)) = known.get(&name.to_ascii_lowercase()).copied() else {
+            known.insert(name.to_ascii_lowercase(), (name, span));
+            return true;
+        };
+        let mut diagnostic = Diagnostic::new(problem, span).with_related(place, "the first one");
+        if earlier != name {
+            let hint =
+                format!("on some systems the files of `{earlier}` and `{name}` are one: rename one of them");
+            diagnostic = diagnostic.with_hint(hint);
+        }
+        diagnostics.push(diagnostic);
+        false
+    });
+    written.sort_by_key(|found| name_of(found).0);
+    written
+}
+
+struct Resolver<'t, 'p> {
+    package: usize,
+    package_name: &'t str,
+    has_error_codes: bool,
+    ids: HashMap<&'p str, JsonTypeId>,
+    by_name: ByName<'t, 'p>,
+    suggestions: usize,
+    diagnostics: Vec<Diagnostic>,
+}
+
+impl Resolver<'_, '_> {
+    fn report(&mut self, problem: Problem, span: Span) {
+        self.diagnostics.push(Diagnostic::new(problem, span));
+    }
+
+    fn json_type(&mut self, written: &TypeDefinition<'_>) -> JsonType {
+        let name = written.name;
+        let mut docs = with_remarks(docs(texts(&written.paragraphs)), &written.remarks);
+        let definition = match &written.body {
+            Body::Object(fields) => {
+                let is_closed = self.is_closed(name, &written.paragraphs, written.span);
+                Definition::Object(Object { fields: self.members(fields), is_closed })
+            }
+            Body::Tuple(elements) => {
+                self.check_has_rows(name, elements.is_empty(), written.span);
+                if elements.len() > MAX_ELEMENTS {
+                    let (name, max) = (name.to_owned(), MAX_ELEMENTS);
+                    self.report(Problem::TooManyParts { name, what: "elements", max }, written.span);
+                }
+                self.check_order(elements);
+                Definition::Tuple(self.members(elements))
+            }
+            Body::Set(entries) => {
+                self.check_has_rows(name, entries.is_empty(), written.span);
+                let is_open = self.is_open(name, &written.paragraphs, written.span);
+                Definition::Set(Set { values: self.values(name, entries, written.span), is_open })
+            }
+            Body::Named { ty, notes } => {
+                docs = self::docs(notes.iter().map(|note| note.text.as_ref()));
+                let mut limits = Limits::default();
+                for note in notes {
+                    self.limit(&mut limits, note, Some(ty));
+                }
+                Definition::Named(Typed { ty: self.expression(ty), limits })
+            }
+        };
+        JsonType { package: self.package, name: name.to_owned(), docs, definition, span: written.span }
+    }
+
+    fn check_has_rows(&mut self, name: &str, is_empty: bool, span: Span) {
+        if is_empty {
+            self.report(Problem::EmptyType { name: name.to_owned() }, span);
+        }
+    }
+
+    /// Elements can be left out at the end alone.
+    fn check_order(&mut self, elements: &[type_table::Member<'_>]) {
+        let Some(optional) = elements.iter().position(|element| !element.is_required) else { return };
+        for element in elements[optional..].iter().filter(|element| element.is_required) {
+            let problem = Problem::RequiredAfterOptional { name: element.name.to_owned() };
+            let diagnostic = Diagnostic::new(problem, element.span)
+                .with_related(elements[optional].span, "this may be left out");
+            self.diagnostics.push(diagnostic);
+        }
+    }
+
+    /// Whether the paragraphs above a set say that it is open.
+    fn is_open(&mut self, name: &str, paragraphs: &[&Text], span: Span) -> bool {
+        let says = |word: &str| {
+            let mut words =
+                paragraphs.iter().flat_map(|text| text.as_str().split(|c: char| !c.is_alphanumeric()));
+            words.any(|found| found.eq_ignore_ascii_case(word))
+        };
+        let (is_open, is_closed) = (says("open"), says("closed"));
+        if is_open == is_closed {
+            let found = if is_open {
+                "said to be both open and closed"
+            } else {
+                "said to be neither open nor closed"
+            };
+            self.report(Problem::Openness { name: name.to_owned(), found }, span);
+        }
+        is_open
+    }
+
+    /// Whether the paragraphs above an object say that it has no further fields.
+    fn is_closed(&mut self, name: &str, paragraphs: &[&Text], span: Span) -> bool {
+        let says =
+            |phrase: &str| paragraphs.iter().any(|text| text.as_str().to_ascii_lowercase().contains(phrase));
+        let (is_closed, is_open) = (CLOSED.iter().any(|phrase| says(phrase)), says(OPEN));
+        if is_closed && is_open {
+            let found = "said to be closed, and to allow further fields";
+            self.report(Problem::Openness { name: name.to_owned(), found }, span);
+        }
+        is_closed
+    }
+
+    fn members(&mut self, written: &[type_table::Member<'_>]) -> Vec<Member> {
+        let mut first: BTreeMap<&str, Span> = BTreeMap::new();
+        let mut members = Vec::with_capacity(written.len());
+        for member in written {
+            if let Some(earlier) = first.get(member.name) {
+                let problem = Problem::DuplicateField { name: member.name.to_owned() };
+                self.diagnostics
+                    .push(Diagnostic::new(problem, member.span).with_related(*earlier, "the first one"));
+                continue;
+            }
+            first.insert(member.name, member.span);
+            let mut limits = Limits::default();
+            self.limit(&mut limits, &member.note, member.ty.as_ref());
+            members.push(Member {
+                name: member.name.to_owned(),
+                is_required: member.is_required,
+                typed: Typed {
+                    ty: member.ty.as_ref().map_or(Expression::Any, |ty| self.expression(ty)),
+                    limits,
+                },
+                description: member.note.text.to_string(),
+                span: member.span,
+            });
+        }
+        members
+    }
+
+    /// Takes up what the annotations of `note` say. One that says nothing about the type is reported.
+    fn limit(&mut self, limits: &mut Limits, note: &Note<'_>, ty: Option<&Written>) {
+        // Of a type that can't be read nothing is known, and that was reported.
+        let Some(ty) = ty else { return };
+        let (outer, inner) = (kinds(ty, &self.by_name, false), kinds(ty, &self.by_name, true));
+        for annotation in &note.annotations {
+            let (name, is_meant) = match &annotation.statement {
+                Statement::Unit(_) => ("[unit]", inner.has_number),
+                Statement::Range { .. } => ("[@range]", inner.has_number),
+                Statement::Length { .. } => ("[@length]", outer.has_list || outer.has_string),
+                Statement::Unique => ("[@unique]", outer.has_list),
+                Statement::Pattern(_) => ("[@pattern]", inner.has_string),
+                Statement::Format(_) => ("[@format]", inner.has_string),
+                _ => continue,
+            };
+            if !is_meant {
+                let type_name = shown(ty);
+                self.report(Problem::MisplacedAnnotation { annotation: name, type_name }, annotation.span);
+                continue;
+            }
+            match &annotation.statement {
+                Statement::Unit(unit) => limits.unit = Some((*unit).to_owned()),
+                Statement::Range { low, high } => {
+                    limits.range = Some(Range { low: low.clone(), high: high.clone() });
+                }
+                Statement::Length { least, most } => (limits.least, limits.most) = (*least, *most),
+                Statement::Unique => limits.is_unique = true,
+                Statement::Pattern(pattern) => limits.pattern = Some((*pattern).to_owned()),
+                Statement::Format(format) => limits.format = Some((*format).to_owned()),
+                _ => {}
+            }
+        }
+    }
+
+    fn values(&mut self, name: &str, entries: &[Entry<'_>], span: Span) -> SetValues {
+        let mut known = BTreeSet::new();
+        for entry in entries {
+            if !known.insert(entry.value) {
+                self.report(Problem::DuplicateValue { value: entry.value.to_owned() }, entry.span);
+            }
+        }
+        let integers: Vec<SetValue<i64>> = entries.iter().filter_map(integer).collect();
+        if !integers.is_empty() && integers.len() < entries.len() {
+            self.report(Problem::MixedSet { name: name.to_owned() }, span);
+        }
+        if !integers.is_empty() {
+            return SetValues::Integers(integers);
+        }
+        let string = |entry: &Entry<'_>| {
+            let quoted = entry.value.strip_prefix('"').and_then(|value| value.strip_suffix('"'));
+            let value = quoted.unwrap_or(entry.value).to_owned();
+            SetValue { value, description: entry.description.to_owned() }
+        };
+        SetValues::Strings(entries.iter().map(string).collect())
+    }
+
+    fn expression(&mut self, written: &Written) -> Expression {
+        match &written.kind {
+            ExpressionKind::Any => Expression::Any,
+            ExpressionKind::Null => Expression::Null,
+            ExpressionKind::Boolean => Expression::Boolean,
+            ExpressionKind::Integer => Expression::Integer,
+            ExpressionKind::Number => Expression::Number,
+            ExpressionKind::String => Expression::String,
+            ExpressionKind::Named(name) => self.named(name, written.span),
+            ExpressionKind::List(inner) => Expression::List(Box::new(self.expression(inner))),
+            ExpressionKind::Map(inner) => Expression::Map(Box::new(self.expression(inner))),
+            ExpressionKind::Either(all) => {
+                let mut alternatives = Vec::with_capacity(all.len());
+                for found in all.iter().map(|inner| self.expression(inner)) {
+                    // What is nested in parentheses says the same without them, and once is enough.
+                    match found {
+                        Expression::Either(inner) => alternatives.extend(inner),
+                        other => alternatives.push(other),
+                    }
+                }
+                let mut seen = Vec::new();
+                alternatives.retain(|found| {
+                    !seen.contains(found) && {
+                        seen.push(found.clone());
+                        true
+                    }
+                });
+                Expression::Either(alternatives)
+            }
+            ExpressionKind::OneOf(constants) => Expression::OneOf(constants.clone()),
+        }
+    }
+
+    fn named(&mut self, name: &str, span: Span) -> Expression {
+        if let Some(id) = self.ids.get(name) {
+            return Expression::Named(*id);
+        }
+        match name {
+            ERROR_CODE if self.has_error_codes => return Expression::ErrorCode,
+            ERROR_LIST if self.has_error_codes => return Expression::ErrorList,
+            _ => {}
+        }
+        let problem = Problem::UndefinedType { name: name.to_owned(), package: self.package_name.to_owned() };
+        let hint = self.similar(name).map(|similar| format!("did you mean `{similar}`?"));
+        self.diagnostics.push(Diagnostic { hint, ..Diagnostic::new(problem, span) });
+        Expression::Any
+    }
+
+    /// A type whose name is close to `name`.
+    fn similar(&mut self, name: &str) -> Option<&str> {
+        self.suggestions += 1;
+        if self.suggestions > MAX_SUGGESTIONS || name.len() > MAX_SUGGESTION_LEN {
+            return None;
+        }
+        let most = |known: &str| 1 + known.len() / 5;
+        self.ids
+            .keys()
+            .filter(|known| known.len().abs_diff(name.len()) <= most(known))
+            .map(|known| (strsim::damerau_levenshtein(known, name), *known))
+            .filter(|(distance, known)| *distance <= most(known))
+            .min()
+            .map(|(_, known)| known)
+    }
+
+    fn message(&mut self, written: &MessageDefinition<'_>, answering: &BTreeSet<&str>) -> JsonMessage {
+        let parts: Vec<JsonPart> = written.parts.iter().map(|part| self.part(written.name, part)).collect();
+        for (name, span) in written.parts.iter().flat_map(|part| &part.answers) {
+            if !answering.contains(name) {
+                self.report(Problem::UnknownAnswer { name: (*name).to_owned() }, *span);
+            }
+        }
+        let request = written.parts.iter().find(|part| part.direction == Direction::Request);
+        if let Some(request) = request.filter(|part| part.answers.is_empty())
+            && !answering.contains(written.name)
+        {
+            self.report(Problem::MissingAnswer { name: written.name.to_owned() }, request.span);
+        }
+        JsonMessage {
+            package: self.package,
+            name: written.name.to_owned(),
+            docs: docs(texts(&written.paragraphs)),
+            parts,
+            span: written.span,
+        }
+    }
+
+    fn part(&mut self, message: &str, written: &PartDefinition<'_>) -> JsonPart {
+        let name = format!("{message}.{}", written.direction.name());
+        let is_closed = self.is_closed(&name, &written.paragraphs, written.span);
+        let mut fields = vec![Member {
+            name: TYPE_FIELD.to_owned(),
+            is_required: true,
+            typed: Typed { ty: Expression::OneOf(vec![message.to_owned()]), limits: Limits::default() },
+            description: "The type of the message.".to_owned(),
+            span: written.span,
+        }];
+        let rest = self.members(&written.fields);
+        for field in rest {
+            if field.name == TYPE_FIELD {
+                let problem = Problem::DuplicateField { name: field.name.clone() };
+                let hint = "the heading of the message gives it: leave the row out";
+                self.diagnostics.push(Diagnostic::new(problem, field.span).with_hint(hint));
+            } else {
+                fields.push(field);
+            }
+        }
+        let own = [message.to_owned()].into_iter().filter(|_| written.direction == Direction::Request);
+        let named = written.answers.iter().map(|(name, _)| (*name).to_owned());
+        JsonPart {
+            direction: written.direction,
+            name,
+            docs: with_remarks(docs(texts(&written.paragraphs)), &written.remarks),
+            answers: if written.answers.is_empty() { own.collect() } else { named.collect() },
+            body: Object { fields, is_closed },
+            span: written.span,
+        }
+    }
+}
+
+fn integer(entry: &Entry<'_>) -> Option<SetValue<i64>> {
+    let value = entry.value.parse().ok()?;
+    Some(SetValue { value, description: entry.description.to_owned() })
+}
+
+/// Paragraphs as documentation: the first is the summary.
+fn docs<'t>(paragraphs: impl Iterator<Item = &'t str>) -> Docs {
+    let mut paragraphs = paragraphs.filter(|text| !text.is_empty());
+    let summary = paragraphs.next().unwrap_or_default().to_owned();
+    Docs { summary, description: paragraphs.collect::<Vec<_>>().join("\n\n") }
+}
+
+/// The same, with what stands below the table. None of that is a summary.
+fn with_remarks(docs: Docs, remarks: &[&Text]) -> Docs {
+    let description = [docs.description.as_str()].into_iter().chain(texts(remarks));
+    let description: Vec<&str> = description.filter(|text| !text.is_empty()).collect();
+    Docs { description: description.join("\n\n"), ..docs }
+}
+
+fn texts<'t>(paragraphs: &[&'t Text]) -> impl Iterator<Item = &'t str> {
+    paragraphs.iter().map(|text| text.as_str())
+}
+
+/// An expression for a message about it.
+fn shown(expression: &Written) -> String {
+    match &expression.kind {
+        ExpressionKind::Any => "any".to_owned(),
+        ExpressionKind::Null => "null".to_owned(),
+        ExpressionKind::Boolean => "boolean".to_owned(),
+        ExpressionKind::Integer => "integer".to_owned(),
+        ExpressionKind::Number => "number".to_owned(),
+        ExpressionKind::String => "string".to_owned(),
+        ExpressionKind::Named(name) => name.clone(),
+        ExpressionKind::List(inner) => format!("list of {}", shown(inner)),
+        ExpressionKind::Map(inner) => format!("map of {}", shown(inner)),
+        ExpressionKind::Either(all) => all.iter().map(shown).collect::<Vec<_>>().join(" or "),
+        ExpressionKind::OneOf(_) => "a constant".to_owned(),
+    }
+}

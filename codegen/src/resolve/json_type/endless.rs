@@ -1,0 +1,148 @@
+//! Types that hold themselves with nothing to end it.
+
+use crate::diagnostic::{Diagnostic, Problem};
+use crate::schema::json_type::{Definition, Expression, JsonType, Member};
+
+/// So many cycles are reported; where there are more, they have much in common.
+const MAX_REPORTED: usize = 20;
+
+/// A type stands for no more types than this, through all names in it.
+const MAX_MEANT: usize = 256;
+
+/// A path longer than twice this is shown by its ends.
+const MAX_PATH_END: usize = 8;
+
+/// Reports types whose values never end, and names that stand for themselves. `first` is the id of the first type.
+pub(super) fn check(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
+    let mut diagnostics = cycles(types, first, |definition| match definition {
+        Definition::Object(object) => needed_by_members(&object.fields),
+        Definition::Tuple(elements) => needed_by_members(elements),
+        Definition::Set(_) => Vec::new(),
+        Definition::Named(found) => needed(&found.ty),
+    });
+    if diagnostics.is_empty() {
+        // `A` is `null or A`: a value that ends, but there is no telling by what a reader should go.
+        diagnostics = cycles(types, first, |definition| match definition {
+            Definition::Named(found) => meant(&found.ty),
+            _ => Vec::new(),
+        });
+    }
+    if diagnostics.is_empty() {
+        diagnostics = check_size(types, first);
+    }
+    diagnostics
+}
+
+/// Reports names that stand for names, and those for others, until they are too many. There is no cycle among them.
+fn check_size(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
+    let mut diagnostics = Vec::new();
+    // By type, for how many it stands; 0 where that isn't known yet.
+    let mut sizes = vec![0_usize; types.len()];
+    for start in 0..types.len() {
+        let mut open = vec![start];
+        while let Some(at) = open.last().copied() {
+            let steps: Vec<usize> = match &types[at].definition {
+                Definition::Named(found) => meant(&found.ty).iter().map(|id| (id - first) as usize).collect(),
+                _ => Vec::new(),
+            };
+            let unknown: Vec<usize> = steps.iter().copied().filter(|step| sizes[*step] == 0).collect();
+            if !unknown.is_empty() {
+                open.extend(unknown);
+                continue;
+            }
+            open.pop();
+            if sizes[at] > 0 {
+                continue;
+            }
+            sizes[at] = steps.iter().map(|step| sizes[*step]).fold(1, usize::saturating_add);
+            if sizes[at] > MAX_MEANT {
+                let problem = Problem::TooManyParts {
+                    name: types[at].name.clone(),
+                    what: "alternatives, with those of the names in it",
+                    max: MAX_MEANT,
+                };
+                diagnostics.push(Diagnostic::new(problem, types[at].span));
+                // What stands for it isn't to blame.
+                sizes[at] = 1;
+            }
+        }
+    }
+    diagnostics
+}
+
+fn needed_by_members(members: &[Member]) -> Vec<u32> {
+    members.iter().filter(|member| member.is_required).flat_map(|member| needed(&member.typed.ty)).collect()
+}
+
+/// The types of which any value holds one.
+fn needed(expression: &Expression) -> Vec<u32> {
+    match expression {
+        Expression::Named(id) => vec![id.0],
+        Expression::Either(alternatives) => {
+            let all: Vec<Vec<u32>> = alternatives.iter().map(needed).collect();
+            if all.iter().any(Vec::is_empty) { Vec::new() } else { all.concat() }
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// The types whose values are values of this, too.
+fn meant(expression: &Expression) -> Vec<u32> {
+    match expression {
+        Expression::Named(id) => vec![id.0],
+        Expression::Either(alternatives) => alternatives.iter().flat_map(meant).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// A diagnostic for each cycle that steps from a type to others make.
+fn cycles(types: &[JsonType], first: u32, steps: impl Fn(&Definition) -> Vec<u32>) -> Vec<Diagnostic> {
+    let steps: Vec<Vec<usize>> = types
+        .iter()
+        .map(|found| steps(&found.definition).into_iter().map(|id| (id - first) as usize).collect())
+        .collect();
+    let mut diagnostics = Vec::new();
+    let mut is_done = vec![false; types.len()];
+    let mut is_open = vec![false; types.len()];
+    for start in 0..types.len() {
+        // The types from `start` to here, each with the number of its steps that were taken.
+        let mut path: Vec<(usize, usize)> = Vec::new();
+        if !is_done[start] {
+            path.push((start, 0));
+            is_open[start] = true;
+        }
+        while let Some((at, taken)) = path.last_mut() {
+            let Some(next) = steps[*at].get(*taken).copied() else {
+                is_done[*at] = true;
+                is_open[*at] = false;
+                path.pop();
+                continue;
+            };
+            *taken += 1;
+            if is_open[next] && diagnostics.len() >= MAX_REPORTED {
+                return diagnostics;
+            }
+            if is_open[next] {
+                let from = path.iter().position(|(index, _)| *index == next).unwrap_or(0);
+                diagnostics.push(report(types, path[from..].iter().map(|(index, _)| *index)));
+            } else if !is_done[next] {
+                is_open[next] = true;
+                path.push((next, 0));
+            }
+        }
+    }
+    diagnostics
+}
+
+fn report(types: &[JsonType], cycle: impl Iterator<Item = usize>) -> Diagnostic {
+    let found: Vec<&JsonType> = cycle.map(|index| &types[index]).collect();
+    let mut names: Vec<&str> = found.iter().chain(&found[..1]).map(|found| found.name.as_str()).collect();
+    if names.len() > 2 * MAX_PATH_END {
+        names.splice(MAX_PATH_END..names.len() - MAX_PATH_END, ["…"]);
+    }
+    let mut diagnostic = Diagnostic::new(Problem::EndlessType { path: names.join(" → ") }, found[0].span);
+    for other in found.iter().skip(1).take(MAX_PATH_END) {
+        diagnostic = diagnostic.with_related(other.span, "by way of this");
+    }
+    diagnostic
+}

@@ -1,0 +1,396 @@
+//! Parts of files to messages: fields, constants, groups, topics, and what annotations say of them.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use uavspec_runtime::Scalar;
+
+use super::package::PackageSource;
+use super::resolver::{PendingEnum, Resolver, id};
+use crate::diagnostic::{Diagnostic, Problem};
+use crate::msg::annotation::{Note, Prefix, SpecialValue, Statement};
+use crate::msg::ast::{self, ConstantType, Item, Line, Part};
+use crate::msg::is_identifier;
+use crate::schema::documentation::ItemDocs;
+use crate::schema::{
+    Constant, Dialect, Element, Field, Form, Kind, Parameter, Range, Special, Type, documentation,
+};
+use crate::source::Span;
+use crate::value::Value;
+
+impl<'s> Resolver<'s> {
+    /// Fills in fields, constants, groups and topics of each message.
+    pub(super) fn lower(&mut self, packages: &[PackageSource<'s>]) {
+        self.claimed = vec![BTreeSet::new(); self.schema.messages.len()];
+        for index in 0..self.schema.messages.len() {
+            let origin = self.origins[index];
+            let source = &packages[origin.package];
+            let Form::Msg(dialect) = source.form else { continue };
+            let part = &source.files[origin.file].3.parts[origin.part];
+            self.lower_part(index, part, dialect);
+        }
+    }
+
+    fn lower_part(&mut self, index: usize, part: &Part<'s>, dialect: Dialect) {
+        let commentary = documentation::read(part, dialect);
+        let duplicates = self.duplicates(part);
+        // Before all fields: an annotation may name a constant that stands below.
+        self.constants = part
+            .lines
+            .iter()
+            .filter_map(constant)
+            .map(|found| (found.name.text, found.value.clone()))
+            .collect();
+        let items = part.lines.iter().filter(|line| line.item.is_some());
+        for (line, docs) in items.zip(commentary.items) {
+            match line.item.as_deref() {
+                Some(Item::Field(field)) if !duplicates.contains(&field.name.span) => {
+                    self.field(index, line, field, docs);
+                }
+                Some(Item::Constant(constant)) if !duplicates.contains(&constant.name.span) => {
+                    self.constant(index, line, constant, docs);
+                }
+                _ => {}
+            }
+        }
+        let message = &mut self.schema.messages[index];
+        message.docs = commentary.docs;
+        message.groups = commentary.groups;
+        if dialect == Dialect::Px4 && message.kind == Kind::Message {
+            self.topics(index, &commentary.topics);
+            self.known_constants(index);
+        }
+        self.counts(index, part);
+    }
+
+    /// The second and further declarations of a name, by its place.
+    fn duplicates(&mut self, part: &Part<'s>) -> BTreeSet<Span> {
+        let mut fields: HashMap<&str, Span> = HashMap::new();
+        let mut constants: HashMap<&str, Span> = HashMap::new();
+        let mut duplicates = BTreeSet::new();
+        for item in part.lines.iter().filter_map(|line| line.item.as_deref()) {
+            let (known, name, whole) = match item {
+                Item::Field(field) => (&mut fields, field.name, field.ty.span.to(field.name.span)),
+                Item::Constant(constant) => {
+                    (&mut constants, constant.name, constant.name.span.to(constant.value_span))
+                }
+            };
+            let Some(first) = known.get(name.text) else {
+                known.insert(name.text, whole);
+                continue;
+            };
+            let problem = match item {
+                Item::Field(_) => Problem::DuplicateField { name: name.text.to_owned() },
+                Item::Constant(_) => Problem::DuplicateConstant { name: name.text.to_owned() },
+            };
+            self.diagnostics.push(Diagnostic::new(problem, name.span).with_related(*first, "the first one"));
+            duplicates.insert(name.span);
+        }
+        duplicates
+    }
+
+    fn field(&mut self, index: usize, line: &Line<'s>, field: &ast::Field<'s>, docs: ItemDocs) {
+        let Some(ty) = self.field_type(index, &field.ty) else { return };
+        let mut lowered = Field {
+            name: field.name.text.to_owned(),
+            ty,
+            default: field.default.clone(),
+            description: docs.description,
+            group: docs.group,
+            unit: None,
+            range: None,
+            invalid: None,
+            uncontrolled: None,
+            attributes: BTreeMap::new(),
+            enum_prefixes: Vec::new(),
+            enumeration: None,
+            counts: None,
+            span: field.ty.span.to(field.name.span),
+        };
+        if let Some(note) = note(line) {
+            self.annotate(index, &mut lowered, note);
+        }
+        self.schema.messages[index].fields.push(lowered);
+    }
+
+    fn field_type(&mut self, index: usize, ty: &ast::Type<'s>) -> Option<Type> {
+        let element = match ty.element {
+            ast::Element::Scalar(scalar) => Element::Scalar(scalar),
+            ast::Element::String { wide, bound } => Element::String { wide, bound },
+            ast::Element::Message { package, name } => {
+                Element::Message(self.reference(index, package, name, ty.span)?)
+            }
+        };
+        Some(Type { element, shape: ty.shape })
+    }
+
+    fn annotate(&mut self, index: usize, field: &mut Field, note: &Note<'s>) {
+        for annotation in &note.annotations {
+            match &annotation.statement {
+                Statement::Unit(unit) => field.unit = Some((*unit).to_owned()),
+                Statement::Range { low, high } => {
+                    for bound in [low, high] {
+                        self.check_value(bound.as_ref(), field.ty, annotation.span);
+                    }
+                    field.range = Some(range(low.as_ref(), high.as_ref()));
+                }
+                Statement::Invalid(special) => {
+                    field.invalid = self.special(special, field.ty, annotation.span);
+                }
+                Statement::Uncontrolled(special) => {
+                    field.uncontrolled = self.special(special, field.ty, annotation.span);
+                }
+                Statement::Attribute(attribute, text) => {
+                    field.attributes.insert(attribute.name, (*text).to_owned());
+                }
+                // A count is resolved with the whole message: the array may stand below. Pages alone have the others.
+                Statement::Count(_)
+                | Statement::Length { .. }
+                | Statement::Unique
+                | Statement::Pattern(_)
+                | Statement::Format(_) => {}
+                Statement::Enum(prefixes) | Statement::Flags(prefixes) => {
+                    field.enum_prefixes = prefixes.iter().map(prefix_text).collect();
+                    let is_flags = matches!(annotation.statement, Statement::Flags(_));
+                    if let Some(owner) = self.enum_owner(index, prefixes, annotation.span) {
+                        let prefixes: Vec<String> =
+                            prefixes.iter().map(|prefix| prefix.prefix.to_owned()).collect();
+                        self.claimed[owner.0 as usize].extend(prefixes.iter().cloned());
+                        let field = self.schema.messages[index].fields.len();
+                        self.pending.push(PendingEnum {
+                            message: index,
+                            field,
+                            owner,
+                            prefixes,
+                            is_flags,
+                            span: annotation.span,
+                        });
+                    }
+                }
+            }
+        }
+    }
+
+    fn special(
+        &mut self,
+        special: &crate::msg::annotation::Special<'s>,
+        ty: Type,
+        span: Span,
+    ) -> Option<Special> {
+        let text = special.text.to_owned();
+        let value = match &special.value {
+            SpecialValue::Empty => None,
+            SpecialValue::Number(value) => Some(value.clone()),
+            SpecialValue::Name(name) => {
+                let Some(value) = self.constants.get(name).cloned() else {
+                    let problem = Problem::UnknownConstant { name: (*name).to_owned() };
+                    self.report(Diagnostic::new(problem, span));
+                    return None;
+                };
+                Some(value)
+            }
+        };
+        self.check_value(value.as_ref(), ty, span);
+        Some(Special { value, text })
+    }
+
+    /// A field can hold what its annotations say of its values.
+    fn check_value(&mut self, value: Option<&Value>, ty: Type, span: Span) {
+        if let (Some(value), Element::Scalar(scalar)) = (value, ty.element)
+            && !can_hold(scalar, value)
+        {
+            let problem =
+                Problem::AnnotationValueType { text: value.to_string(), type_name: scalar.name().to_owned() };
+            self.report(Diagnostic::new(problem, span));
+        }
+    }
+
+    fn constant(&mut self, index: usize, line: &Line<'s>, constant: &ast::Constant<'s>, docs: ItemDocs) {
+        let parameters = note(line).map_or(&[][..], |note| note.parameters.as_slice());
+        let parameters = parameters.iter().map(|note| self.parameter(index, note)).collect();
+        self.schema.messages[index].constants.push(Constant {
+            name: constant.name.text.to_owned(),
+            ty: match constant.ty {
+                ConstantType::Scalar(scalar) => Element::Scalar(scalar),
+                ConstantType::String { wide } => Element::String { wide, bound: None },
+            },
+            value: constant.value.clone(),
+            description: docs.description,
+            parameters,
+            group: docs.group,
+            span: constant.name.span.to(constant.value_span),
+        });
+    }
+
+    fn parameter(&mut self, index: usize, note: &Note<'s>) -> Parameter {
+        let mut parameter = Parameter {
+            unit: None,
+            range: None,
+            invalid: None,
+            enum_prefixes: Vec::new(),
+            description: note.text.as_ref().to_owned(),
+        };
+        let number = Type { element: Element::Scalar(Scalar::Float64), shape: ast::Shape::Single };
+        for annotation in &note.annotations {
+            match &annotation.statement {
+                Statement::Unit(unit) => parameter.unit = Some((*unit).to_owned()),
+                Statement::Range { low, high } => parameter.range = Some(range(low.as_ref(), high.as_ref())),
+                Statement::Invalid(special) => {
+                    parameter.invalid = self.special(special, number, annotation.span);
+                }
+                Statement::Enum(prefixes) | Statement::Flags(prefixes) => {
+                    parameter.enum_prefixes = prefixes.iter().map(prefix_text).collect();
+                    self.claimed[index].extend(prefixes.iter().map(|prefix| prefix.prefix.to_owned()));
+                }
+                Statement::Uncontrolled(_)
+                | Statement::Attribute(..)
+                | Statement::Count(_)
+                | Statement::Length { .. }
+                | Statement::Unique
+                | Statement::Pattern(_)
+                | Statement::Format(_) => {}
+            }
+        }
+        parameter
+    }
+
+    fn topics(&mut self, index: usize, listed: &[(&str, Span)]) {
+        let mut topics: Vec<String> = Vec::new();
+        let mut first: HashMap<&str, Span> = HashMap::new();
+        for (topic, span) in listed {
+            let name = (*topic).to_owned();
+            if !is_identifier(topic) {
+                self.report(Diagnostic::new(Problem::InvalidTopic { topic: name }, *span));
+            } else if let Some(earlier) = first.get(topic) {
+                let diagnostic = Diagnostic::new(Problem::DuplicateTopic { topic: name }, *span);
+                self.report(diagnostic.with_related(*earlier, "the first one"));
+            } else {
+                first.insert(topic, *span);
+                topics.push(name);
+            }
+        }
+        let message = &mut self.schema.messages[index];
+        if listed.is_empty() {
+            topics.push(default_topic(&message.name));
+        }
+        message.topics = topics;
+    }
+
+    /// `MESSAGE_VERSION` and `ORB_QUEUE_LENGTH`, which PX4 knows by name.
+    fn known_constants(&mut self, index: usize) {
+        for (what, least) in [("MESSAGE_VERSION", 0), ("ORB_QUEUE_LENGTH", 1)] {
+            let message = &mut self.schema.messages[index];
+            let Some(constant) = message.constants.iter().find(|constant| constant.name == what) else {
+                continue;
+            };
+            let value = constant
+                .value
+                .as_int()
+                .and_then(|value| u32::try_from(value).ok())
+                .filter(|value| *value >= least);
+            let span = constant.span;
+            match what {
+                "MESSAGE_VERSION" => message.version = value,
+                _ => message.queue_length = value,
+            }
+            if value.is_none() {
+                self.report(Diagnostic::new(Problem::InvalidVersion { what, least }, span));
+            }
+        }
+    }
+
+    /// Which fields count the entries in use of an array: as annotated, else by their names.
+    fn counts(&mut self, index: usize, part: &Part<'s>) {
+        let fields = &self.schema.messages[index].fields;
+        let places: HashMap<Span, usize> =
+            fields.iter().enumerate().map(|(at, field)| (field.span, at)).collect();
+        let arrays: HashMap<String, usize> = fields
+            .iter()
+            .enumerate()
+            .filter(|(_, field)| field.ty.shape != ast::Shape::Single)
+            .map(|(at, field)| (field.name.clone(), at))
+            .collect();
+        for line in &part.lines {
+            let (Some(Item::Field(field)), Some(note)) = (line.item.as_deref(), note(line)) else { continue };
+            let Some(at) = places.get(&field.ty.span.to(field.name.span)) else { continue };
+            for annotation in &note.annotations {
+                if let Statement::Count(target) = annotation.statement {
+                    self.count(index, *at, target, &arrays, annotation.span);
+                }
+            }
+        }
+        for field in &mut self.schema.messages[index].fields {
+            let counted = field.name.strip_prefix("num_").or_else(|| field.name.strip_suffix("_count"));
+            if field.counts.is_none() && is_count(field.ty) {
+                field.counts = counted.and_then(|counted| arrays.get(counted)).copied();
+            }
+        }
+    }
+
+    fn count(
+        &mut self,
+        index: usize,
+        field: usize,
+        target: &str,
+        arrays: &HashMap<String, usize>,
+        span: Span,
+    ) {
+        let message = &mut self.schema.messages[index];
+        let ty = message.fields[field].ty;
+        let problem = match arrays.get(target) {
+            None => Problem::UnknownCountTarget { name: target.to_owned() },
+            Some(_) if !is_count(ty) => Problem::CountOnNonInteger {
+                type_name: self.schema.type_text(self.schema.message(id(index)), ty),
+            },
+            Some(array) => {
+                message.fields[field].counts = Some(*array);
+                return;
+            }
+        };
+        self.report(Diagnostic::new(problem, span));
+    }
+}
+
+fn constant<'l, 's>(line: &'l Line<'s>) -> Option<&'l ast::Constant<'s>> {
+    match line.item.as_deref() {
+        Some(Item::Constant(constant)) => Some(constant),
+        _ => None,
+    }
+}
+
+fn note<'l, 's>(line: &'l Line<'s>) -> Option<&'l Note<'s>> {
+    line.comment.as_ref()?.note.as_ref()
+}
+
+fn range(low: Option<&Value>, high: Option<&Value>) -> Range {
+    Range { low: low.cloned(), high: high.cloned() }
+}
+
+fn prefix_text(prefix: &Prefix<'_>) -> String {
+    prefix.message.map_or_else(|| prefix.prefix.to_owned(), |message| format!("{message}.{}", prefix.prefix))
+}
+
+fn is_count(ty: Type) -> bool {
+    let is_integer = matches!(ty.element, Element::Scalar(scalar) if scalar.integer_bounds().is_some());
+    is_integer && ty.shape == ast::Shape::Single
+}
+
+fn can_hold(scalar: Scalar, value: &Value) -> bool {
+    match (scalar.integer_bounds(), value) {
+        (Some((least, greatest)), Value::Int(value)) => (least..=greatest).contains(value),
+        (Some(_), Value::Float(value)) => value.fract() == 0.0,
+        (None, _) => scalar != Scalar::Bool || matches!(value, Value::Int(0 | 1) | Value::Bool(_)),
+        (Some(_), _) => false,
+    }
+}
+
+/// The topic of a message that lists none: PX4 puts `_` before every capital but the first.
+pub(crate) fn default_topic(name: &str) -> String {
+    let mut topic = String::with_capacity(name.len() + 4);
+    for (at, character) in name.char_indices() {
+        if at > 0 && character.is_ascii_uppercase() {
+            topic.push('_');
+        }
+        topic.push(character.to_ascii_lowercase());
+    }
+    topic
+}

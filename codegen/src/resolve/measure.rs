@@ -1,0 +1,86 @@
+//! Layouts, sizes and hashes, and the limits on them.
+
+use super::resolver::{Resolver, id, nested_ids};
+use crate::diagnostic::{Diagnostic, Problem};
+use crate::msg::ast;
+use crate::schema::fingerprint::MAX_NESTED_FIELDS;
+use crate::schema::layout::MAX_MESSAGE_SIZE;
+use crate::schema::{MessageId, fingerprint, layout};
+
+/// Most fields that all messages of a run may have together with all that they nest. Their hashes run
+/// over each of them; the largest release of PX4 has some thousands.
+const MAX_NESTED_FIELDS_IN_ALL: u64 = 1 << 22;
+
+impl Resolver<'_> {
+    /// Layouts, sizes, and the limits on both.
+    pub(super) fn measure(&mut self, order: &[MessageId]) {
+        let sizes = layout::cdr(&self.schema, order);
+        let mut nested_fields: Vec<u64> = vec![0; self.schema.messages.len()];
+        let mut in_all = 0_u64;
+        let mut is_too_large = vec![false; self.schema.messages.len()];
+        for id in order {
+            let index = id.0 as usize;
+            let message = &self.schema.messages[index];
+            nested_fields[index] = message.fields.len() as u64;
+            for nested in nested_ids(message) {
+                nested_fields[index] = nested_fields[index].saturating_add(nested_fields[nested.0 as usize]);
+            }
+            let uorb = layout::uorb(&self.schema, message);
+            let size = uorb.as_ref().map_or(0, |layout| layout.size as u64).max(sizes[index].least);
+            // What holds a message that is too large is too large itself: one word is enough.
+            is_too_large[index] = nested_ids(message).any(|nested| is_too_large[nested.0 as usize]);
+            if !is_too_large[index] {
+                let was_over = in_all > MAX_NESTED_FIELDS_IN_ALL;
+                in_all = in_all.saturating_add(nested_fields[index]);
+                let exceeds_all = !was_over && in_all > MAX_NESTED_FIELDS_IN_ALL;
+                is_too_large[index] = !self.fits(index, size, nested_fields[index], exceeds_all);
+            }
+            let message = &mut self.schema.messages[index];
+            message.uorb = uorb;
+            message.cdr = sizes[index];
+        }
+    }
+
+    /// Whether a message is within all limits; reports the first that it isn't within.
+    fn fits(&mut self, index: usize, size: u64, nested_fields: u64, exceeds_all: bool) -> bool {
+        let message = &self.schema.messages[index];
+        let name = message.name.clone();
+        let problem = if size > MAX_MESSAGE_SIZE {
+            Problem::TooLarge { what: format!("the message `{name}`"), max: MAX_MESSAGE_SIZE }
+        } else if nested_fields > MAX_NESTED_FIELDS {
+            Problem::TooManyFields { name, max: MAX_NESTED_FIELDS }
+        } else if exceeds_all {
+            Problem::TooMuchNesting { name, max: MAX_NESTED_FIELDS_IN_ALL }
+        } else {
+            return true;
+        };
+        let largest = message.fields.iter().max_by_key(|field| match field.ty.shape {
+            ast::Shape::Array(length) => length,
+            _ => 1,
+        });
+        let span = largest.map_or(message.span.part(0..0), |field| field.span);
+        self.report(Diagnostic::new(problem, span));
+        false
+    }
+
+    pub(super) fn fingerprints(&mut self) {
+        for index in 0..self.schema.messages.len() {
+            let id = id(index);
+            let hash = fingerprint::message_hash(&self.schema, self.schema.message(id));
+            let type_hash = fingerprint::type_hash(&self.schema, id);
+            let message = &mut self.schema.messages[index];
+            message.hash = hash;
+            message.type_hash = type_hash;
+        }
+        for package in 0..self.schema.packages.len() {
+            let hashes: Vec<Option<String>> = self.schema.packages[package]
+                .interfaces
+                .iter()
+                .map(|interface| fingerprint::service_hash(&self.schema, interface, package))
+                .collect();
+            for (interface, hash) in self.schema.packages[package].interfaces.iter_mut().zip(hashes) {
+                interface.type_hash = hash;
+            }
+        }
+    }
+}

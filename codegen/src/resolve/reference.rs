@@ -1,0 +1,104 @@
+//! Names of types to the messages that they mean, or to what may have been meant.
+
+use uavspec_runtime::Scalar;
+
+use super::resolver::Resolver;
+use crate::diagnostic::{Diagnostic, Problem};
+use crate::schema::{Dialect, Form, MessageId};
+use crate::source::Span;
+
+/// Beyond this many mistakes no similar names are looked for: the search is over all names.
+const MAX_SUGGESTIONS: usize = 100;
+
+/// Names that ROS 2 takes without their package, and where they are defined.
+const WELL_KNOWN: [(&str, &str, &str); 3] = [
+    ("Header", "std_msgs", "Header"),
+    ("time", "builtin_interfaces", "Time"),
+    ("duration", "builtin_interfaces", "Duration"),
+];
+
+/// Types of other languages, and what they are called here.
+const FOREIGN: [(&str, &str); 6] = [
+    ("float", "float32"),
+    ("double", "float64"),
+    ("int", "int32"),
+    ("boolean", "bool"),
+    ("time", "uint64"),
+    ("duration", "uint64"),
+];
+
+/// No similar names are looked for that are longer than this: it takes time and room with the product
+/// of the lengths.
+const MAX_SUGGESTION_LEN: usize = 100;
+
+impl<'s> Resolver<'s> {
+    pub(super) fn reference(
+        &mut self,
+        index: usize,
+        package: Option<&'s str>,
+        name: &'s str,
+        span: Span,
+    ) -> Option<MessageId> {
+        let own = self.schema.messages[index].package;
+        let found = match package {
+            Some(package) => {
+                let Some(package) = self.package_by_name.get(package).copied() else {
+                    self.report(Diagnostic::new(
+                        Problem::UnknownPackage { package: package.to_owned() },
+                        span,
+                    ));
+                    return None;
+                };
+                (package, self.by_name.get(&(package, name)).copied())
+            }
+            None => (own, self.by_name.get(&(own, name)).copied().or_else(|| self.well_known(own, name))),
+        };
+        if let (package, None) = found {
+            let problem = Problem::UnknownType {
+                name: name.to_owned(),
+                package: self.schema.packages[package].name.clone(),
+            };
+            let diagnostic = Diagnostic::new(problem, span);
+            let is_ros2 = self.schema.packages[package].form == Form::Msg(Dialect::Ros2);
+            let well_known = WELL_KNOWN.iter().find(|(short, ..)| is_ros2 && *short == name);
+            let hint = match well_known {
+                Some((_, package, message)) => {
+                    Some(format!("it stands for `{package}/{message}`: add that package to the inputs"))
+                }
+                None => self.similar(package, name).map(|similar| format!("did you mean `{similar}`?")),
+            };
+            self.report(Diagnostic { hint, ..diagnostic });
+        }
+        found.1
+    }
+
+    /// The message behind a name that ROS 2 takes without its package.
+    fn well_known(&self, package: usize, name: &str) -> Option<MessageId> {
+        if self.schema.packages[package].form != Form::Msg(Dialect::Ros2) {
+            return None;
+        }
+        let (_, package, name) = *WELL_KNOWN.iter().find(|(short, ..)| *short == name)?;
+        self.by_name.get(&(*self.package_by_name.get(package)?, name)).copied()
+    }
+
+    /// A known type whose name is close to `name`.
+    fn similar(&mut self, package: usize, name: &str) -> Option<String> {
+        self.suggestions += 1;
+        if self.suggestions > MAX_SUGGESTIONS || name.len() > MAX_SUGGESTION_LEN {
+            return None;
+        }
+        if let Some((_, meant)) = FOREIGN.iter().find(|(foreign, _)| *foreign == name) {
+            return Some((*meant).to_owned());
+        }
+        let messages = &self.schema.packages[package].messages;
+        let mut known: Vec<&str> = messages.iter().map(|id| self.schema.message(*id).name.as_str()).collect();
+        known.extend(Scalar::ALL.map(Scalar::name));
+        known
+            .into_iter()
+            .filter(|known| known.len().abs_diff(name.len()) <= 1 + known.len() / 5)
+            .map(|known| (strsim::damerau_levenshtein(known, name), known))
+            .filter(|(distance, known)| *distance <= 1 + known.len() / 5)
+            .min()
+            .map(|(_, known)| known.to_owned())
+    }
+}

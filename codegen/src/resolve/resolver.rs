@@ -1,0 +1,79 @@
+//! The state of a resolution.
+
+use std::collections::{BTreeSet, HashMap};
+
+use uavspec_runtime::Scalar;
+
+use super::gather::ByPrefix;
+use crate::diagnostic::Diagnostic;
+use crate::schema::{Element, EnumRef, Message, MessageId, Schema};
+use crate::span::Span;
+use crate::value::Value;
+
+/// A field that is annotated with an enum, which is gathered once all constants are known.
+pub(super) struct PendingEnum {
+    /// Index of the message that has the field.
+    pub(super) message: usize,
+    pub(super) field: usize,
+    /// The message that owns the constants.
+    pub(super) owner: MessageId,
+    pub(super) prefixes: Vec<String>,
+    pub(super) is_flags: bool,
+    pub(super) span: Span,
+}
+
+/// Owner, prefixes, type, and whether it is a mask.
+type EnumKey = (MessageId, Vec<String>, Scalar, bool);
+
+#[derive(Default)]
+pub(super) struct Resolver<'s> {
+    pub(super) schema: Schema,
+    pub(super) diagnostics: Vec<Diagnostic>,
+    /// Messages by package and name.
+    pub(super) by_name: HashMap<(usize, &'s str), MessageId>,
+    pub(super) package_by_name: HashMap<String, usize>,
+    /// Where each message comes from, in the order of [`Schema::messages`].
+    pub(super) origins: Vec<Origin>,
+    pub(super) pending: Vec<PendingEnum>,
+    pub(super) claimed: Vec<BTreeSet<String>>,
+    pub(super) suggestions: usize,
+    pub(super) selections: Vec<Option<Vec<(String, Span)>>>,
+    /// The constants of the part that is being lowered.
+    pub(super) constants: HashMap<&'s str, Value>,
+    /// The enums that have been gathered: none where there is nothing to gather.
+    pub(super) gathered: HashMap<EnumKey, Option<EnumRef>>,
+    /// The constants of each message that has enums.
+    pub(super) by_prefix: HashMap<MessageId, ByPrefix>,
+    /// How many members they have.
+    pub(super) members: usize,
+}
+
+#[derive(Clone, Copy)]
+pub(super) struct Origin {
+    pub(super) package: usize,
+    pub(super) file: usize,
+    pub(super) part: usize,
+}
+
+impl Resolver<'_> {
+    pub(super) fn report(&mut self, diagnostic: Diagnostic) {
+        self.diagnostics.push(diagnostic);
+    }
+}
+
+/// The id of the message at `index` of [`Schema::messages`]; there are fewer than bytes of sources.
+pub(super) fn id(index: usize) -> MessageId {
+    MessageId(offset(index))
+}
+
+/// An index into a list that has fewer entries than there are bytes of sources.
+pub(super) fn offset(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(u32::MAX)
+}
+
+pub(super) fn nested_ids(message: &Message) -> impl Iterator<Item = MessageId> {
+    message.fields.iter().filter_map(|field| match field.ty.element {
+        Element::Message(id) => Some(id),
+        Element::Scalar(_) | Element::String { .. } => None,
+    })
+}

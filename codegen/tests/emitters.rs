@@ -1,0 +1,75 @@
+//! The table of emitters, and what follows from it.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use uavspec_codegen::emit::{EMITTERS, Emitter};
+use uavspec_codegen::generate;
+
+/// The mistake in a configuration with this table `output`.
+fn mistake(output: &str) -> String {
+    let folder = tempfile::tempdir().expect("a folder");
+    let config = folder.path().join("uavspec.toml");
+    let package = "[[package]]\nname = \"demo\"\ndialect = \"px4\"\ninclude = [\"*.msg\"]\n";
+    fs::write(&config, format!("{package}[output]\n{output}\n")).expect("a file");
+    fs::write(folder.path().join("Wind.msg"), "uint64 timestamp\n").expect("a file");
+    generate(&config).expect_err(output).to_string()
+}
+
+/// The row of an emitter in the README.
+fn documentation(emitter: &Emitter) -> String {
+    let keys: String = emitter.options.iter().map(|(key, _)| format!(", {key}")).collect();
+    let table = if keys.is_empty() { String::new() } else { format!(", or `{{ path{keys} }}`") };
+    let mut row = format!("| `output.{}` | {}: a folder{table}", emitter.name, emitter.help);
+    for (key, meaning) in emitter.options {
+        let _ = write!(row, "; `{key}` is {meaning}");
+    }
+    row + " |"
+}
+
+#[test]
+fn the_readme_documents_each_output() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../README.md");
+    let readme = fs::read_to_string(path).expect("the README");
+    let found: Vec<&str> = readme.lines().filter(|line| line.starts_with("| `output.")).collect();
+    let expected: Vec<String> = EMITTERS.iter().map(documentation).collect();
+    assert!(found == expected, "expected in README.md:\n{}", expected.join("\n"));
+}
+
+#[test]
+fn a_table_takes_the_options_of_its_row_and_no_others() {
+    for emitter in EMITTERS {
+        let message = mistake(&format!("{} = {{ path = \"out\", bogus = 1 }}", emitter.name));
+        let expected = match emitter.options {
+            [] => "unknown field `bogus`, there are no fields".to_owned(),
+            [(key, _)] => format!("unknown field `bogus`, expected `{key}`"),
+            [(first, _), (second, _)] => format!("unknown field `bogus`, expected `{first}` or `{second}`"),
+            options => {
+                let keys: Vec<String> = options.iter().map(|(key, _)| format!("`{key}`")).collect();
+                format!("unknown field `bogus`, expected one of {}", keys.join(", "))
+            }
+        };
+        assert!(message.contains(&expected), "{}: {message}", emitter.name);
+    }
+}
+
+#[test]
+fn mistakes_in_outputs_are_shown_with_their_place() {
+    for (output, expected) in [
+        (
+            "ruts = \"out\"",
+            ["uavspec.toml:6:1", "unknown field `ruts`, expected one of `rust`, `json_schema`"],
+        ),
+        (
+            "docs = 7",
+            ["uavspec.toml:6:8", "expected a path, or a table of `path`, `title`, `rules`, `contents`"],
+        ),
+        ("docs = {}", ["uavspec.toml:6:8", "expected a path, or a table of `path`, `title`"]),
+        ("python = { path = 1 }", ["uavspec.toml:6:10", "expected a path, or a table of `path`\n"]),
+        ("typescript = { path = \"o\", form = \"c\" }", ["uavspec.toml:6:14", "unknown variant `c`"]),
+    ] {
+        let message = mistake(output);
+        assert!(expected.iter().all(|expected| message.contains(expected)), "{output}: {message}");
+    }
+}

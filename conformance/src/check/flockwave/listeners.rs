@@ -1,0 +1,110 @@
+//! The checks of all rules on sessions, and the records that each of them gets.
+
+use crate::definitions::Definitions;
+use crate::flockwave::session::Exchange;
+use crate::model::{Findings, Place, Rule};
+use crate::rules::RuleContext;
+use crate::rules::flockwave::{Check, Message, RULES, SessionCheck, StatusReport};
+
+/// The checks of all rules.
+pub(in crate::check) struct Listeners<'d> {
+    definitions: &'d Definitions,
+    /// Those that see status reports first.
+    all: Vec<Listener>,
+    /// The number of those that see status reports.
+    on_reports: usize,
+}
+
+/// A check of a rule, and the number of times that it had something to check.
+struct Listener {
+    rule: &'static Rule,
+    running: Running,
+    coverage: u64,
+}
+
+/// A check; of one that keeps a state, the state.
+enum Running {
+    Stateless(Check),
+    Session(Box<dyn SessionCheck>),
+}
+
+/// A record, as the kinds of checks see it.
+struct Views<'v> {
+    exchange: &'v Exchange<'v>,
+    message: Option<Message<'v>>,
+    report: Option<StatusReport<'v>>,
+}
+
+impl<'d> Listeners<'d> {
+    /// The checks of all rules, at the start of a session.
+    pub(in crate::check) fn new(definitions: &'d Definitions) -> Self {
+        let all = RULES.iter().flat_map(|of| {
+            of.checks.iter().map(|check| {
+                let running = match check {
+                    Check::Session(start) => Running::Session(start()),
+                    stateless => Running::Stateless(*stateless),
+                };
+                Listener { rule: &of.rule, running, coverage: 0 }
+            })
+        });
+        let sees_reports = |of: &Listener| {
+            matches!(of.running, Running::Session(_) | Running::Stateless(Check::StatusReport(_)))
+        };
+        let (mut all, others): (Vec<Listener>, Vec<Listener>) = all.partition(sees_reports);
+        let on_reports = all.len();
+        all.extend(others);
+        Self { definitions, all, on_reports }
+    }
+
+    /// A record.
+    pub(in crate::check) fn record(&mut self, exchange: &Exchange<'_>, findings: &mut Findings) {
+        let (message, report) = (Message::of(exchange), StatusReport::of(exchange));
+        let views = Views { exchange, message, report };
+        views.show(&mut self.all, self.definitions, findings);
+    }
+
+    /// A status report whose message was checked already.
+    pub(in crate::check) fn checked_report(&mut self, exchange: &Exchange<'_>, findings: &mut Findings) {
+        let views = Views { exchange, message: None, report: StatusReport::of(exchange) };
+        views.show(&mut self.all[..self.on_reports], self.definitions, findings);
+    }
+
+    /// Something is unreadable, and records may be missing.
+    pub(in crate::check) fn damage(&mut self, place: Place) {
+        for listener in &mut self.all {
+            if let Running::Session(state) = &mut listener.running {
+                state.damage(place);
+            }
+        }
+    }
+
+    /// The end of the capture.
+    pub(in crate::check) fn end(&mut self, findings: &mut Findings) {
+        let definitions = self.definitions;
+        for Listener { rule, running, coverage } in &mut self.all {
+            if let Running::Session(state) = running {
+                state.end(&mut RuleContext { rule, definitions, findings: &mut *findings, coverage });
+            }
+            findings.exercise(rule, *coverage);
+        }
+    }
+}
+
+impl Views<'_> {
+    /// Shows each listener what its kind sees.
+    fn show(&self, listeners: &mut [Listener], definitions: &Definitions, findings: &mut Findings) {
+        for Listener { rule, running, coverage } in listeners {
+            let mut context = RuleContext { rule, definitions, findings: &mut *findings, coverage };
+            match (running, &self.message, &self.report) {
+                (Running::Stateless(Check::Message(check)), Some(message), _) => check(message, &mut context),
+                (Running::Stateless(Check::Exchange(check)), _, None) => check(self.exchange, &mut context),
+                (Running::Stateless(Check::StatusReport(check)), _, Some(report)) => {
+                    check(report, &mut context);
+                }
+                (Running::Session(state), _, Some(report)) => state.status_report(report, &mut context),
+                (Running::Session(state), _, None) => state.exchange(self.exchange, &mut context),
+                (Running::Stateless(_), ..) => {}
+            }
+        }
+    }
+}

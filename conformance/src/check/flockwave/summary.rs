@@ -1,0 +1,132 @@
+//! The summary of a recorded session.
+
+use std::collections::BTreeMap;
+
+use serde::{Serialize, Serializer};
+use uavspec_codegen::emit::docs::markdown::plural;
+
+use crate::check::summary::names;
+use crate::check::{Describe, Line, MAX_LISTED, Totals};
+use crate::text::{Grouped, shown};
+
+type Types = BTreeMap<String, TypeCount>;
+
+/// The summary of a recorded session.
+#[derive(Clone, Debug, Default, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema), schemars(rename = "Flockwave"))]
+pub struct FlockwaveSummary {
+    /// The number of connections.
+    pub connections: usize,
+    /// The number of requests, of clients and of the server.
+    pub requests: u64,
+    /// The number of responses.
+    pub responses: u64,
+    /// The number of notifications of the server.
+    pub notifications: u64,
+    /// The types of its messages that the definitions have, by name.
+    #[serde(serialize_with = "rows")]
+    #[cfg_attr(test, schemars(with = "Vec<Row>"))]
+    pub types: Types,
+    /// The types that the definitions don't have: their bodies aren't checked. By name; programs get those of the server.
+    #[serde(rename = "unsupported", serialize_with = "rows_of_server")]
+    #[cfg_attr(test, schemars(with = "Vec<Row>"))]
+    pub unknown: Types,
+    /// The number of messages of further types, which aren't counted by name.
+    pub uncounted: u64,
+}
+
+/// The number of messages of a type.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TypeCount {
+    /// From clients.
+    pub out: u64,
+    /// From the server.
+    pub incoming: u64,
+}
+
+/// A type of messages of Flockwave.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema), schemars(rename = "FlockwaveType"))]
+struct Row<'t> {
+    /// Its name, such as `UAV-INF`.
+    name: &'t str,
+    /// The number of messages that clients sent.
+    from_client: u64,
+    /// The number of messages that the server sent.
+    from_server: u64,
+}
+
+impl<'t> Row<'t> {
+    fn of((name, count): (&'t String, &TypeCount)) -> Self {
+        Self { name, from_client: count.out, from_server: count.incoming }
+    }
+
+    fn total(&self) -> u64 {
+        self.from_client + self.from_server
+    }
+
+    fn text(&self) -> String {
+        let (from_server, from_client) = (Grouped(self.from_server), Grouped(self.from_client));
+        format!("{}: {from_server} from the server, {from_client} from clients", shown(self.name))
+    }
+}
+
+fn rows<S: Serializer>(types: &Types, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(types.iter().map(Row::of))
+}
+
+fn rows_of_server<S: Serializer>(types: &Types, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(of_server(types))
+}
+
+/// The types that the server sent: the requests of a client, which may be sent to provoke errors, aren't checked.
+fn of_server(types: &Types) -> Vec<Row<'_>> {
+    types.iter().map(Row::of).filter(|row| row.from_server > 0).collect()
+}
+
+/// The types with the most messages.
+fn frequent(mut rows: Vec<Row<'_>>) -> String {
+    rows.sort_by_key(|row| std::cmp::Reverse(row.total()));
+    let told =
+        rows.iter().take(MAX_LISTED).map(|row| format!("{} {}", shown(row.name), Grouped(row.total())));
+    if rows.is_empty() { "none".to_owned() } else { told.collect::<Vec<_>>().join(", ") }
+}
+
+impl Describe for FlockwaveSummary {
+    fn facts(&self, totals: Totals) -> Vec<String> {
+        vec![
+            "Flockwave".to_owned(),
+            plural(self.connections as u64, "connection"),
+            totals.duration(),
+            plural(self.requests, "request"),
+            plural(self.responses, "response"),
+            plural(self.notifications, "notification"),
+        ]
+    }
+
+    fn lines(&self) -> Vec<Line> {
+        let text = format!(
+            "{}, the most frequent: {}",
+            self.types.len(),
+            frequent(self.types.iter().map(Row::of).collect())
+        );
+        let details = self.types.iter().map(|one| Row::of(one).text()).collect();
+        let mut lines = vec![Line { details, ..Line::new("types", text) }];
+        let unsupported = of_server(&self.unknown);
+        if !unsupported.is_empty() || self.uncounted > 0 {
+            let messages = unsupported.iter().map(Row::total).sum::<u64>() + self.uncounted;
+            let text = format!(
+                "{} of types that the definitions don't have: {}",
+                plural(messages, "message"),
+                names(unsupported.iter().map(|row| row.name)),
+            );
+            let details = unsupported.iter().map(Row::text).collect();
+            lines.push(Line { details, ..Line::new("unsupported", text) });
+        }
+        lines
+    }
+
+    fn is_session(&self) -> bool {
+        true
+    }
+}

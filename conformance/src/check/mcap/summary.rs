@@ -1,0 +1,147 @@
+//! The summary of a file of MCAP.
+
+use serde::{Serialize, Serializer};
+use uavspec_codegen::emit::docs::markdown::plural;
+
+use super::open::{Basis, McapChannel, Standing};
+use crate::check::{Describe, Line, List, Totals};
+use crate::px4::comparison::Comparison;
+use crate::px4::json::Dialects;
+use crate::text::{Grouped, shown};
+
+/// The summary of a file of MCAP.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema), schemars(rename = "Mcap"))]
+pub struct McapSummary {
+    /// The profile, such as `ros2`.
+    pub profile: String,
+    /// The library that wrote it.
+    pub library: String,
+    /// The channels, by topic.
+    #[serde(serialize_with = "rows")]
+    #[cfg_attr(test, schemars(with = "Vec<Row>"))]
+    pub channels: Vec<McapChannel>,
+    /// The ways in which its JSON differs from the published schemas that are accepted.
+    pub dialects: Dialects,
+}
+
+/// A channel of MCAP, with the schema or name that it was checked by.
+#[derive(Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema), schemars(rename = "McapChannel"))]
+struct Row<'c> {
+    /// The topic.
+    topic: &'c str,
+    /// The encoding of its messages, such as `cdr`.
+    encoding: &'c str,
+    /// The name of its schema.
+    schema: Option<&'c str>,
+    /// The language of its schema, such as `ros2msg`.
+    schema_encoding: Option<&'c str>,
+    /// The number of messages.
+    messages: u64,
+    /// The number of messages in kinds of CDR that aren't checked: parameter lists, or version 2.
+    other_cdr: u64,
+    /// The result of comparing its schema with the definition.
+    result: ChannelResult,
+    /// The differences, or the reason why nothing could be compared; may be empty.
+    message: String,
+}
+
+/// The result of comparing the schema of a channel with its definition.
+#[derive(Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+enum ChannelResult {
+    /// All fields have equal types and the same order.
+    Equal,
+    /// Something differs.
+    Differs,
+    /// There is no schema that could be compared: its name, or the topic, identifies the definition.
+    #[serde(rename = "by name")]
+    ByName,
+    /// No definition is known for it.
+    Undefined,
+    /// Its messages are neither CDR nor JSON.
+    Unsupported,
+}
+
+impl<'c> Row<'c> {
+    fn of(channel: &'c McapChannel) -> Self {
+        let (result, message) = match &channel.standing {
+            Standing::Judged(Basis::Compared(comparison)) => match &**comparison {
+                Comparison::Differs(differences) => {
+                    let hash = if channel.has_other_hash { "; its hash is another, too" } else { "" };
+                    (ChannelResult::Differs, format!("{differences}{hash}"))
+                }
+                Comparison::Equal | Comparison::Undefined => (ChannelResult::Equal, String::new()),
+            },
+            Standing::Judged(basis) => (ChannelResult::ByName, basis.problem().unwrap_or_default()),
+            Standing::Undefined => (ChannelResult::Undefined, String::new()),
+            Standing::Unsupported => (ChannelResult::Unsupported, String::new()),
+        };
+        let (schema, schema_encoding) =
+            channel.schema.as_ref().map(|(name, encoding)| (&**name, &**encoding)).unzip();
+        Self {
+            topic: &channel.topic,
+            encoding: &channel.encoding,
+            schema,
+            schema_encoding,
+            messages: channel.messages,
+            other_cdr: channel.other_cdr,
+            result,
+            message,
+        }
+    }
+
+    /// The reason why its messages, or some of them, aren't read.
+    fn not_read(&self) -> Option<String> {
+        match self.result {
+            ChannelResult::Unsupported => Some(format!("messages as `{}`", shown(self.encoding))),
+            _ if self.other_cdr > 0 => {
+                Some(format!("{} messages in CDR that isn't plain version 1", Grouped(self.other_cdr)))
+            }
+            _ => None,
+        }
+    }
+}
+
+fn rows<S: Serializer>(channels: &[McapChannel], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(channels.iter().map(Row::of))
+}
+
+impl Describe for McapSummary {
+    fn facts(&self, totals: Totals) -> Vec<String> {
+        let or = |text: &str, none: &str| if text.is_empty() { none.to_owned() } else { shown(text) };
+        vec![
+            format!("{} ({})", or(&self.profile, "no profile"), or(&self.library, "unknown library")),
+            totals.duration(),
+            plural(self.channels.len() as u64, "channel"),
+            totals.messages(),
+        ]
+    }
+
+    fn lines(&self) -> Vec<Line> {
+        let rows: Vec<Row<'_>> = self.channels.iter().map(Row::of).collect();
+        let of = |wanted| rows.iter().filter(move |row| row.result == wanted);
+        let messages = |wanted| of(wanted).map(|row| (row.topic, shown(&row.message)));
+        let text = format!(
+            "{} of {} channels equal, {} differ, {} without a schema that can be compared, {} not defined",
+            of(ChannelResult::Equal).count(),
+            rows.len(),
+            of(ChannelResult::Differs).count(),
+            of(ChannelResult::ByName).count(),
+            of(ChannelResult::Undefined).count(),
+        );
+        let schema = |row: &Row<'_>| row.schema.map_or_else(|| "no schema".to_owned(), shown);
+        let mut line = Line::new("definitions", text)
+            .list("differs", messages(ChannelResult::Differs))
+            .list("by name", messages(ChannelResult::ByName))
+            .list("not read", rows.iter().filter_map(|row| Some((row.topic, row.not_read()?))))
+            .list("undefined", of(ChannelResult::Undefined).map(|row| (row.topic, schema(row))));
+        line.lists.push(List {
+            label: "dialect",
+            items: self.dialects.iter().map(|one| one.to_string()).collect(),
+        });
+        vec![line]
+    }
+}

@@ -1,0 +1,102 @@
+//! The summary of a capture, in the form that every report prints.
+
+use uavspec_codegen::emit::docs::markdown::plural;
+
+use crate::text::{Grouped, shown};
+
+/// The number of names that a line lists.
+pub const MAX_LISTED: usize = 8;
+
+/// The parts of a summary that reports for people print. All texts are safe to print on one line.
+pub trait Describe {
+    /// The facts of the first line, in order.
+    fn facts(&self, totals: Totals) -> Vec<String>;
+
+    /// The lines below it.
+    fn lines(&self) -> Vec<Line>;
+
+    /// The noun for such a capture.
+    fn noun(&self) -> &'static str {
+        "file"
+    }
+
+    /// True if it is a session, to which other rules apply than to messages of PX4.
+    fn is_session(&self) -> bool {
+        false
+    }
+}
+
+/// The counts that all captures have in common.
+#[derive(Clone, Copy, Debug)]
+pub struct Totals {
+    /// The number of its messages.
+    pub records: u64,
+    /// The time from its first to its last timestamp, in µs.
+    pub duration_us: u64,
+}
+
+/// A line of a summary.
+#[derive(Clone, Debug)]
+pub struct Line {
+    /// A word for the content.
+    pub label: &'static str,
+    /// The content, in short.
+    pub text: String,
+    /// Lists that belong to it.
+    pub lists: Vec<List>,
+    /// The content in full, for reports with enough space; empty if the text says it all.
+    pub details: Vec<String>,
+}
+
+/// A list that belongs to a line.
+#[derive(Clone, Debug)]
+pub struct List {
+    /// A word for each item.
+    pub label: &'static str,
+    /// The items.
+    pub items: Vec<String>,
+}
+
+impl Totals {
+    /// The duration in words.
+    pub fn duration(self) -> String {
+        let seconds = self.duration_us / 1_000_000;
+        match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
+            (0, 0, seconds) => format!("{seconds} s"),
+            (0, minutes, seconds) => format!("{minutes} min {seconds} s"),
+            (hours, minutes, _) => format!("{} h {minutes} min", Grouped(hours)),
+        }
+    }
+
+    /// The number of messages, in words.
+    pub fn messages(self) -> String {
+        plural(self.records, "message")
+    }
+}
+
+impl Line {
+    /// A line without lists.
+    pub fn new(label: &'static str, text: impl Into<String>) -> Self {
+        Self { label, text: text.into(), lists: Vec::new(), details: Vec::new() }
+    }
+
+    /// Adds a list. An item is a subject and what there is to say about it.
+    #[must_use]
+    pub fn list<'i>(
+        mut self,
+        label: &'static str,
+        items: impl IntoIterator<Item = (&'i str, String)>,
+    ) -> Self {
+        let item = |(subject, text): (&str, String)| format!("{}: {text}", shown(subject));
+        self.lists.push(List { label, items: items.into_iter().map(item).collect() });
+        self
+    }
+}
+
+/// The first names of a list, and the number of the others.
+pub(super) fn names<'n>(names: impl ExactSizeIterator<Item = &'n str>) -> String {
+    let more = names.len().saturating_sub(MAX_LISTED);
+    let first: Vec<String> = names.take(MAX_LISTED).map(shown).collect();
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    format!("{}{more}", first.join(", "))
+}

@@ -1,0 +1,454 @@
+//! The check of payloads in memory, and of messages that were read from CDR into memory.
+//!
+//! A plan is made once for each format. The capture states the format, the definition the constraints. Both apply to the
+//! fields that they have in common. A healthy message costs a few comparisons for each constrained field; only
+//! for other messages the violations are worked out.
+
+mod healthy;
+
+use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement, sequence};
+use uavspec_codegen::schema::{MessageId, Restriction, Shape};
+use uavspec_codegen::source::Span;
+use uavspec_runtime::Scalar;
+
+use self::healthy::{Healthy, integer};
+use super::ValueRules;
+use super::values::{Constraint, Coverage, Element, Encoding, FieldPlan, MessagePlan, Plans};
+use crate::model::{Findings, Place, hexadecimal};
+
+/// Most steps of a plan: nested arrays of nested arrays could have any number.
+const MAX_STEPS: usize = 4_096;
+
+/// The checks of a format.
+#[derive(Debug)]
+pub struct Plan {
+    rules: &'static ValueRules,
+    steps: Vec<Step>,
+    /// The number of steps, those of elements of sequences included.
+    size: usize,
+    /// The number of values of a message that each rule covers.
+    coverage: Coverage,
+}
+
+/// The values of a field, all of one kind.
+#[derive(Debug)]
+struct Step {
+    /// The field, as `events[2].id`; an array without an index. Within a sequence, relative to its element.
+    path: String,
+    /// The path without any index, behind the name of the topic: equal findings have it in common.
+    subject: String,
+    offset: usize,
+    count: usize,
+    stride: usize,
+    content: Content,
+    /// The field that says how many of its values are in use, if there is one.
+    count_of_values: Option<Counter>,
+    /// The entries of counted arrays that it lies in.
+    entries: Vec<Entry>,
+}
+
+/// The values of a step.
+#[derive(Debug)]
+enum Content {
+    Values(Values),
+    /// The checks of each element of a sequence: the slot of the sequence lies at the offset of the step.
+    Sequence(Vec<Step>),
+}
+
+/// The constraints on values.
+#[derive(Debug)]
+struct Values {
+    element: Element,
+    restriction: Option<Box<Restriction>>,
+    healthy: Healthy,
+    definition: Option<Span>,
+}
+
+/// A field that says how many entries of an array are in use.
+#[derive(Clone, Copy, Debug)]
+struct Counter {
+    offset: usize,
+    scalar: Scalar,
+}
+
+/// An entry of a counted array.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    counter: Counter,
+    index: usize,
+}
+
+/// A message nested in the message of the plan.
+#[derive(Clone, Copy)]
+struct Within<'w> {
+    /// The offset at which it starts.
+    base: usize,
+    path: &'w str,
+    subject: &'w str,
+    entries: &'w [Entry],
+}
+
+/// Compiles the steps of a format.
+struct Compiler<'c> {
+    plans: &'c Plans,
+    /// The number of steps so far.
+    size: usize,
+    coverage: Coverage,
+}
+
+impl Plan {
+    /// The plan for payloads laid out as `of`, which are messages of the definition `message`. Without a definition only
+    /// the constraints of types are checked. Findings name the topic.
+    pub fn new(of: MessageType<'_>, message: Option<MessageId>, plans: &Plans, topic: &str) -> Self {
+        let mut compiler = Compiler { plans, size: 0, coverage: Coverage::default() };
+        let mut steps = Vec::new();
+        compiler.add(of, message, Within { base: 0, path: "", subject: topic, entries: &[] }, &mut steps);
+        Self { rules: plans.rules, steps, size: compiler.size, coverage: compiler.coverage }
+    }
+
+    /// The space that it takes, in steps: one for each field that is checked.
+    pub fn steps(&self) -> usize {
+        self.size
+    }
+
+    /// Checks a payload that has all fields of its format.
+    pub fn check(&self, payload: &[u8], place: Place, findings: &mut Findings) {
+        Run { payload, place, rules: self.rules, findings }.steps(&self.steps, 0, None);
+    }
+
+    /// Counts what so many messages cover.
+    pub fn count(&self, messages: u64, findings: &mut Findings) {
+        self.coverage.count(messages, findings);
+    }
+}
+
+impl Compiler<'_> {
+    fn add(
+        &mut self,
+        of: MessageType<'_>,
+        message: Option<MessageId>,
+        within: Within<'_>,
+        steps: &mut Vec<Step>,
+    ) {
+        let defined = message.map(|id| self.plans.get(id));
+        for placed in of.layout() {
+            if self.size >= MAX_STEPS {
+                return;
+            }
+            let index =
+                defined.and_then(|message| message.fields.iter().position(|field| field.name == placed.name));
+            let field = defined.zip(index).map(|(message, index)| (message, &message.fields[index]));
+            let counter = field.and_then(|(message, field)| Counter::of(field, message, of, within.base));
+            let field = field.filter(|(message, field)| is_same(placed, field, message));
+            match placed.shape {
+                Shape::Bounded(_) | Shape::Sequence => {
+                    self.sequence(placed, of, field, counter, within, steps);
+                }
+                Shape::Single | Shape::Array(_) => self.field(placed, of, field, counter, within, steps),
+            }
+        }
+    }
+
+    /// A field of fixed size.
+    fn field(
+        &mut self,
+        placed: Placed<'_>,
+        of: MessageType<'_>,
+        field: Option<(&MessagePlan, &FieldPlan)>,
+        counter: Option<Counter>,
+        within: Within<'_>,
+        steps: &mut Vec<Step>,
+    ) {
+        let (path, subject) = within.names(placed.name);
+        let offset = within.base + placed.offset;
+        let PlacedElement::Message(nested) = placed.element else {
+            let Some(values) = Values::of(placed, of, field) else { return };
+            let count = if matches!(values.element, Element::Text(_)) { 1 } else { count(placed.shape) };
+            for rule in values.constraint().rules(Encoding::Memory, self.plans.rules) {
+                self.coverage.add(rule, count as u64);
+            }
+            self.size += 1;
+            steps.push(Step {
+                path,
+                subject,
+                offset,
+                count,
+                stride: placed.stride,
+                content: Content::Values(values),
+                count_of_values: counter,
+                entries: within.entries.to_vec(),
+            });
+            return;
+        };
+        for index in 0..count(placed.shape) {
+            let path = if placed.shape == Shape::Single { path.clone() } else { format!("{path}[{index}]") };
+            let before = steps.len();
+            let entry = counter.map(|counter| Entry { counter, index });
+            let entries: Vec<Entry> = within.entries.iter().copied().chain(entry).collect();
+            let base = offset + index * placed.stride;
+            let within = Within { base, path: &path, subject: &subject, entries: &entries };
+            self.add(nested, nested_id(field), within, steps);
+            // All elements are alike, and there can be millions of them.
+            if steps.len() == before {
+                break;
+            }
+        }
+    }
+
+    /// A sequence: its elements are checked by separate steps. Their number is unknown, so they count for no coverage.
+    fn sequence(
+        &mut self,
+        placed: Placed<'_>,
+        of: MessageType<'_>,
+        field: Option<(&MessagePlan, &FieldPlan)>,
+        counter: Option<Counter>,
+        within: Within<'_>,
+        steps: &mut Vec<Step>,
+    ) {
+        let (path, subject) = within.names(placed.name);
+        let (mut inner, covered) = (Vec::new(), std::mem::take(&mut self.coverage));
+        let element = Within { base: 0, path: "", subject: &subject, entries: &[] };
+        match placed.element {
+            PlacedElement::Message(nested) => self.add(nested, nested_id(field), element, &mut inner),
+            _ => inner.extend(Values::of(placed, of, field).map(|values| Step {
+                path: String::new(),
+                subject: subject.clone(),
+                offset: 0,
+                count: 1,
+                stride: placed.stride,
+                content: Content::Values(values),
+                count_of_values: None,
+                entries: Vec::new(),
+            })),
+        }
+        self.coverage = covered;
+        if inner.is_empty() {
+            return;
+        }
+        self.size += 1;
+        steps.push(Step {
+            path,
+            subject,
+            offset: within.base + placed.offset,
+            count: 1,
+            stride: placed.stride,
+            content: Content::Sequence(inner),
+            count_of_values: counter,
+            entries: within.entries.to_vec(),
+        });
+    }
+}
+
+impl Within<'_> {
+    /// The path and the subject of a field.
+    fn names(self, field: &str) -> (String, String) {
+        let joint = if self.path.is_empty() { "" } else { "." };
+        (format!("{}{joint}{field}", self.path), format!("{}.{field}", self.subject))
+    }
+}
+
+fn nested_id(field: Option<(&MessagePlan, &FieldPlan)>) -> Option<MessageId> {
+    match field?.1.element {
+        Element::Message(id) => Some(id),
+        Element::Scalar(_) | Element::Text(_) | Element::String { .. } => None,
+    }
+}
+
+/// True if a field of a format is this field of the definition.
+fn is_same(placed: Placed<'_>, field: &FieldPlan, message: &MessagePlan) -> bool {
+    match (placed.element, field.element) {
+        (PlacedElement::Scalar(left), Element::Scalar(right)) => left == right && placed.shape == field.shape,
+        // A schema of ROS 2 doesn't tell text from numbers.
+        (PlacedElement::Scalar(Scalar::Char), Element::Text(length)) => {
+            message.has_text && placed.shape == Shape::Array(length)
+        }
+        (PlacedElement::Text(length), Element::Text(room)) => length == room,
+        (PlacedElement::Text(length), Element::Scalar(Scalar::Char)) => field.shape == Shape::Array(length),
+        (PlacedElement::Message(_), Element::Message(_)) => placed.shape == field.shape,
+        _ => false,
+    }
+}
+
+fn count(shape: Shape) -> usize {
+    match shape {
+        Shape::Single => 1,
+        Shape::Array(length) => length as usize,
+        Shape::Bounded(_) | Shape::Sequence => 0,
+    }
+}
+
+impl Counter {
+    /// The field that counts the entries of an array, in a message of the format `of` that starts at `base`.
+    fn of(array: &FieldPlan, message: &MessagePlan, of: MessageType<'_>, base: usize) -> Option<Self> {
+        let field = &message.fields[array.counted_by?];
+        let placed = of.layout().find(|placed| placed.name == field.name && placed.shape == Shape::Single)?;
+        match placed.element {
+            PlacedElement::Scalar(scalar) => Some(Self { offset: base + placed.offset, scalar }),
+            PlacedElement::Text(_) | PlacedElement::String | PlacedElement::Message(_) => None,
+        }
+    }
+
+    /// True if a message, which starts at `base`, uses the entry of this index.
+    fn uses(self, index: usize, base: usize, payload: &[u8]) -> bool {
+        let start = base + self.offset;
+        let count = payload.get(start..start + self.scalar.size());
+        match count.and_then(|count| integer(self.scalar, count)) {
+            Some(count) => usize::try_from(count).map_or(true, |count| index < count),
+            None => true,
+        }
+    }
+}
+
+impl Values {
+    /// The constraints on a field of the format `of`, for which the definition has this one.
+    fn of(
+        placed: Placed<'_>,
+        of: MessageType<'_>,
+        field: Option<(&MessagePlan, &FieldPlan)>,
+    ) -> Option<Self> {
+        let definition = field.map(|(_, field)| field.span);
+        let (element, restriction) = match placed.element {
+            PlacedElement::Scalar(Scalar::Char) if field.is_some_and(|(message, _)| message.has_text) => {
+                (Element::Text(u32::try_from(count(placed.shape)).ok()?), None)
+            }
+            PlacedElement::Scalar(Scalar::Bool) => (Element::Scalar(Scalar::Bool), None),
+            PlacedElement::Text(length) => (Element::Text(length), None),
+            PlacedElement::Scalar(scalar) => {
+                let (message, field) = field?;
+                let mut restriction = Box::new(field.restriction.clone()?);
+                let counted = field.counts.map(|array| &message.fields[array]);
+                // The array has the length of the format; another length than the definition's is no violation.
+                restriction.count = counted.and_then(|array| most(&array.name, of));
+                (Element::Scalar(scalar), Some(restriction))
+            }
+            PlacedElement::String | PlacedElement::Message(_) => return None,
+        };
+        let mut values = Self { element, restriction, healthy: Healthy::Unknown, definition };
+        values.healthy = Healthy::of(values.constraint())?;
+        Some(values)
+    }
+
+    fn constraint(&self) -> Constraint<'_> {
+        Constraint { element: self.element, shape: Shape::Single, restriction: self.restriction.as_deref() }
+    }
+
+    /// The number of bytes of a value.
+    fn width(&self) -> usize {
+        match self.element {
+            Element::Scalar(scalar) => scalar.size(),
+            Element::Text(room) => room as usize,
+            Element::String { .. } | Element::Message(_) => 0,
+        }
+    }
+}
+
+/// The number of entries that the array of a name can have in a format.
+fn most(array: &str, of: MessageType<'_>) -> Option<u32> {
+    let placed = of.layout().find(|placed| placed.name == array)?;
+    match (placed.element, placed.shape) {
+        (PlacedElement::Text(length), _) | (_, Shape::Array(length) | Shape::Bounded(length)) => Some(length),
+        (_, Shape::Single | Shape::Sequence) => None,
+    }
+}
+
+/// The check of one payload.
+struct Run<'r> {
+    payload: &'r [u8],
+    place: Place,
+    rules: &'static ValueRules,
+    findings: &'r mut Findings,
+}
+
+impl Run<'_> {
+    /// Checks the values of a message, or of an element of a sequence, that starts at `base`.
+    fn steps(&mut self, steps: &[Step], base: usize, trail: Option<&Trail<'_>>) {
+        for step in steps {
+            match &step.content {
+                Content::Values(values) => self.values(step, values, base, trail),
+                Content::Sequence(inner) => self.sequence(step, inner, base, trail),
+            }
+        }
+    }
+
+    fn values(&mut self, step: &Step, values: &Values, base: usize, trail: Option<&Trail<'_>>) {
+        let width = values.width();
+        for index in 0..step.count {
+            let start = base + step.offset + index * step.stride;
+            let Some(bytes) = self.payload.get(start..start + width) else { continue };
+            if !values.healthy.holds(bytes) && step.is_in_use(index, values, base, self.payload) {
+                self.explain(step, values, bytes, index, trail);
+            }
+        }
+    }
+
+    fn sequence(&mut self, step: &Step, inner: &[Step], base: usize, trail: Option<&Trail<'_>>) {
+        let (start, length) = sequence(self.payload, base + step.offset);
+        if !step.entries.iter().all(|entry| entry.is_in_use(base, self.payload)) {
+            return;
+        }
+        for index in 0..length {
+            let is_in_use = |counter: Counter| counter.uses(index, base, self.payload);
+            if step.count_of_values.is_none_or(is_in_use) {
+                let trail = Trail { outer: trail, sequence: &step.path, index };
+                self.steps(inner, start + index * step.stride, Some(&trail));
+            }
+        }
+    }
+
+    /// Works out what a value that may be unhealthy violates, and reports it.
+    fn explain(
+        &mut self,
+        step: &Step,
+        values: &Values,
+        bytes: &[u8],
+        index: usize,
+        trail: Option<&Trail<'_>>,
+    ) {
+        let Err(violation) = values.constraint().check_bytes(bytes) else { return };
+        let path = joined(&trail.map(Trail::path).unwrap_or_default(), &step.path);
+        let path = if step.count > 1 { format!("{path}[{index}]") } else { path };
+        let detail = violation.detail(&"", "");
+        // Without an index the subject says it all.
+        let detail = if path.contains('[') { detail.at(path) } else { detail.located(path) };
+        let rule = violation.rule(self.rules);
+        self.findings.report(rule, &step.subject, self.place, values.definition, || {
+            detail.excerpt(hexadecimal(bytes))
+        });
+    }
+}
+
+/// The way to an element of a sequence.
+#[derive(Clone, Copy)]
+struct Trail<'t> {
+    outer: Option<&'t Trail<'t>>,
+    sequence: &'t str,
+    index: usize,
+}
+
+impl Trail<'_> {
+    fn path(&self) -> String {
+        let outer = self.outer.map(Self::path).unwrap_or_default();
+        format!("{}[{}]", joined(&outer, self.sequence), self.index)
+    }
+}
+
+fn joined(prefix: &str, path: &str) -> String {
+    let joint = if prefix.is_empty() || path.is_empty() { "" } else { "." };
+    format!("{prefix}{joint}{path}")
+}
+
+impl Entry {
+    fn is_in_use(&self, base: usize, payload: &[u8]) -> bool {
+        self.counter.uses(self.index, base, payload)
+    }
+}
+
+impl Step {
+    /// True if a value counts: values beyond the entries in use are ignored.
+    fn is_in_use(&self, index: usize, values: &Values, base: usize, payload: &[u8]) -> bool {
+        // The letters of a text are one value.
+        let of_values = self.count_of_values.filter(|_| !matches!(values.element, Element::Text(_)));
+        of_values.is_none_or(|counter| counter.uses(index, base, payload))
+            && self.entries.iter().all(|entry| entry.is_in_use(base, payload))
+    }
+}

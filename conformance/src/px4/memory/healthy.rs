@@ -1,0 +1,120 @@
+//! The fast test of values in memory: most values pass it, and only the others are checked.
+
+use uavspec_codegen::schema::Restriction;
+use uavspec_runtime::{Number, Scalar};
+
+use crate::px4::values::{Constraint, Element, number};
+
+/// Values that surely violate nothing, so most values need no more than two comparisons.
+#[derive(Clone, Debug)]
+pub(super) enum Healthy {
+    /// The bytes 0 and 1.
+    Bool,
+    /// UTF-8 up to a NUL.
+    Text,
+    /// Integers between two bounds.
+    Between(Scalar, i64, i64),
+    /// Bytes of a set.
+    Among(Box<[bool; 256]>),
+    /// Floats between two bounds; NaN has to be checked.
+    Floats(Scalar, f64, f64),
+    /// All have to be checked.
+    Unknown,
+}
+
+impl Healthy {
+    /// Worked out with the constraint itself, which has the last word at the ends of ranges; none if it constrains nothing.
+    pub(super) fn of(constraint: Constraint<'_>) -> Option<Self> {
+        let scalar = match constraint.element {
+            Element::Scalar(Scalar::Bool) => return Some(Self::Bool),
+            Element::Text(_) => return Some(Self::Text),
+            Element::Scalar(scalar) => scalar,
+            Element::String { .. } | Element::Message(_) => return None,
+        };
+        let restriction = constraint.restriction?;
+        if restriction.constraint() == uavspec_runtime::Constraint::NONE {
+            return None;
+        }
+        if let Scalar::UInt8 | Scalar::Byte | Scalar::Char | Scalar::Int8 = scalar {
+            let is_healthy =
+                |byte: usize| u8::try_from(byte).is_ok_and(|byte| constraint.check_bytes(&[byte]).is_ok());
+            return Some(Self::Among(Box::new(std::array::from_fn(is_healthy))));
+        }
+        let is_healthy = |number: Number| constraint.check_number(number).is_ok();
+        let healthy = if scalar.is_float() {
+            Some(Self::floats(scalar, restriction))
+        } else {
+            Self::integers(scalar, restriction)
+        };
+        let are_ends_healthy = match &healthy {
+            Some(Self::Between(_, low, high)) => {
+                [*low, *high].map(|end| Number::Int(end.into())).into_iter().all(is_healthy)
+            }
+            Some(Self::Floats(_, low, high)) => [*low, *high].map(Number::Float).into_iter().all(is_healthy),
+            _ => false,
+        };
+        Some(healthy.filter(|_| are_ends_healthy).unwrap_or(Self::Unknown))
+    }
+
+    fn floats(scalar: Scalar, restriction: &Restriction) -> Self {
+        let bound = |number: Option<Number>, none: f64| match number {
+            None => none,
+            #[allow(clippy::cast_precision_loss)] // what is rounded away is checked
+            Some(Number::Int(value)) => value as f64,
+            Some(Number::Float(value)) => value,
+        };
+        let low = bound(restriction.low, f64::NEG_INFINITY);
+        Self::Floats(scalar, low, bound(restriction.high, f64::INFINITY))
+    }
+
+    fn integers(scalar: Scalar, restriction: &Restriction) -> Option<Self> {
+        let bound = |number: Option<Number>, none: i64| match number {
+            None => Some(none),
+            Some(Number::Int(value)) => i64::try_from(value).ok(),
+            Some(Number::Float(_)) => None,
+        };
+        let high = match (restriction.high, restriction.count) {
+            (None, Some(count)) => Some(Number::Int(count.into())),
+            (high, None) => high,
+            (Some(_), Some(_)) => return None,
+        };
+        let (low, high) = (bound(restriction.low, i64::MIN)?, bound(high, i64::MAX)?);
+        let is_plain = restriction.known.is_none() && scalar != Scalar::UInt64;
+        is_plain.then_some(Self::Between(scalar, low, high))
+    }
+
+    /// True if a value surely violates nothing.
+    pub(super) fn holds(&self, value: &[u8]) -> bool {
+        match self {
+            Self::Bool => value[0] < 2,
+            Self::Text => std::str::from_utf8(until_nul(value)).is_ok(),
+            Self::Between(scalar, low, high) => {
+                integer(*scalar, value).is_some_and(|value| (*low..=*high).contains(&value))
+            }
+            Self::Among(set) => set[usize::from(value[0])],
+            Self::Floats(scalar, low, high) => {
+                float(*scalar, value).is_some_and(|value| *low <= value && value <= *high)
+            }
+            Self::Unknown => false,
+        }
+    }
+}
+
+fn until_nul(text: &[u8]) -> &[u8] {
+    text.iter().position(|byte| *byte == 0).map_or(text, |end| &text[..end])
+}
+
+pub(super) fn integer(scalar: Scalar, bytes: &[u8]) -> Option<i64> {
+    match number(scalar, bytes)? {
+        Number::Int(value) => i64::try_from(value).ok(),
+        Number::Float(_) => None,
+    }
+}
+
+fn float(scalar: Scalar, bytes: &[u8]) -> Option<f64> {
+    match scalar {
+        Scalar::Float32 => Some(f32::from_le_bytes(bytes.try_into().ok()?).into()),
+        Scalar::Float64 => Some(f64::from_le_bytes(bytes.try_into().ok()?)),
+        _ => None,
+    }
+}

@@ -1,0 +1,360 @@
+//! The constraints on single values, compiled once from the definitions: one checker for memory, CDR and JSON.
+//!
+//! An encoding only determines how a value is read. This module holds the constraints, the rule that states each of
+//! them, the texts of violations, and the number of values that each rule covers.
+
+use std::fmt;
+
+use uavspec_codegen::schema::{self, Dialect, Form, MessageId, Restriction, Schema, Shape};
+use uavspec_codegen::source::Span;
+use uavspec_runtime::{Number, Rule as Demand, Scalar};
+
+use crate::model::{Detail, Findings, Rule};
+
+/// The rules on single values, which the checks of values report violations of.
+#[derive(Debug)]
+pub struct ValueRules {
+    /// A bool is 0 or 1.
+    pub bool: &'static Rule,
+    /// Text is UTF-8.
+    pub text: &'static Rule,
+    /// A field that counts the entries of an array is at most its length.
+    pub count: &'static Rule,
+    /// A value lies in its range.
+    pub range: &'static Rule,
+    /// A value is a documented one.
+    pub documented: &'static Rule,
+    /// A value is NaN only where that has a meaning.
+    pub nan: &'static Rule,
+    /// A JSON object has each field of its message once, and no others.
+    pub members: &'static Rule,
+    /// A JSON value has the type of its field.
+    pub json_type: &'static Rule,
+    /// An array in JSON has the length of its field.
+    pub length: &'static Rule,
+}
+
+/// The encodings that values are checked in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Encoding {
+    /// Payloads in memory, and messages that were read from CDR into memory.
+    Memory,
+    Json,
+}
+
+/// The constraints on the values of all messages of a schema.
+#[derive(Debug)]
+pub struct Plans {
+    pub(super) rules: &'static ValueRules,
+    /// In the order of the schema.
+    messages: Vec<MessagePlan>,
+}
+
+/// The constraints on the values of a message.
+#[derive(Debug)]
+pub(crate) struct MessagePlan {
+    pub(super) name: String,
+    pub(super) fields: Vec<FieldPlan>,
+    pub(super) span: Span,
+    /// True if the dialect tells text from numbers.
+    pub(super) has_text: bool,
+    /// The number of values of a message in JSON that each rule covers; sequences count as one.
+    coverage: Coverage,
+}
+
+/// The constraints on the values of a field.
+#[derive(Debug)]
+pub(super) struct FieldPlan {
+    pub(super) name: String,
+    pub(super) element: Element,
+    /// The number of its elements; text is one.
+    pub(super) shape: Shape,
+    pub(super) restriction: Option<Restriction>,
+    /// The field that says how many of its entries are in use, if one does.
+    pub(super) counted_by: Option<usize>,
+    /// The array that it counts the entries of, if it does.
+    pub(super) counts: Option<usize>,
+    pub(super) span: Span,
+    /// The offset in memory, from the start of its message; 0 if the message has no fixed size.
+    pub(super) offset: usize,
+    /// Bytes from one element to the next in memory.
+    pub(super) stride: usize,
+}
+
+/// The type of an element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Element {
+    Scalar(Scalar),
+    /// PX4's `char[N]`.
+    Text(u32),
+    String {
+        bound: Option<u32>,
+    },
+    Message(MessageId),
+}
+
+/// The constraints on one value.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Constraint<'c> {
+    pub(super) element: Element,
+    /// The number of elements that the value is one of.
+    pub(super) shape: Shape,
+    pub(super) restriction: Option<&'c Restriction>,
+}
+
+/// A violation of a constraint.
+#[derive(Debug)]
+pub(super) enum Violation<'c> {
+    /// The byte of a bool is neither 0 nor 1.
+    Bool(u8),
+    /// A JSON value has another type than its field, or is out of the range of an integer type.
+    Type,
+    /// A number is finite in JSON, and infinite in the type of its field.
+    TooLarge(Scalar),
+    /// A number violates a demand of its restriction.
+    Number(Demand, Number, &'c Restriction),
+    /// An array, a sequence or a string in JSON has too many or too few parts.
+    Length { found: usize, of: &'static str, shape: Shape },
+    /// A text in JSON has a NUL, which would end it.
+    Nul(usize),
+    /// The bytes of a text are UTF-8 only up to here.
+    NotUtf8(usize),
+}
+
+/// Rules, each with the number of values that it covers.
+#[derive(Debug, Default)]
+pub(super) struct Coverage(Vec<(&'static Rule, u64)>);
+
+impl Coverage {
+    pub(super) fn add(&mut self, rule: &'static Rule, values: u64) {
+        match self.0.iter_mut().find(|(known, _)| std::ptr::eq(*known, rule)) {
+            Some((_, sum)) => *sum = sum.saturating_add(values),
+            None => self.0.push((rule, values)),
+        }
+    }
+
+    /// Adds the coverage of a nested message, which a message has so often.
+    fn add_nested(&mut self, nested: &Self, times: u64) {
+        for (rule, values) in &nested.0 {
+            self.add(rule, values.saturating_mul(times));
+        }
+    }
+
+    /// Counts what so many messages cover.
+    pub(super) fn count(&self, messages: u64, findings: &mut Findings) {
+        for (rule, values) in &self.0 {
+            findings.exercise(rule, values.saturating_mul(messages));
+        }
+    }
+}
+
+impl<'c> Constraint<'c> {
+    /// The rules that a value can violate in an encoding.
+    pub(super) fn rules(
+        self,
+        encoding: Encoding,
+        rules: &'static ValueRules,
+    ) -> impl Iterator<Item = &'static Rule> + use<> {
+        let is_json = encoding == Encoding::Json;
+        let is_bounded = matches!(self.shape, Shape::Array(_) | Shape::Bounded(_))
+            || matches!(self.element, Element::Text(_) | Element::String { bound: Some(_) });
+        let asks = |what: fn(&Restriction) -> bool| self.restriction.is_some_and(what);
+        let asked = [
+            (is_json, rules.json_type),
+            (is_json && is_bounded, rules.length),
+            (!is_json && self.element == Element::Scalar(Scalar::Bool), rules.bool),
+            (matches!(self.element, Element::Text(_)), rules.text),
+            (asks(|asked| asked.count.is_some()), rules.count),
+            (asks(|asked| asked.low.is_some() || asked.high.is_some()), rules.range),
+            (asks(|asked| asked.known.is_some()), rules.documented),
+            (asks(|asked| asked.forbids_nan), rules.nan),
+        ];
+        asked.into_iter().filter(|(is_asked, _)| *is_asked).map(|(_, rule)| rule)
+    }
+
+    /// Checks the bytes of a value in memory, little-endian.
+    pub(super) fn check_bytes(self, bytes: &[u8]) -> Result<(), Violation<'c>> {
+        match self.element {
+            Element::Scalar(Scalar::Bool) => match bytes.first() {
+                Some(byte @ 2..) => Err(Violation::Bool(*byte)),
+                _ => Ok(()),
+            },
+            Element::Scalar(scalar) => number(scalar, bytes).map_or(Ok(()), |found| self.check_number(found)),
+            Element::Text(_) => check_text(bytes),
+            Element::String { .. } | Element::Message(_) => Ok(()),
+        }
+    }
+
+    /// Checks a number.
+    pub(super) fn check_number(self, found: Number) -> Result<(), Violation<'c>> {
+        let Some(restriction) = self.restriction else { return Ok(()) };
+        match restriction.constraint().broken_by(found) {
+            None => Ok(()),
+            Some(demand) => Err(Violation::Number(demand, found, restriction)),
+        }
+    }
+}
+
+/// Checks the bytes of a text up to the first NUL.
+pub(super) fn check_text<'c>(bytes: &[u8]) -> Result<(), Violation<'c>> {
+    let end = memchr::memchr(0, bytes).unwrap_or(bytes.len());
+    match std::str::from_utf8(&bytes[..end]) {
+        Ok(_) => Ok(()),
+        Err(error) => Err(Violation::NotUtf8(error.valid_up_to())),
+    }
+}
+
+impl Violation<'_> {
+    /// The rule that states the constraint.
+    pub(super) fn rule(&self, rules: &ValueRules) -> &'static Rule {
+        match self {
+            Self::Bool(_) => rules.bool,
+            Self::Type | Self::TooLarge(_) => rules.json_type,
+            Self::Number(demand, ..) => match demand {
+                Demand::Count => rules.count,
+                Demand::Enum => rules.documented,
+                Demand::Nan => rules.nan,
+                // No restriction of numbers has bounds or text.
+                Demand::Range | Demand::Bound | Demand::Text => rules.range,
+            },
+            Self::Length { .. } => rules.length,
+            Self::Nul(_) | Self::NotUtf8(_) => rules.text,
+        }
+    }
+
+    /// True if the value itself violates a rule, and not the way in which it is written: then only entries in use count.
+    pub(super) fn is_of_value(&self) -> bool {
+        matches!(self, Self::Bool(_) | Self::Number(..) | Self::Nul(_) | Self::NotUtf8(_))
+    }
+
+    /// The text of a finding. In JSON, `expected` describes the type of the field, and `found` is the value as written.
+    pub(super) fn detail(&self, expected: &dyn fmt::Display, found: &str) -> Detail {
+        match self {
+            Self::Bool(byte) => Detail::new(format!("{byte} where a bool is 0 or 1"))
+                .expected("0 or 1")
+                .actual(byte.to_string()),
+            Self::Type => Detail::differs(expected, found),
+            Self::TooLarge(scalar) => {
+                let name = scalar.name();
+                Detail::new(format!("expected {expected}, found {found}, which is too large for {name}"))
+                    .expected(expected.to_string())
+                    .actual(found)
+            }
+            Self::Number(demand, number, restriction) => Detail::of_number(*demand, *number, restriction),
+            Self::Length { found, of, shape } => {
+                let expected = match shape {
+                    Shape::Array(length) => format!("{length} {of}"),
+                    Shape::Bounded(bound) => format!("at most {bound} {of}"),
+                    Shape::Single | Shape::Sequence => of.to_string(),
+                };
+                Detail::differs(expected, found)
+            }
+            Self::Nul(at) => Detail::new(format!("a NUL at its byte {at}, which ends a text")),
+            Self::NotUtf8(at) => Detail::new(format!("no UTF-8 from its byte {at} on")).expected("UTF-8"),
+        }
+    }
+}
+
+impl Plans {
+    /// Compiles the constraints of a schema.
+    pub fn new(schema: &Schema, rules: &'static ValueRules) -> Self {
+        let messages = schema.messages.iter().map(|message| MessagePlan {
+            name: message.name.clone(),
+            fields: (0..message.fields.len()).map(|index| FieldPlan::new(message, index, schema)).collect(),
+            span: message.span,
+            has_text: has_text(message, schema),
+            coverage: Coverage::default(),
+        });
+        let mut plans = Self { rules, messages: messages.collect() };
+        for id in &schema.nested_first {
+            plans.messages[id.0 as usize].coverage = plans.coverage(*id);
+        }
+        plans
+    }
+
+    pub(crate) fn get(&self, id: MessageId) -> &MessagePlan {
+        &self.messages[id.0 as usize]
+    }
+
+    /// Counts what so many messages in JSON cover.
+    pub(crate) fn count(&self, id: MessageId, messages: u64, findings: &mut Findings) {
+        self.get(id).coverage.count(messages, findings);
+    }
+
+    fn coverage(&self, id: MessageId) -> Coverage {
+        let mut coverage = Coverage::default();
+        coverage.add(self.rules.members, 1);
+        for field in &self.get(id).fields {
+            let count = match field.shape {
+                Shape::Array(length) => u64::from(length),
+                Shape::Single | Shape::Bounded(_) | Shape::Sequence => 1,
+            };
+            field.constraint().rules(Encoding::Json, self.rules).for_each(|rule| coverage.add(rule, count));
+            if let Element::Message(nested) = field.element {
+                coverage.add_nested(&self.get(nested).coverage, count);
+            }
+        }
+        coverage
+    }
+}
+
+impl FieldPlan {
+    fn new(message: &schema::Message, index: usize, schema: &Schema) -> Self {
+        let field = &message.fields[index];
+        let (element, shape) = match (field.ty.element, field.ty.shape) {
+            (schema::Element::Scalar(Scalar::Char), Shape::Array(length)) if has_text(message, schema) => {
+                (Element::Text(length), Shape::Single)
+            }
+            (schema::Element::Scalar(scalar), shape) => (Element::Scalar(scalar), shape),
+            (schema::Element::String { bound, .. }, shape) => (Element::String { bound }, shape),
+            (schema::Element::Message(id), shape) => (Element::Message(id), shape),
+        };
+        let slots = message.uorb.iter().flat_map(|layout| &layout.slots);
+        let slot = slots.into_iter().find(|slot| slot.field == Some(index));
+        let (offset, size) = slot.map_or((0, 0), |slot| (slot.offset, slot.size));
+        Self {
+            name: field.name.clone(),
+            element,
+            shape,
+            restriction: schema.restriction(message, field),
+            counted_by: message.fields.iter().position(|other| other.counts == Some(index)),
+            counts: field.counts,
+            span: field.span,
+            offset,
+            stride: if let Shape::Array(length) = shape { size / (length as usize).max(1) } else { size },
+        }
+    }
+
+    /// The constraints on each of its values.
+    pub(super) fn constraint(&self) -> Constraint<'_> {
+        Constraint { element: self.element, shape: self.shape, restriction: self.restriction.as_ref() }
+    }
+
+    /// True if it holds bytes, which rosbridge writes as base64.
+    pub(super) fn holds_bytes(&self) -> bool {
+        let is_byte = matches!(self.element, Element::Scalar(Scalar::UInt8 | Scalar::Byte | Scalar::Char));
+        is_byte && self.shape != Shape::Single
+    }
+}
+
+/// True if `char` is text: ROS 2 takes it for a number.
+fn has_text(message: &schema::Message, schema: &Schema) -> bool {
+    schema.package_of(message).form == Form::Msg(Dialect::Px4)
+}
+
+/// The number in little-endian bytes.
+pub(super) fn number(scalar: Scalar, bytes: &[u8]) -> Option<Number> {
+    let integer = match scalar {
+        Scalar::Bool | Scalar::UInt8 | Scalar::Byte | Scalar::Char => i128::from(*bytes.first()?),
+        Scalar::Int8 => i128::from(i8::from_le_bytes(bytes.try_into().ok()?)),
+        Scalar::UInt16 => i128::from(u16::from_le_bytes(bytes.try_into().ok()?)),
+        Scalar::Int16 => i128::from(i16::from_le_bytes(bytes.try_into().ok()?)),
+        Scalar::UInt32 => i128::from(u32::from_le_bytes(bytes.try_into().ok()?)),
+        Scalar::Int32 => i128::from(i32::from_le_bytes(bytes.try_into().ok()?)),
+        Scalar::UInt64 => i128::from(u64::from_le_bytes(bytes.try_into().ok()?)),
+        Scalar::Int64 => i128::from(i64::from_le_bytes(bytes.try_into().ok()?)),
+        Scalar::Float32 => return Some(Number::Float(f32::from_le_bytes(bytes.try_into().ok()?).into())),
+        Scalar::Float64 => return Some(Number::Float(f64::from_le_bytes(bytes.try_into().ok()?))),
+    };
+    Some(Number::Int(integer))
+}

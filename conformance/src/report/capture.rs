@@ -1,0 +1,156 @@
+//! The result of checking a capture, as a subject of a report.
+
+use crate::check::CaptureResult;
+use crate::definitions::Definitions;
+use crate::model::{self, Findings, Group, Rule};
+use crate::rules::{RULES, px4};
+
+use super::{About, Conclusion, Damage, Definition, Example, Finding, Known, RuleVerdict, Subject, Verdict};
+
+/// A capture that was checked.
+#[derive(Debug)]
+pub struct CheckedCapture {
+    /// Its path, as it was given.
+    pub path: String,
+    /// The result.
+    pub result: CaptureResult,
+    /// Events of a probe that are no findings, in order.
+    pub notes: Vec<String>,
+    /// The time that the check took, in milliseconds.
+    pub elapsed: u128,
+}
+
+/// The settings of a run that reports depend on.
+#[derive(Clone, Debug, Default)]
+pub struct Settings {
+    /// True if formats that differ from the definitions count as violations.
+    pub are_formats_strict: bool,
+    /// The arguments of the command but the files, so that one finds the same again.
+    pub arguments: Vec<String>,
+    /// The command that finds the same again, where it isn't `check`.
+    pub command: Option<String>,
+}
+
+impl Settings {
+    /// The command that judges a source again.
+    fn command(&self, path: &str) -> String {
+        if let Some(command) = &self.command {
+            return command.clone();
+        }
+        let words = ["uavspec", "check"].into_iter().chain(self.arguments.iter().map(String::as_str));
+        // What begins with a dash would be taken for an option; the dash alone is standard input.
+        let is_like_option = path.starts_with('-') && path != "-";
+        let path = if is_like_option { format!("./{path}") } else { path.to_owned() };
+        crate::text::command_line(words.chain([path.as_str()]))
+    }
+
+    /// The verdict of a rule.
+    fn verdict(&self, findings: &Findings, rule: &'static Rule) -> Verdict {
+        match findings.verdict(rule) {
+            model::Verdict::Shown if self.are_formats_strict && rule.id == px4::FMT_01.rule.id => {
+                Verdict::Fail
+            }
+            other => other.into(),
+        }
+    }
+}
+
+impl From<model::Verdict> for Verdict {
+    fn from(verdict: model::Verdict) -> Self {
+        match verdict {
+            model::Verdict::Pass => Self::Pass,
+            model::Verdict::Warn => Self::Warn,
+            model::Verdict::Fail => Self::Fail,
+            model::Verdict::Shown => Self::Shown,
+            model::Verdict::Known => Self::Known,
+            model::Verdict::NotExercised => Self::NotExercised,
+        }
+    }
+}
+
+impl Subject {
+    /// The subject for a capture that was checked.
+    pub fn of_capture(checked: CheckedCapture, definitions: &Definitions, settings: &Settings) -> Self {
+        let CheckedCapture { path, result, notes, elapsed } = checked;
+        let findings = &result.findings;
+        // Rules for other kinds of captures aren't listed.
+        let is_session = result.summary.describe().is_session();
+        let rules: Vec<RuleVerdict> = RULES
+            .iter()
+            .filter(|rule| rule.is_on_flockwave() == is_session)
+            .map(|rule| of_rule(rule, findings, settings.verdict(findings, rule)))
+            .collect();
+        let command = settings.command(&path);
+        let finding =
+            |group: &Group| finding(group, settings.verdict(findings, group.rule), &command, definitions);
+        let damage = result.damage.iter();
+        let mut subject = Self {
+            path,
+            about: About::Capture(result.summary),
+            records: result.records,
+            judged: result.judged,
+            duration_us: result.duration,
+            conclusion: Conclusion::of_capture(0, 0, 0, Vec::new()),
+            findings: findings.groups().map(finding).collect(),
+            more_findings: RULES.iter().map(|rule| findings.dropped(rule)).sum(),
+            rules,
+            damage: damage.map(|(place, text)| Damage { place: *place, message: text.clone() }).collect(),
+            more_damage: result.more_damage,
+            extent: result.extent,
+            notes,
+            elapsed,
+        };
+        subject.conclude();
+        subject
+    }
+
+    /// Says of a source what its verdicts come to.
+    pub fn conclude(&mut self) {
+        let remarks = match self.damages() {
+            0 => Vec::new(),
+            1 => vec!["One place of the file can't be read".to_owned()],
+            count => vec![format!("{count} places of the file can't be read")],
+        };
+        let (failed, warned) = (self.count(Verdict::Fail), self.count(Verdict::Warn));
+        let conclusion = Conclusion::of_capture(self.judged, failed, warned, remarks);
+        self.conclusion = conclusion.read_so_far(self.extent);
+    }
+}
+
+fn of_rule(rule: &'static Rule, findings: &Findings, verdict: Verdict) -> RuleVerdict {
+    let kept: u64 = findings.of(rule).map(|group| group.count).sum();
+    RuleVerdict {
+        id: rule.id,
+        level: rule.level,
+        verdict,
+        exercised: findings.exercised(rule),
+        findings: kept + findings.dropped(rule),
+    }
+}
+
+fn finding(group: &Group, verdict: Verdict, command: &str, definitions: &Definitions) -> Finding {
+    let Group { rule, subject, count, examples, definition, known, .. } = group;
+    let example = |(place, detail): &(_, crate::model::Detail)| Example {
+        place: *place,
+        path: detail.path.clone(),
+        part: detail.part.clone(),
+        message: detail.message.clone(),
+        expected: detail.expected.clone(),
+        actual: detail.actual.clone(),
+        excerpt: detail.excerpt.clone(),
+    };
+    Finding {
+        rule: rule.id,
+        level: rule.level,
+        status: rule.status.to_string(),
+        statement: rule.statement,
+        url: uavspec_codegen::report::rule_url(rule.id),
+        verdict: if known.is_some() { Verdict::Known } else { verdict },
+        subject: subject.clone(),
+        count: *count,
+        examples: examples.iter().map(example).collect(),
+        definition: definition.map(|span| Definition::of(definitions.line(span))),
+        reproduce: command.to_owned(),
+        known: known.as_ref().map(Known::from),
+    }
+}

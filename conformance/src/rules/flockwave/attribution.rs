@@ -1,0 +1,109 @@
+//! Attribution: the violations of body schemas that a rule reports in place of `FW-ENV-18`.
+//!
+//! If rules accept null in place of an absent field, since the specification contradicts itself there, the body schema
+//! doesn't; so null is left to `FW-ENV-18`.
+
+use super::{FlockwaveRule, RULES};
+use crate::flockwave::body_schema::{Deviation, Fault, Step};
+use crate::model::Rule;
+
+/// Violations in bodies of some types, at a path, of some kinds.
+#[derive(Debug)]
+pub struct Attribution {
+    /// The types of the messages.
+    types: &'static [&'static str],
+    /// The fields that lead there, with dots between them; `*` is any step, and `**` at the end any number of steps.
+    path: &'static str,
+    faults: &'static [Fault],
+}
+
+/// A value of its kind that isn't as it should be, or one of another kind; but not null.
+pub(super) const WRONG: &[Fault] = &[Fault::Kind, Fault::Value];
+
+/// No value of its kind.
+pub(super) const MISSING: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind];
+
+/// No value as it should be.
+pub(super) const UNFIT: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind, Fault::Value];
+
+/// Any violation.
+pub(super) const ALL: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind, Fault::Value, Fault::Further];
+
+impl Attribution {
+    /// Violations in bodies of these types, at this path, of these kinds.
+    pub(super) const fn new(
+        types: &'static [&'static str],
+        path: &'static str,
+        faults: &'static [Fault],
+    ) -> Self {
+        Self { types, path, faults }
+    }
+
+    fn holds(&self, type_name: &str, deviation: &Deviation) -> bool {
+        self.types.contains(&type_name)
+            && deviation.fault.is_some_and(|fault| self.faults.contains(&fault))
+            && leads(self.path, &deviation.steps)
+    }
+}
+
+/// True if a path is these steps.
+fn leads(path: &str, steps: &[Step]) -> bool {
+    let mut steps = steps.iter();
+    for name in path.split('.') {
+        match (name, steps.next()) {
+            ("**", _) => return true,
+            ("*", Some(_)) => {}
+            (name, Some(Step::Field(field))) if field == name => {}
+            _ => return false,
+        }
+    }
+    steps.next().is_none()
+}
+
+impl FlockwaveRule {
+    /// True if the rule reports this violation of the body schema of a type.
+    pub(super) fn covers(&self, type_name: &str, deviation: &Deviation) -> bool {
+        self.covers.iter().any(|attribution| attribution.holds(type_name, deviation))
+    }
+}
+
+/// The rule that reports a violation of the body schema of a type; none if it is left to `FW-ENV-18`.
+pub fn attributed(type_name: &str, deviation: &Deviation) -> Option<&'static Rule> {
+    let found = RULES.iter().find(|of| of.covers(type_name, deviation));
+    found.map(|of| &of.rule)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flockwave::body_schema::Mismatch;
+
+    fn by(path: &[&str], fault: Fault) -> Option<&'static str> {
+        // An id may be called as a field is.
+        let step = |name: &&str| match name.strip_prefix('=') {
+            Some(_) => Step::Other,
+            None => Step::Field((*name).to_owned()),
+        };
+        let deviation = Deviation {
+            steps: path.iter().map(step).collect(),
+            fault: Some(fault),
+            field: String::new(),
+            definition: None,
+            mismatch: Mismatch::new("", ""),
+        };
+        attributed("UAV-INF", &deviation).map(|rule| rule.id)
+    }
+
+    #[test]
+    fn the_rule_depends_on_the_path_and_on_the_fault() {
+        assert_eq!(by(&["status", "=kite", "position", "=2"], Fault::Kind), Some("FW-UST-POSITION"));
+        assert_eq!(by(&["status", "=kite", "errors", "=0"], Fault::Value), Some("FW-ERR-01"));
+        assert_eq!(by(&["status", "=kite", "errors", "=0"], Fault::Kind), Some("FW-UST-ERRORS"));
+        assert_eq!(by(&["status", "=kite"], Fault::Null), Some("FW-UST-ID"));
+        assert_eq!(by(&["status", "=kite", "=flaps"], Fault::Further), None);
+        assert_eq!(by(&["=error"], Fault::Kind), None);
+        assert_eq!(by(&["error"], Fault::Kind), Some("FW-UAV-INF-04"));
+        assert_eq!(by(&["error"], Fault::Null), None);
+        assert_eq!(by(&[], Fault::Further), None);
+    }
+}

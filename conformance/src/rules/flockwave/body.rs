@@ -1,0 +1,152 @@
+//! Checks of the content of a message.
+
+use std::borrow::Cow;
+use std::collections::HashSet;
+
+use super::{Detail, Message, RuleContext, Shape, Tree};
+use crate::flockwave::body_schema::{Mismatch, integer};
+use crate::json::pointer;
+
+/// The length of a quotation, in characters.
+const MAX_QUOTED: usize = 64;
+
+/// Reports a value of another shape.
+pub(super) fn mismatched(message: &Message<'_>, context: &mut RuleContext<'_>, found: Mismatch) {
+    message.violates(context, || {
+        let Mismatch { path, expected, actual } = found;
+        Detail::differs(expected, actual).at(path)
+    });
+}
+
+/// Checks that a field of the body has this shape, or is absent and not required.
+pub(super) fn field(
+    message: &Message<'_>,
+    context: &mut RuleContext<'_>,
+    name: &str,
+    is_required: bool,
+    shape: &Shape,
+) {
+    member(message, context, message.body, &["body"], (name, is_required), shape);
+}
+
+/// Checks that a member of the object at `keys` has this shape, or is absent and not required.
+pub(super) fn member(
+    message: &Message<'_>,
+    context: &mut RuleContext<'_>,
+    holder: Option<&Tree<'_>>,
+    keys: &[&str],
+    (name, is_required): (&str, bool),
+    shape: &Shape,
+) {
+    let found = match holder.and_then(|holder| holder.get(name)) {
+        None if is_required => Some(Mismatch::new(shape.to_string(), "nothing")),
+        None => return,
+        Some(value) => shape.mismatch(value),
+    };
+    context.covered();
+    if let Some(found) = found {
+        let path = pointer(keys) + &pointer(&[name]) + &found.path;
+        mismatched(message, context, Mismatch { path, ..found });
+    }
+}
+
+/// The states in a message of this type, by object.
+pub(super) fn states<'t>(message: &Message<'t>, type_name: &str) -> &'t [(Cow<'t, str>, Tree<'t>)] {
+    members(message.body_of(type_name), "status")
+}
+
+/// Checks that the key of each state is its id.
+pub(super) fn keyed(message: &Message<'_>, context: &mut RuleContext<'_>, type_name: &str) {
+    for (key, state) in states(message, type_name) {
+        context.covered();
+        let id = state.get("id");
+        // That there is an id, and a string, is another rule's matter.
+        if let Some(id) = id.and_then(Tree::as_str).filter(|id| id != key) {
+            message.violates(context, || {
+                Detail::differs(quoted(key), quoted(id)).at(pointer(&["body", "status", key, "id"]))
+            });
+        }
+    }
+}
+
+/// Checks that a list has no value twice.
+pub(super) fn unique(message: &Message<'_>, context: &mut RuleContext<'_>, name: &str) {
+    let Some(Tree::List(values)) = message.field(name) else { return };
+    context.covered();
+    let mut seen = HashSet::new();
+    let repeated = values.iter().filter_map(Tree::as_str).find(|text| !seen.insert(*text));
+    if let Some(text) = repeated {
+        message.violates(context, || {
+            Detail::new(format!("{} stands there twice", quoted(text))).at(pointer(&["body", name]))
+        });
+    }
+}
+
+/// Checks each list of error codes. Another rule reports values that are no integers.
+pub(super) fn codes(
+    message: &Message<'_>,
+    context: &mut RuleContext<'_>,
+    wrong: impl Fn(&[i128]) -> Option<String>,
+) {
+    for (uav, state) in states(message, "UAV-INF") {
+        let Some(Tree::List(values)) = state.get("errors") else { continue };
+        let codes: Vec<i128> = values.iter().filter_map(integer).collect();
+        context.covered();
+        if let Some(what) = wrong(&codes) {
+            message.violates(context, || {
+                let told: Vec<String> = codes.iter().take(16).map(ToString::to_string).collect();
+                let path = pointer(&["body", "status", uav, "errors"]);
+                Detail::new(what).at(path).actual(format!("[{}]", told.join(", ")))
+            });
+        }
+    }
+}
+
+/// Checks that the body has exactly one of these fields. A null counts only if there is no other value, and only for
+/// the field that may be null.
+pub(super) fn exactly_one(
+    message: &Message<'_>,
+    context: &mut RuleContext<'_>,
+    names: &[&str],
+    may_be_null: &str,
+) {
+    context.covered();
+    let mut found: Vec<&str> = names.iter().copied().filter(|name| is_there(message.field(name))).collect();
+    if found.is_empty() && message.field(may_be_null) == Some(&Tree::Null) {
+        found.push(may_be_null);
+    }
+    if found.len() != 1 {
+        message.violates(context, || {
+            let found = if found.is_empty() { "none".to_owned() } else { found.join(" and ") };
+            Detail::differs(format!("exactly one of {}", names.join(", ")), found).at("/body")
+        });
+    }
+}
+
+/// True if a value is present and not null. Optional members may be null, by the advice to the authors of the
+/// specification.
+pub(super) fn is_there(value: Option<&Tree<'_>>) -> bool {
+    value.is_some_and(|value| *value != Tree::Null)
+}
+
+/// True if a text is one to three numbers with dots between them.
+pub(super) fn is_version(text: &str) -> bool {
+    let mut parts = text.split('.');
+    let is_number = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
+    parts.by_ref().take(3).all(is_number) && parts.next().is_none()
+}
+
+/// A text in quotation marks, shortened.
+pub(super) fn quoted(text: &str) -> String {
+    let short: String = text.chars().take(MAX_QUOTED).collect();
+    let more = if short.len() < text.len() { "…" } else { "" };
+    format!("`{short}{more}`")
+}
+
+/// The members of a field of a body that is an object.
+pub(super) fn members<'t>(body: Option<&'t Tree<'t>>, name: &str) -> &'t [(Cow<'t, str>, Tree<'t>)] {
+    match body.and_then(|body| body.get(name)) {
+        Some(Tree::Object(members)) => members,
+        _ => &[],
+    }
+}

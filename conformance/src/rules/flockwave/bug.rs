@@ -1,0 +1,269 @@
+//! Bugs of the reference server: each makes it violate one rule.
+//!
+//! A bug changes messages before they are sent, or it is a behaviour: then the code of the server that the rule is about
+//! asks whether the server has the bug.
+
+use serde_json::{Map, Value, json};
+
+use crate::model::Rule;
+
+/// The version of the protocol that messages of the server have.
+const PROTOCOL: &str = "1.0";
+
+/// A bug of the reference server.
+#[derive(Debug)]
+pub struct Bug {
+    /// What the server does.
+    pub what: &'static str,
+    /// The other rules that the server violates then.
+    pub also: &'static [&'static Rule],
+    /// What the bug needs to show.
+    pub needs: Needs,
+    change: Change,
+}
+
+/// What a bug needs to show, in addition to a probe over TCP.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Needs {
+    /// Nothing.
+    Nothing,
+    /// A client that connects over UDP.
+    Udp,
+    /// A client that connects over Socket.IO.
+    SocketIo,
+    /// A server that requires a login.
+    Login,
+    /// A server that closes connections after a while.
+    Farewell,
+}
+
+/// The form of a bug.
+#[derive(Clone, Copy, Debug)]
+enum Change {
+    /// Messages are changed before they are sent.
+    Message(fn(&mut Outgoing<'_>)),
+    /// The server behaves in another way.
+    Behaviour,
+}
+
+impl Bug {
+    /// A bug that changes messages.
+    pub(super) const fn message(what: &'static str, change: fn(&mut Outgoing<'_>)) -> Self {
+        Self { what, also: &[], needs: Needs::Nothing, change: Change::Message(change) }
+    }
+
+    /// A bug in the behaviour of the server.
+    pub(super) const fn behaviour(what: &'static str) -> Self {
+        Self { what, also: &[], needs: Needs::Nothing, change: Change::Behaviour }
+    }
+
+    /// Adds the other rules that the server violates then.
+    pub(super) const fn with(self, also: &'static [&'static Rule]) -> Self {
+        Self { also, ..self }
+    }
+
+    /// Adds what the bug needs to show.
+    pub(super) const fn needs(self, needs: Needs) -> Self {
+        Self { needs, ..self }
+    }
+
+    /// Changes a message before it is sent.
+    pub(crate) fn apply(&self, outgoing: &mut Outgoing<'_>) {
+        if let Change::Message(change) = self.change {
+            change(outgoing);
+        }
+    }
+}
+
+/// A message of the server before it is sent, and the messages that a bug adds.
+pub(crate) struct Outgoing<'r> {
+    /// Messages that precede the message.
+    before: Vec<Value>,
+    /// The message; none if a bug drops it.
+    pub(super) message: Option<Value>,
+    /// Messages that follow it.
+    after: Vec<Value>,
+    /// The body of the request that it answers.
+    pub(super) request: Option<&'r Value>,
+    /// The number of messages that were sent over the connection, this one included.
+    pub(super) number: u64,
+    /// Writes messages as JSON.
+    pub(super) write: fn(&Value) -> String,
+}
+
+impl<'r> Outgoing<'r> {
+    /// A message, the body of the request that it answers, and the number of messages on its connection.
+    pub(crate) fn new(message: Value, request: Option<&'r Value>, number: u64) -> Self {
+        let (before, after) = (Vec::new(), Vec::new());
+        Self { before, message: Some(message), after, request, number, write: Value::to_string }
+    }
+
+    /// All messages that are to be sent, in this order.
+    pub(crate) fn into_texts(self) -> Vec<String> {
+        let messages = self.before.iter().chain(&self.message).chain(&self.after);
+        messages.map(|message| (self.write)(message)).collect()
+    }
+
+    /// The message.
+    pub(super) fn message(&mut self) -> &mut Value {
+        self.message.get_or_insert(Value::Null)
+    }
+
+    /// The type of its body.
+    pub(super) fn kind(&self) -> &str {
+        self.message.as_ref().and_then(|message| message["body"]["type"].as_str()).unwrap_or_default()
+    }
+
+    /// The type of the request that it answers.
+    pub(super) fn asked(&self) -> Option<&str> {
+        self.request.map(|body| body.get("type").and_then(Value::as_str).unwrap_or_default())
+    }
+
+    /// The ids or paths in the request.
+    fn asked_for(&self) -> Vec<&'r str> {
+        let list = self.request.and_then(|body| body.get("ids").or_else(|| body.get("paths")));
+        list.and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str).collect()
+    }
+
+    /// True if it answers no request.
+    pub(super) fn is_notification(&self) -> bool {
+        self.request.is_none()
+    }
+
+    /// True if it refuses a request of a type that the server doesn't know.
+    pub(super) fn refuses_unknown_type(&mut self) -> bool {
+        self.message()["body"]["reason"].as_str().is_some_and(|why| why.starts_with("no handler"))
+    }
+
+    /// The body, if it has this type.
+    pub(super) fn body_of(&mut self, kind: &str) -> Option<&mut Value> {
+        if self.kind() == kind { Some(&mut self.message()["body"]) } else { None }
+    }
+
+    /// The body of a notification of this type.
+    pub(super) fn notification_of(&mut self, kind: &str) -> Option<&mut Value> {
+        if self.is_notification() { self.body_of(kind) } else { None }
+    }
+
+    /// Sets a field of the body, if that has this type.
+    pub(super) fn set(&mut self, kind: &str, field: &str, value: Value) {
+        if let Some(body) = self.body_of(kind) {
+            body[field] = value;
+        }
+    }
+
+    /// A list of ids in the body, if that has this type.
+    pub(super) fn ids_of(&mut self, kind: &str) -> Option<&mut Vec<Value>> {
+        self.body_of(kind)?["ids"].as_array_mut()
+    }
+
+    /// Makes the last id of a list a number.
+    pub(super) fn make_last_id_a_number(&mut self, kind: &str) {
+        if let Some(last) = self.ids_of(kind).and_then(|ids| ids.last_mut()) {
+            *last = json!(7);
+        }
+    }
+
+    /// Repeats the first id of a list.
+    pub(super) fn repeat_first_id(&mut self, kind: &str) {
+        if let Some(ids) = self.ids_of(kind) {
+            ids.extend_from_within(..1.min(ids.len()));
+        }
+    }
+
+    /// Changes each value of `status` in a body of this type.
+    pub(super) fn each_status(&mut self, kind: &str, change: impl FnMut(&mut Value)) {
+        let status = self.body_of(kind).and_then(|body| body.get_mut("status")?.as_object_mut());
+        status.into_iter().flat_map(Map::values_mut).for_each(change);
+    }
+
+    /// The first state in a message about UAVs.
+    pub(super) fn state(&mut self) -> Option<&mut Value> {
+        self.body_of("UAV-INF")?.get_mut("status")?.as_object_mut()?.values_mut().next()
+    }
+
+    /// Sets a field of the first state in a message about UAVs.
+    pub(super) fn set_in_state(&mut self, field: &str, value: Value) {
+        if let Some(state) = self.state() {
+            state[field] = value;
+        }
+    }
+
+    /// Changes the timestamps of all UAVs.
+    pub(super) fn shift_timestamps(&mut self, change: impl Fn(u64) -> u64) {
+        self.each_status("UAV-INF", |state| {
+            state["timestamp"] = json!(change(state["timestamp"].as_u64().unwrap_or_default()));
+        });
+    }
+
+    /// The ports that SYS-PORTS lists.
+    pub(super) fn ports(&mut self) -> impl Iterator<Item = &mut Value> {
+        let ports = self.body_of("SYS-PORTS").and_then(|body| body["ports"].as_object_mut());
+        ports.into_iter().flat_map(Map::values_mut)
+    }
+
+    /// The first item of SYS-MSG.
+    pub(super) fn item(&mut self) -> Option<&mut Map<String, Value>> {
+        self.body_of("SYS-MSG")?["items"][0].as_object_mut()
+    }
+
+    /// The first receipt of a response.
+    pub(super) fn receipt(&mut self) -> Option<Value> {
+        match self.message()["body"].get("receipt")? {
+            Value::Object(receipts) => receipts.values().next().cloned(),
+            Value::String(receipt) => Some(json!(receipt)),
+            _ => None,
+        }
+    }
+
+    /// Adds a message that follows.
+    pub(super) fn follow(&mut self, refs: Option<&str>, body: Value) {
+        let message = self.envelope(refs, body);
+        self.after.push(message);
+    }
+
+    /// Adds a message that precedes.
+    pub(super) fn precede(&mut self, body: Value) {
+        let message = self.envelope(None, body);
+        self.before.push(message);
+    }
+
+    fn envelope(&self, refs: Option<&str>, body: Value) -> Value {
+        let mut message = json!({ "$fw.version": PROTOCOL, "id": format!("x{}", self.number) });
+        if let Some(refs) = refs {
+            message["refs"] = refs.into();
+        }
+        message["body"] = body;
+        message
+    }
+
+    /// Removes the last object of the request from all maps of the response.
+    pub(super) fn lose_last(&mut self, kinds: &[&str]) {
+        if self.is_notification() || !kinds.contains(&self.kind()) {
+            return;
+        }
+        let Some(last) = self.asked_for().last().copied() else { return };
+        let Some(body) = self.message()["body"].as_object_mut() else { return };
+        for map in body.values_mut().filter_map(Value::as_object_mut) {
+            map.remove(last);
+        }
+    }
+}
+
+/// The body of a notification about the progress of an operation.
+pub(super) fn progress(receipt: &Value) -> Value {
+    json!({ "type": "ASYNC-ST", "id": receipt, "progress": { "percentage": 1 } })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::RULES;
+
+    #[test]
+    fn each_bug_says_what_the_server_does() {
+        for of in RULES {
+            assert!(of.bug.what.ends_with('.'), "{of:?}");
+            assert!(!of.bug.also.iter().any(|rule| rule.id == of.rule.id), "{of:?}");
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! Requests that are not as they should be. What has an id can be answered by it; whatever it is, the next request has
+//! to be served.
+
+use serde_json::{Value, json};
+
+/// How long something is that is too long for its purpose, and yet no burden.
+const LONG: usize = 10_000;
+
+/// How deep something is nested that nobody nests so deep, and readers of JSON that call themselves fail at.
+const DEEP: usize = 5_000;
+
+/// A malformed request.
+#[derive(Debug)]
+pub(super) struct Malformed {
+    /// What is wrong with it.
+    pub(super) how: &'static str,
+    /// It.
+    pub(super) text: String,
+    /// Whether an answer to it can be expected, which names the id that it was made with.
+    pub(super) has_id: bool,
+}
+
+/// One of each kind, with this id.
+pub(super) fn all(id: &str) -> Vec<Malformed> {
+    let envelope = |body: Value| json!({ "$fw.version": "1.0", "id": id, "body": body });
+    let mut kinds: Vec<(&'static str, String, bool)> = [
+        ("no version", json!({ "id": id, "body": { "type": "SYS-PING" } })),
+        ("a version that is a number", json!({ "$fw.version": 1, "id": id, "body": { "type": "SYS-PING" } })),
+        ("no body", json!({ "$fw.version": "1.0", "id": id })),
+        ("a body that is null", envelope(Value::Null)),
+        ("a body that is a string", envelope(json!("SYS-PING"))),
+        ("a body that is a list", envelope(json!([{ "type": "SYS-PING" }]))),
+        ("a body without a type", envelope(json!({}))),
+        ("a type that is null", envelope(json!({ "type": null }))),
+        ("a type that is a number", envelope(json!({ "type": 17 }))),
+        ("a type that is an object", envelope(json!({ "type": { "type": "SYS-PING" } }))),
+        ("ids that are missing", envelope(json!({ "type": "UAV-INF" }))),
+        ("ids that are null", envelope(json!({ "type": "UAV-INF", "ids": null }))),
+        ("ids that are a string", envelope(json!({ "type": "UAV-INF", "ids": "all" }))),
+        ("ids that are an object", envelope(json!({ "type": "UAV-INF", "ids": { "id": 1 } }))),
+        ("ids that are numbers", envelope(json!({ "type": "UAV-INF", "ids": [1, 2.5, -3] }))),
+        ("an id among ids that is a list", envelope(json!({ "type": "UAV-INF", "ids": [["uav"]] }))),
+        ("an id among ids that is empty", envelope(json!({ "type": "UAV-INF", "ids": [""] }))),
+        ("a filter that is a string", envelope(json!({ "type": "OBJ-LIST", "filter": "uav" }))),
+        (
+            "both a body and an error",
+            json!({
+                "$fw.version": "1.0", "id": id, "body": { "type": "SYS-PING" }, "error": { "code": 1, "message": "odd" },
+            }),
+        ),
+    ]
+    .map(|(how, message)| (how, message.to_string(), true))
+    .into();
+    let nested = format!("{}{}", "[".repeat(DEEP), "]".repeat(DEEP));
+    let written = [
+        ("a key twice", r#"{"type":"SYS-PING","wing":1,"wing":2}"#.to_owned(), true),
+        // Not every reader of JSON can read these, and who can't sees no id.
+        ("a number beyond all numbers", r#"{"type":"SYS-PING","height":1e999999}"#.to_owned(), false),
+        (
+            "a number of a thousand digits",
+            format!(r#"{{"type":"SYS-PING","height":{}}}"#, "7".repeat(1_000)),
+            false,
+        ),
+        ("half of a surrogate pair", r#"{"type":"SYS-PING","wing":"\ud800"}"#.to_owned(), false),
+        (
+            "lists that are nested five thousand deep",
+            format!(r#"{{"type":"SYS-PING","wings":{nested}}}"#),
+            false,
+        ),
+    ];
+    let id_written = Value::from(id).to_string();
+    for (how, body, has_id) in written {
+        kinds.push((how, format!(r#"{{"$fw.version":"1.0","id":{id_written},"body":{body}}}"#), has_id));
+    }
+    // Whether unknown types are answered is tried elsewhere. An id that is no string is not among them: nobody can say what an answer to it should refer to.
+    kinds.extend(
+        [
+            ("an empty type", envelope(json!({ "type": "" }))),
+            ("a type of ten thousand characters", envelope(json!({ "type": "X".repeat(LONG) }))),
+            ("no id", json!({ "$fw.version": "1.0", "body": { "type": "SYS-PING" } })),
+            ("an empty object", json!({})),
+            ("an empty list", json!([])),
+            ("a number alone", json!(42)),
+            ("a string alone", json!("SYS-PING")),
+            ("null alone", Value::Null),
+        ]
+        .map(|(how, message)| (how, message.to_string(), false)),
+    );
+    kinds.into_iter().map(|(how, text, has_id)| Malformed { how, text, has_id }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn kinds_are_told_apart_and_can_be_answered_by_their_id() {
+        let all = all("kind-1");
+        assert!(all.len() >= 20, "{}", all.len());
+        let hows: BTreeSet<&str> = all.iter().map(|kind| kind.how).collect();
+        assert_eq!(hows.len(), all.len());
+        for kind in &all {
+            assert!(!kind.text.contains('\n'), "{}", kind.how);
+            assert!(!kind.has_id || kind.text.contains(r#""id":"kind-1""#), "{}", kind.how);
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Checks of replies against the requests that they answer.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::{Detail, Exchange, OPERATIONS, Reference, Role, RuleContext, Tree, body};
+use crate::flockwave::session::parts;
+use crate::json::pointer;
+
+/// The size of the lists that are followed, in bytes: the ids of ten thousand UAVs fit.
+const MAX_LISTED: usize = 1 << 19;
+
+/// The size of an id in addition to its text, in bytes; a rough guess.
+const OVERHEAD: usize = 40;
+
+/// The longest id that is followed, in bytes: 64 characters of up to four.
+const MAX_ID: usize = 256;
+
+/// The number of misplaced objects that a finding names.
+const MAX_TOLD: usize = 4;
+
+/// Checks that each requested object is in exactly one part of a reply of these types.
+pub(super) fn partition(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
+    let Some((asked, parts)) = replied(exchange, types) else { return };
+    context.covered();
+    let mut found: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for part in parts {
+        for object in named(exchange, part).filter(|object| asked.contains(*object)) {
+            let stands = found.entry(object).or_default();
+            if stands.last() != Some(part) {
+                stands.push(part);
+            }
+        }
+    }
+    let stands = |object: &String| found.get(object.as_str()).cloned().unwrap_or_default();
+    let wrong = asked.iter().map(|object| (object, stands(object))).filter(|(_, stands)| stands.len() != 1);
+    let wrong: Vec<(&String, Vec<&str>)> = wrong.collect();
+    if !wrong.is_empty() {
+        exchange.violates(context, || {
+            let told = wrong.iter().take(MAX_TOLD).map(|(object, found)| match found.len() {
+                0 => format!("{} in none", body::quoted(object)),
+                _ => format!("{} in {}", body::quoted(object), found.join(" and ")),
+            });
+            let mut told: Vec<String> = told.collect();
+            if wrong.len() > MAX_TOLD {
+                told.push(format!("{} more", wrong.len() - MAX_TOLD));
+            }
+            let told = told.join(", ");
+            Detail::new(format!(
+                "of what was asked for, there is {told}; expected each in exactly one of {}",
+                parts.join(", ")
+            ))
+            .at("/body")
+            .expected(format!("each in exactly one of {}", parts.join(", ")))
+            .actual(told)
+        });
+    }
+}
+
+/// Checks that a reply of these types has no object that wasn't requested.
+pub(super) fn strangers(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, types: &[&str]) {
+    let Some((asked, parts)) = replied(exchange, types) else { return };
+    context.covered();
+    let stranger = parts.iter().find_map(|part| {
+        let (key, _) =
+            body::members(exchange.body, part).iter().find(|(key, _)| !asked.contains(key.as_ref()))?;
+        Some((*part, key))
+    });
+    if let Some((part, key)) = stranger {
+        exchange.violates(context, || {
+            Detail::new(format!("{} wasn't asked for", body::quoted(key))).at(pointer(&["body", part, key]))
+        });
+    }
+}
+
+/// The requested objects, and the parts of the reply that name them.
+pub(super) fn replied<'u>(
+    exchange: &'u Exchange<'_>,
+    types: &[&str],
+) -> Option<(&'u BTreeSet<String>, &'static [&'static str])> {
+    let name = exchange.type_name.filter(|name| exchange.response(name).is_some() && types.contains(name))?;
+    let asked = exchange.asked_same()?.objects.as_ref()?;
+    Some((asked, parts(name)?.told))
+}
+
+/// The objects in a part of a reply: the keys of a map, or the strings of a list.
+pub(super) fn named<'t>(exchange: &Exchange<'t>, part: &str) -> impl Iterator<Item = &'t str> {
+    let (members, values) = match exchange.field(part) {
+        Some(Tree::Object(members)) => (&members[..], &[][..]),
+        Some(Tree::List(values)) => (&[][..], &values[..]),
+        _ => (&[][..], &[][..]),
+    };
+    members.iter().map(|(key, _)| key.as_ref()).chain(values.iter().filter_map(Tree::as_str))
+}
+
+/// The ids of a list, if it consists of strings and isn't too long.
+pub(super) fn listed(exchange: &Exchange<'_>) -> Option<BTreeSet<String>> {
+    let Some(Tree::List(values)) = exchange.field("ids").filter(|_| exchange.role != Role::Unanswered) else {
+        return None;
+    };
+    let mut room = MAX_LISTED;
+    let id = |value: &Tree<'_>| {
+        let id = value.as_str().filter(|id| id.len() <= MAX_ID)?;
+        room = room.checked_sub(id.len() + OVERHEAD)?;
+        Some(id.to_owned())
+    };
+    values.iter().map(id).collect()
+}
+
+/// True if this is a response of the server, and the request in its `refs` is known.
+pub(super) fn refers(exchange: &Exchange<'_>) -> bool {
+    let is_response = exchange.role == Role::Response && exchange.is_of_server();
+    is_response && exchange.record.connection.is_told && exchange.reference != Reference::Unclear
+}
+
+/// True if replies of a type may have receipts.
+pub(super) fn gives_receipts(name: &str) -> bool {
+    name == "LOG-DATA" || OPERATIONS.contains(&name)
+}

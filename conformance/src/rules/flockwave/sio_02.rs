@@ -1,0 +1,33 @@
+//! `FW-SIO-02`.
+
+use super::{
+    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Status, Step, Strain, Trial, mutant,
+    served, source,
+};
+use crate::flockwave::transport::endpoint::{Carrier, Endpoint};
+
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-SIO-02",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Over Socket.IO messages also travel by long polling.",
+        source: source::TRANSPORT,
+        applies_to: served::APPLIES_TO,
+    },
+    checks: &[Check::Exchange(served::check)],
+    covers: &[],
+    bug: Bug::behaviour("Over Socket.IO, long polling is refused.").needs(Needs::SocketIo),
+    trial: Some(Trial::Attempts(Strain::Sound, attempts)),
+    mutants: &[
+        Mutant { name: served::UNANSWERED, make: || mutant::unanswered("socketio#9", &RULE.rule), also: &[] },
+        Mutant { name: served::REFUSED, make: || mutant::refused("socketio#9", &RULE.rule), also: &[] },
+        Mutant { name: served::NO_CONNECTION, make: || served::no_connection(&RULE.rule), also: &[] },
+    ],
+};
+
+fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
+    let Endpoint::SocketIo { carrier, .. } = endpoint else { return Vec::new() };
+    let other = (*carrier == Carrier::WebSocket).then(|| endpoint.by(Carrier::Polling));
+    vec![Attempt { endpoint: other, ..Attempt::new("long polling", [Step::request("one")]) }]
+}

@@ -1,0 +1,44 @@
+//! `FW-TCP-02`.
+
+use super::{
+    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Rule, SOON, Sent, Status, Step, Strain, Trial, mutant,
+    served, source,
+};
+use crate::flockwave::transport::endpoint::Endpoint;
+
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-TCP-02",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Over TCP a message may come in several segments, and several in one.",
+        source: source::TRANSPORT,
+        applies_to: served::APPLIES_TO,
+    },
+    checks: &[Check::Exchange(served::check)],
+    covers: &[],
+    bug: Bug::behaviour("Over TCP, only the first of several requests in a segment is taken."),
+    trial: Some(Trial::Attempts(Strain::Sound, attempts)),
+    mutants: &[
+        Mutant { name: served::UNANSWERED, make: || mutant::unanswered("tcp#9", &RULE.rule), also: &[] },
+        Mutant { name: served::REFUSED, make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
+        Mutant { name: served::NO_CONNECTION, make: || served::no_connection(&RULE.rule), also: &[] },
+    ],
+};
+
+fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
+    if !matches!(endpoint, Endpoint::Tcp(_)) {
+        return Vec::new();
+    }
+    let (one, two) = (|| Sent::request("one", "SYS-VER"), || Sent::request("two", "SYS-VER"));
+    let noise = Sent::text("the wind turns", None);
+    vec![
+        Attempt::new("a message in two segments", [Step::Pieces(one(), 2, SOON)]),
+        Attempt::new("a message in many segments", [Step::Pieces(one(), 12, SOON / 4)]),
+        Attempt::new("two messages in one segment", [Step::Together(vec![one(), two()])]),
+        Attempt::new(
+            "a message in one segment with a line that is no JSON",
+            [Step::Together(vec![one(), noise])],
+        ),
+    ]
+}

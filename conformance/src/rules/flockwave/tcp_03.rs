@@ -1,0 +1,34 @@
+//! `FW-TCP-03`.
+
+use super::{
+    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, Strain, Trial, mutant, served, source,
+    trial,
+};
+use crate::flockwave::transport::endpoint::Endpoint;
+
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-TCP-03",
+        level: Level::Should,
+        status: Status::Normative,
+        statement: "Over TCP a line that is no JSON is passed over, and the next one is served.",
+        source: source::TRANSPORT,
+        applies_to: served::APPLIES_TO,
+    },
+    checks: &[Check::Exchange(served::check)],
+    covers: &[],
+    bug: Bug::behaviour("Over TCP, a line that is no JSON ends the connection."),
+    trial: Some(Trial::Attempts(Strain::Noise, attempts)),
+    mutants: &[
+        Mutant { name: served::UNANSWERED, make: || mutant::unanswered("tcp#9", &RULE.rule), also: &[] },
+        Mutant { name: served::REFUSED, make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
+        Mutant { name: served::NO_CONNECTION, make: || served::no_connection(&RULE.rule), also: &[] },
+    ],
+};
+
+fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
+    match endpoint {
+        Endpoint::Tcp(_) => trial::after_noise("after a line that is no JSON", &["one"]),
+        _ => Vec::new(),
+    }
+}

@@ -1,0 +1,26 @@
+//! `FW-UST-ID`.
+
+use serde_json::json;
+
+use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, Status, attribution, mutant, ust};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-UST-ID",
+        status: Status::Normative,
+        statement: "`id` is a string of 1 to 64 characters without `/`.",
+        ..ust::RULE
+    },
+    checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "id"))],
+    covers: &[
+        Attribution::new(&["UAV-INF"], "status.*.id.**", attribution::ALL),
+        Attribution::new(&["UAV-INF"], "status.*", attribution::MISSING),
+    ],
+    bug: Bug::message("The id of a UAV is a number.", |out| out.set_in_state("id", json!(7))),
+    trial: None,
+    mutants: &[
+        Mutant { name: "no `id`", make: || mutant::state(|kite| mutant::remove(kite, "id")), also: &[] },
+        Mutant { name: "a number", make: || ust::with("id", json!(7)), also: &[] },
+        Mutant { name: "null", make: || ust::with("id", json!(null)), also: &[] },
+    ],
+};

@@ -1,0 +1,134 @@
+//! The records of a session as checks see them.
+//!
+//! A check gets the view that its kind allows ([`Check`](super::Check)), so its type says what its result can depend on.
+//! Checks of messages need not run for a status report that says the same as an earlier one.
+
+use super::{Detail, Exchange, Role, RuleContext, Tree};
+use crate::flockwave::body_schema::{Deviation, Mismatch};
+use crate::flockwave::record::Connection;
+use crate::flockwave::session::ConnectionId;
+
+/// The type of status reports.
+const STATUS: &str = "UAV-INF";
+
+/// A message of the server alone: its content, and neither its time, connection and location nor what precedes it.
+#[derive(Debug)]
+pub struct Message<'t> {
+    /// Its part in an exchange.
+    pub role: Role,
+    /// The whole message, an object.
+    pub value: &'t Tree<'t>,
+    /// Its `id`, if that is a string.
+    pub id: Option<&'t str>,
+    /// Its `body`, if that is an object.
+    pub body: Option<&'t Tree<'t>>,
+    /// The type of the body, if that is a string.
+    pub type_name: Option<&'t str>,
+    /// The violations of its body schema; none if there is no such schema.
+    pub deviations: Option<&'t [Deviation]>,
+    /// For findings only.
+    exchange: &'t Exchange<'t>,
+}
+
+impl<'t> Message<'t> {
+    /// The message of a record, if it is one of the server.
+    pub(crate) fn of(exchange: &'t Exchange<'t>) -> Option<Self> {
+        let value = exchange.message()?;
+        let Exchange { role, id, body, type_name, ref deviations, .. } = *exchange;
+        Some(Self { role, value, id, body, type_name, deviations: deviations.as_deref(), exchange })
+    }
+
+    /// The body, if it has this type.
+    pub(super) fn body_of(&self, type_name: &str) -> Option<&'t Tree<'t>> {
+        self.body.filter(|_| self.type_name == Some(type_name))
+    }
+
+    /// The body of a response of this type.
+    pub(super) fn response(&self, type_name: &str) -> Option<&'t Tree<'t>> {
+        self.body_of(type_name).filter(|_| self.role == Role::Response)
+    }
+
+    /// The body of a notification of this type.
+    pub(super) fn notification(&self, type_name: &str) -> Option<&'t Tree<'t>> {
+        self.body_of(type_name).filter(|_| self.role == Role::Notification)
+    }
+
+    /// A field of the body.
+    pub(super) fn field(&self, name: &str) -> Option<&'t Tree<'t>> {
+        self.body.and_then(|body| body.get(name))
+    }
+
+    /// Reports that it violates the rule.
+    pub(super) fn violates(&self, context: &mut RuleContext<'_>, detail: impl FnOnce() -> Detail) {
+        self.exchange.violates(context, detail);
+    }
+
+    /// Reports that it violates the rule since its body violates its schema, in a field or elsewhere.
+    pub(super) fn deviates(&self, context: &mut RuleContext<'_>, field: &str, deviation: &Deviation) {
+        let name = self.exchange.subject();
+        let subject = if field.is_empty() { name } else { format!("{name}.{field}").into() };
+        context.violation_of(&subject, self.exchange.record.place, deviation.definition, || {
+            let Mismatch { path, expected, actual } = &deviation.mismatch;
+            Detail::differs(expected, actual).at(path).excerpt(self.exchange.excerpt())
+        });
+    }
+}
+
+/// A status report in its session: a notification about UAVs. Of its states it has the ids and timestamps only.
+#[derive(Debug)]
+pub struct StatusReport<'t>(&'t Exchange<'t>);
+
+impl<'t> StatusReport<'t> {
+    /// The status report of a record, if it is one.
+    pub(crate) fn of(exchange: &'t Exchange<'t>) -> Option<Self> {
+        exchange.notification(STATUS).map(|_| Self(exchange))
+    }
+
+    /// The connection.
+    pub(super) fn connection(&self) -> Connection<'t> {
+        self.0.record.connection
+    }
+
+    /// The id of the connection.
+    pub(super) fn connection_id(&self) -> ConnectionId {
+        self.0.connection_id()
+    }
+
+    /// Its time in seconds, if that can be trusted.
+    pub(super) fn time(&self) -> Option<f64> {
+        self.0.time
+    }
+
+    /// Its `id`, if that is a string.
+    pub(super) fn id(&self) -> Option<&'t str> {
+        self.0.id
+    }
+
+    /// True if another message has that id.
+    pub(super) fn is_id_in_use(&self) -> bool {
+        self.0.is_id_in_use
+    }
+
+    /// The bounds by which the clock of the server is ahead, in seconds.
+    pub(super) fn clock(&self) -> Option<(f64, f64)> {
+        self.0.clock
+    }
+
+    /// The ids of the UAVs, and their timestamps if they have one.
+    pub(super) fn timestamps(&self) -> impl Iterator<Item = (&'t str, Option<&'t Tree<'t>>)> + use<'t> {
+        let states = super::body::members(self.0.body, "status");
+        states.iter().map(|(uav, state)| (uav.as_ref(), state.get("timestamp")))
+    }
+
+    /// Reports that it violates the rule.
+    pub(super) fn violates(&self, context: &mut RuleContext<'_>, detail: impl FnOnce() -> Detail) {
+        self.0.violates(context, detail);
+    }
+}
+
+impl Exchange<'_> {
+    /// Reports that it violates the rule.
+    pub(super) fn violates(&self, context: &mut RuleContext<'_>, detail: impl FnOnce() -> Detail) {
+        context.violation(&self.subject(), self.record.place, || detail().excerpt(self.excerpt()));
+    }
+}

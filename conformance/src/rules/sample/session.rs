@@ -1,0 +1,388 @@
+//! A session of Flockwave that conforms: a client looks after two gliders, as a recording of the client shows it. In
+//! the middle it tries how the server takes what is unusual, over connections of their own.
+
+mod trials;
+
+use serde_json::{Value, json};
+
+use crate::model::Rule;
+
+/// When it begins, in seconds since the epoch.
+const BEGIN: f64 = 1_790_000_000.0;
+
+/// From one message to the next, in seconds.
+const STEP: f64 = 0.05;
+
+/// How often states come by themselves towards the end, and how far apart, in seconds.
+const REPORTS: (u32, f64) = (12, 5.0);
+
+/// A recording, line by line.
+#[derive(Clone, Debug)]
+pub struct Session {
+    /// Its lines.
+    pub lines: Vec<Value>,
+    connection: &'static str,
+    time: f64,
+    asked: u64,
+    said: u64,
+}
+
+impl Default for Session {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[allow(clippy::needless_pass_by_value)] // bodies are written where they are passed
+impl Session {
+    /// The whole session.
+    pub fn new() -> Self {
+        let mut session = Self::opened();
+        session.server();
+        session.fleet();
+        session.operations();
+        session.rest();
+        session.trials();
+        for _ in 0..REPORTS.0 {
+            session.time += REPORTS.1;
+            session.report();
+        }
+        session.tells(json!({ "type": "SYS-CLOSE", "reason": "The wind drops" }));
+        session.closed("eof");
+        session
+    }
+
+    /// A connection over which nothing has gone yet.
+    pub fn opened() -> Self {
+        let mut session = Self { lines: Vec::new(), connection: "hill", time: BEGIN, asked: 0, said: 0 };
+        session.event("connect");
+        session
+    }
+
+    /// The client asks, and the server answers with a body of the same type.
+    pub fn asks(&mut self, request: Value, answer: Value) {
+        let mut answer = answer;
+        answer["type"] = request["type"].clone();
+        self.asks_other(request, answer);
+    }
+
+    /// The client asks, and the server answers with this body.
+    pub fn asks_other(&mut self, request: Value, answer: Value) {
+        let id = self.sends(request);
+        self.answers(&id, json!({ "body": answer }));
+    }
+
+    /// The client asks; the id of its request.
+    pub fn sends(&mut self, request: Value) -> String {
+        self.asked += 1;
+        let id = format!("ask-{}", self.asked);
+        self.line("out", json!({ "$fw.version": "1.0", "id": id, "body": request }));
+        id
+    }
+
+    /// The client asks, to try a rule; the id of its request.
+    pub fn tries(&mut self, rule: &Rule, how: &str, request: Value) -> String {
+        let id = self.sends(request);
+        self.marks_trial(rule, how);
+        id
+    }
+
+    /// What went last over the connection, or happened to it, tries a rule.
+    fn marks_trial(&mut self, rule: &Rule, how: &str) {
+        if let Some(line) = self.lines.last_mut() {
+            line["trial"] = rule.id.into();
+            line["how"] = how.into();
+        }
+    }
+
+    /// Another connection, over which this is said. Its name begins with its transport.
+    pub fn over(&mut self, connection: &'static str, say: impl FnOnce(&mut Self)) {
+        let before = std::mem::replace(&mut self.connection, connection);
+        let url = match connection {
+            _ if connection.starts_with("udp") => "udp://hill:7002",
+            _ if connection.starts_with("socketio") => "socketio://hill:7003?protocol=5&transport=websocket",
+            _ => "tcp://hill:7001",
+        };
+        self.noted("connect", "url", url);
+        say(self);
+        self.closed("client");
+        self.connection = before;
+    }
+
+    /// A connection that is to try a rule doesn't come about.
+    pub fn refused(&mut self, rule: &Rule, how: &str, why: &str) {
+        self.noted("refused", "why", why);
+        self.marks_trial(rule, how);
+    }
+
+    /// The server sends what is no JSON.
+    pub fn says_raw(&mut self, text: &str) {
+        let mut line = self.next("in");
+        line["raw"] = text.into();
+        self.lines.push(line);
+    }
+
+    /// The connection ends.
+    fn closed(&mut self, why: &str) {
+        self.noted("closed", "why", why);
+    }
+
+    /// Something happens to the connection, of which more is known.
+    fn noted(&mut self, name: &str, key: &str, note: &str) {
+        self.event(name);
+        if let Some(line) = self.lines.last_mut() {
+            line[key] = note.into();
+        }
+    }
+
+    /// The server answers a request.
+    pub fn answers(&mut self, id: &str, answer: Value) {
+        self.said += 1;
+        let mut message = json!({ "$fw.version": "1.0", "id": format!("say-{}", self.said), "refs": id });
+        if let (Some(message), Value::Object(answer)) = (message.as_object_mut(), answer) {
+            message.extend(answer);
+        }
+        self.line("in", message);
+    }
+
+    /// The server says something unasked.
+    pub fn tells(&mut self, body: Value) {
+        self.said += 1;
+        let id = format!("say-{}", self.said);
+        self.line("in", json!({ "$fw.version": "1.0", "id": id, "body": body }));
+    }
+
+    /// Something happens to the connection.
+    pub fn event(&mut self, name: &str) {
+        let mut line = self.next("event");
+        line["event"] = name.into();
+        self.lines.push(line);
+    }
+
+    /// Nothing happens for so many seconds.
+    pub fn wait(&mut self, seconds: f64) {
+        self.time += seconds;
+    }
+
+    fn line(&mut self, direction: &str, message: Value) {
+        let mut line = self.next(direction);
+        line["msg"] = message;
+        self.lines.push(line);
+    }
+
+    fn next(&mut self, direction: &str) -> Value {
+        self.time += STEP;
+        json!({ "t": self.time, "conn": self.connection, "dir": direction })
+    }
+
+    /// The time in milliseconds, as the server tells it.
+    pub(crate) fn now(&self) -> u64 {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // it is between 2026 and 2027
+        let now = ((self.time + STEP) * 1000.0) as u64;
+        now
+    }
+
+    /// What the server says of itself.
+    fn server(&mut self) {
+        let version = json!({ "software": "Windward", "version": "3.1", "name": "Hill", "revision": "b7" });
+        self.asks(json!({ "type": "SYS-VER" }), version);
+        self.asks_other(json!({ "type": "SYS-PING" }), json!({ "type": "ACK-ACK" }));
+        for _ in 0..2 {
+            let now = self.now() + 40;
+            self.asks(json!({ "type": "SYS-TIME" }), json!({ "timestamp": now }));
+        }
+        self.asks(json!({ "type": "SYS-PORTS" }), json!({ "ports": { "tcp": 7001, "udp": 7002 } }));
+        self.logs_in();
+        // The server wants to know whether the client is there.
+        self.tells(json!({ "type": "SYS-PING" }));
+        let answer = json!({
+            "$fw.version": "1.0", "id": "here-1", "refs": format!("say-{}", self.said), "body": { "type": "ACK-ACK" },
+        });
+        self.line("out", answer);
+        let nobody_knows = json!({ "type": "ACK-NAK", "reason": "Nobody here can soar" });
+        self.asks_other(json!({ "type": "UAV-SOAR" }), nobody_knows);
+        let id = self.sends(json!({ "type": "LCN-INF" }));
+        self.answers(&id, json!({ "error": { "code": 3, "message": "The licence can't be read" } }));
+    }
+
+    /// The client logs in.
+    pub fn logs_in(&mut self) {
+        let login = json!({ "type": "AUTH-REQ", "method": "basic", "data": "d2luZDpoaWxs" });
+        self.asks_other(login, json!({ "type": "AUTH-RESP", "result": true, "user": "wind" }));
+    }
+
+    /// Which gliders there are, and how they are.
+    fn fleet(&mut self) {
+        self.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": ["kite", "swift"] }));
+        self.asks(json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite", "swift", "vane"] }));
+        let status = json!({ "kite": self.kite(), "swift": self.swift() });
+        let asked = json!({ "type": "UAV-INF", "ids": ["kite", "swift", "owl"] });
+        self.asks(asked, json!({ "status": status, "error": { "owl": "No such glider" } }));
+        self.report();
+        self.tells(json!({ "type": "OBJ-DEL", "ids": ["vane"] }));
+        self.asks(json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite", "swift"] }));
+        let items = json!([{ "message": "Thermals in the east", "severity": "info", "sender": "kite" }]);
+        self.tells(json!({ "type": "SYS-MSG", "items": items }));
+    }
+
+    /// States that come by themselves.
+    fn report(&mut self) {
+        let status = json!({ "kite": self.kite(), "swift": self.swift() });
+        self.tells(json!({ "type": "UAV-INF", "status": status }));
+    }
+
+    fn kite(&self) -> Value {
+        json!({
+            "id": "kite", "timestamp": self.now() - 30, "mode": "stab",
+            "position": [465_410_000, 115_520_000, 812_000, null, 1_500], "positionXYZ": [120, -40, 0],
+            "gps": [3, 11, 900, null], "heading": 2710, "attitude": [-12, 35, 2710], "velocity": [0, 3, -1],
+            "velocityXYZ": [1, 0, 0], "battery": [118, 84, true], "light": 2016, "rssi": [71, -1], "errors": [1, 73],
+            "debug": "Z2xpZGU=",
+        })
+    }
+
+    fn swift(&self) -> Value {
+        json!({
+            "id": "swift", "timestamp": self.now() - 20, "mode": "mission", "position": [465_411_000, 115_521_000],
+            "heading": 0, "battery": [0, -1], "errors": [66],
+        })
+    }
+
+    /// What takes longer than an answer may.
+    fn operations(&mut self) {
+        let answer = json!({ "receipt": { "kite": "rcpt-1" }, "result": { "swift": true }, "error": { "owl": "No such glider" } });
+        self.asks(json!({ "type": "UAV-TAKEOFF", "ids": ["kite", "swift", "owl"] }), answer);
+        let progress = json!({ "percentage": 40, "message": "Winch is pulling" });
+        self.tells(json!({ "type": "ASYNC-ST", "id": "rcpt-1", "progress": progress }));
+        let waits = json!({ "percentage": 70 });
+        self.tells(json!({ "type": "ASYNC-ST", "id": "rcpt-1", "progress": waits, "suspended": true }));
+        let resume =
+            json!({ "type": "ASYNC-RESUME", "ids": ["rcpt-1", "rcpt-9"], "values": { "rcpt-1": "let go" } });
+        self.asks(resume, json!({ "success": ["rcpt-1"], "error": { "rcpt-9": "Unknown" } }));
+        self.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-1", "result": true }));
+        let answer = json!({ "receipt": { "kite": "rcpt-2", "swift": "rcpt-3" } });
+        self.asks(json!({ "type": "OBJ-CMD", "ids": ["kite", "swift"], "command": "flaps" }), answer);
+        self.tells(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-2"] }));
+        let cancel = json!({ "type": "ASYNC-CANCEL", "ids": ["rcpt-3"] });
+        self.asks(cancel, json!({ "success": ["rcpt-3"] }));
+        self.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-3", "error": "Cancelled" }));
+        self.asks(
+            json!({ "type": "LOG-DATA", "uavId": "kite", "logId": "7" }),
+            json!({ "receipt": "rcpt-4" }),
+        );
+        let log = json!({ "id": "7", "kind": "text", "body": "Took off" });
+        self.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-4", "result": log }));
+        let set = json!({ "type": "PRM-SET-MANY", "ids": ["kite"], "parameters": { "FLAPS": 2, "GEAR": 1 } });
+        self.asks(set, json!({ "result": { "kite": { "success": false, "failed": ["GEAR"] } } }));
+    }
+
+    /// One of each that is left.
+    fn rest(&mut self) {
+        let now = self.now();
+        let winch =
+            json!({ "id": "winch", "purpose": "uavRadioLink", "status": "connected", "timestamp": now });
+        let missing = json!({ "gone": "Unknown" });
+        let told = json!({ "status": { "winch": winch }, "error": missing });
+        self.asks(json!({ "type": "CONN-INF", "ids": ["winch", "gone"] }), told);
+        self.tells(json!({ "type": "CONN-INF", "status": { "winch": winch } }));
+        let clock = json!({ "id": "day", "retrievedAt": now, "running": true, "ticks": 5 });
+        let told = json!({ "status": { "day": clock }, "error": missing });
+        self.asks(json!({ "type": "CLK-INF", "ids": ["day", "gone"] }), told);
+        let paths = json!(["/kite/vario", "/kite/none"]);
+        let error = json!({ "/kite/none": "No such channel" });
+        let told = json!({ "values": { "/kite/vario": 1.5 }, "error": error });
+        self.asks(json!({ "type": "DEV-INF", "paths": paths }), told);
+        let told = json!({ "success": ["/kite/vario"], "error": error });
+        self.asks(json!({ "type": "DEV-SUB", "paths": paths }), told);
+        self.tells(json!({ "type": "DEV-INF", "values": { "/kite/vario": -0.5 } }));
+        let told = json!({ "devices": { "kite": { "type": "object" } }, "error": missing });
+        self.asks(json!({ "type": "DEV-LIST", "ids": ["kite", "gone"] }), told);
+        let beacon = json!({ "id": "mast", "timestamp": now, "active": true });
+        let told = json!({ "status": { "mast": beacon }, "error": missing });
+        self.asks(json!({ "type": "BCN-INF", "ids": ["mast", "gone"] }), told);
+        let weather = json!({ "position": [465_410_000, 115_520_000], "timestamp": now, "windSpeed": 6200 });
+        let told = json!({ "status": { "ridge": weather }, "error": missing });
+        self.asks(json!({ "type": "WTH-INF", "ids": ["ridge", "gone"] }), told);
+        let place = json!({ "type": "WTH-AT", "position": [465_410_000, 115_520_000] });
+        self.asks(place, json!({ "weather": weather }));
+        let preset = json!({ "title": "Field", "format": "auto", "sources": ["tcp://field:9000"] });
+        let told = json!({ "preset": { "field": preset }, "error": missing });
+        self.asks(json!({ "type": "RTK-INF", "ids": ["field", "gone"] }), told);
+        self.asks_other(json!({ "type": "RTK-SOURCE", "id": "field" }), json!({ "type": "ACK-ACK" }));
+        let extension = json!({ "id": "wind", "loaded": true, "name": "Wind" });
+        let told = json!({ "status": { "wind": extension }, "error": missing });
+        self.asks(json!({ "type": "EXT-INF", "ids": ["wind", "gone"] }), told);
+        let checks = json!({ "result": "pass", "items": [{ "id": "spoilers", "result": "pass" }] });
+        let told = json!({ "status": { "kite": checks }, "error": missing });
+        self.asks(json!({ "type": "UAV-PREFLT", "ids": ["kite", "gone"] }), told);
+    }
+
+    /// Changes the body of the first response of the server that has this type.
+    pub fn reply(self, type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Self> {
+        self.reply_message(type_name, |message| change(&mut message["body"]))
+    }
+
+    /// Changes the first response of the server that has this type.
+    pub fn reply_message(self, type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Self> {
+        let is_reply = |line: &&mut Value| line["msg"].get("refs").is_some() && is(line, "in", type_name);
+        self.change(is_reply, change)
+    }
+
+    /// Changes the body of the first notification of this type.
+    pub fn notice(self, type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Self> {
+        let is_notice = |line: &&mut Value| line["msg"].get("refs").is_none() && is(line, "in", type_name);
+        self.change(is_notice, |message| change(&mut message["body"]))
+    }
+
+    /// Changes the first request of this type.
+    pub fn request(self, type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Self> {
+        self.change(|line| is(line, "out", type_name), change)
+    }
+
+    /// Changes what the last report says of one glider.
+    pub fn state(mut self, change: impl FnOnce(&mut Value)) -> Option<Self> {
+        let last = self.lines.iter_mut().rfind(|line| is(line, "in", "UAV-INF"))?;
+        change(&mut last["msg"]["body"]["status"]["kite"]);
+        Some(self)
+    }
+
+    /// With other error codes in that report.
+    pub fn errors(self, codes: &[i64]) -> Option<Self> {
+        self.state(|kite| kite["errors"] = codes.into())
+    }
+
+    /// The server says more at the end, before the connection closes.
+    #[must_use]
+    pub fn then(mut self, say: impl FnOnce(&mut Self)) -> Self {
+        let closing = self.lines.split_off(self.lines.len().saturating_sub(2));
+        say(&mut self);
+        self.lines.extend(closing);
+        self
+    }
+
+    /// Leaves out the first message of the server that has this type.
+    pub fn without(mut self, type_name: &str) -> Option<Self> {
+        let at = self.lines.iter().position(|line| is(line, "in", type_name))?;
+        self.lines.remove(at);
+        Some(self)
+    }
+
+    fn change(
+        mut self,
+        is_wanted: impl FnMut(&&mut Value) -> bool,
+        change: impl FnOnce(&mut Value),
+    ) -> Option<Self> {
+        let line = self.lines.iter_mut().find(is_wanted)?;
+        change(&mut line["msg"]);
+        Some(self)
+    }
+
+    /// The bytes of the file.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        self.lines.iter().map(|line| format!("{line}\n")).collect::<String>().into_bytes()
+    }
+}
+
+fn is(line: &Value, direction: &str, type_name: &str) -> bool {
+    line["dir"] == direction && line["msg"]["body"]["type"] == type_name
+}

@@ -1,0 +1,212 @@
+//! What a client tries, over connections of their own.
+
+use serde_json::{Value, json};
+
+use super::Session;
+use crate::model::Rule;
+use crate::rules::flockwave::{
+    ack_06, asy_18, asy_19, env_07, env_13, env_19, env_21, env_22, env_24, env_25, obj_list_03, sio_01,
+    sio_02, sio_03, sys_ping_01, tcp_02, tcp_03, tcp_04, uav_inf_06, uav_inf_07, udp_02, udp_03,
+};
+
+/// Trials over TCP that any request makes.
+static LINES: [(&Rule, &str); 4] = [
+    (&tcp_02::RULE.rule, "a message in two segments"),
+    (&tcp_02::RULE.rule, "two messages in a segment"),
+    (&tcp_03::RULE.rule, "after a line that is no JSON"),
+    (&tcp_04::RULE.rule, "the rest of a message after a pause"),
+];
+
+/// How often something is asked over UDP.
+const ATTEMPTS: u32 = 3;
+
+#[allow(clippy::needless_pass_by_value)] // bodies are written where they are passed
+impl Session {
+    /// All of them.
+    pub(super) fn trials(&mut self) {
+        self.over("tcp#2", |session| {
+            session.envelopes();
+            session.contents();
+        });
+        self.over("tcp#3", Self::families);
+        self.over("tcp#4", Self::lists);
+        self.over("tcp#5", |session| {
+            let login = json!({ "methods": ["basic"], "required": true });
+            session.asks(json!({ "type": "AUTH-INF" }), login);
+            let nobody = json!({ "type": "ACK-NAK", "reason": "Log in first" });
+            session.tries_and_hears(
+                &ack_06::RULE.rule,
+                "before the login",
+                json!({ "type": "UAV-LIST" }),
+                nobody,
+            );
+        });
+        self.over("udp#1", |session| {
+            for (rule, how) in
+                [(&udp_02::RULE.rule, "any request"), (&udp_03::RULE.rule, "after what is no JSON")]
+            {
+                for _ in 0..ATTEMPTS {
+                    session.pings(rule, how);
+                }
+            }
+        });
+        self.over("socketio#1", |session| {
+            session.pings(&sio_01::RULE.rule, "over a WebSocket");
+            session.pings(&sio_03::RULE.rule, "after an event of another name");
+        });
+        self.over("socketio#2", |session| session.pings(&sio_02::RULE.rule, "by long polling"));
+    }
+
+    /// The client asks, to try a rule, and the server answers with this body.
+    pub fn tries_and_hears(&mut self, rule: &Rule, how: &str, request: Value, answer: Value) {
+        let id = self.tries(rule, how, request);
+        self.answers(&id, json!({ "body": answer }));
+    }
+
+    /// The same, of any request.
+    pub fn pings(&mut self, rule: &Rule, how: &str) {
+        self.tries_and_hears(rule, how, json!({ "type": "SYS-PING" }), json!({ "type": "ACK-ACK" }));
+    }
+
+    /// Requests of a rule are all sent before the first of these answers comes: each by the number of its request.
+    pub fn pipelines(&mut self, rule: &Rule, answered: &[usize]) {
+        let ids: Vec<String> =
+            answered.iter().map(|_| self.tries(rule, "", json!({ "type": "SYS-PING" }))).collect();
+        for id in answered.iter().filter_map(|at| ids.get(*at)) {
+            self.answers(id, json!({ "body": { "type": "ACK-ACK" } }));
+        }
+    }
+
+    /// The client tries a rule with a request whose envelope is another.
+    pub fn tries_with(&mut self, rule: &Rule, how: &str, member: (&str, Value), answer: Option<Value>) {
+        let id = self.tries(rule, how, json!({ "type": "SYS-PING" }));
+        let (key, value) = member;
+        let id = if key == "id" { value.as_str().unwrap_or_default().to_owned() } else { id };
+        if let Some(line) = self.lines.last_mut() {
+            line["msg"][key] = value;
+        }
+        if let Some(answer) = answer {
+            self.answers(&id, json!({ "body": answer }));
+        }
+    }
+
+    fn envelopes(&mut self) {
+        for (rule, how) in LINES {
+            self.pings(rule, how);
+        }
+        let done = || Some(json!({ "type": "ACK-ACK" }));
+        self.tries_with(&env_13::RULE.rule, "an unknown key", ("wind", "fair".into()), done());
+        for _ in 0..2 {
+            self.tries_with(&env_19::RULE.rule, "an id that was answered", ("id", "again".into()), done());
+        }
+        self.tries_with(
+            &env_21::RULE.rule,
+            "an id with other letters",
+            ("id", "Höhe über Grund".into()),
+            done(),
+        );
+        let no_list = json!({ "type": "UAV-INF", "ids": "kite" });
+        let refused = json!({ "type": "ACK-NAK", "reason": "The ids aren't a list" });
+        self.tries_and_hears(
+            &env_22::RULE.rule,
+            "a malformed request: ids that are no list",
+            no_list,
+            refused,
+        );
+        self.pings(&env_22::RULE.rule, "after a malformed request");
+        self.pipelines(&env_25::RULE.rule, &[0, 1, 2]);
+    }
+
+    fn contents(&mut self) {
+        self.pings(&sys_ping_01::RULE.rule, "");
+        let clouds = json!({ "type": "OBJ-LIST", "filter": ["cloud"] });
+        let none = json!({ "type": "OBJ-LIST", "ids": [] });
+        self.tries_and_hears(&obj_list_03::RULE.rule, "an unknown type", clouds, none);
+        let unknown = json!({ "type": "UAV-INF", "ids": ["nobody"] });
+        let error = json!({ "type": "UAV-INF", "error": { "nobody": "No such glider" } });
+        self.tries_and_hears(&uav_inf_06::RULE.rule, "an unknown id", unknown, error);
+        let nothing = json!({ "type": "UAV-INF", "ids": [] });
+        self.tries_and_hears(
+            &uav_inf_07::RULE.rule,
+            "no ids",
+            nothing,
+            json!({ "type": "UAV-INF", "status": {} }),
+        );
+        let kite = json!({ "kite": self.kite() });
+        let twice = json!({ "type": "UAV-INF", "ids": ["kite", "kite"] });
+        let status = json!({ "type": "UAV-INF", "status": kite });
+        self.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": ["kite", "swift"] }));
+        self.tries_and_hears(&uav_inf_07::RULE.rule, "an id twice", twice, status);
+        for kind in ["ASYNC-CANCEL", "ASYNC-RESUME"] {
+            let error = json!({ "type": kind, "error": { "rcpt-none": "No such receipt" } });
+            let unknown = json!({ "type": kind, "ids": ["rcpt-none"] });
+            self.tries_and_hears(&asy_18::RULE.rule, "an unknown receipt", unknown, error);
+        }
+        self.command("rcpt-20");
+        let resume = json!({ "type": "ASYNC-RESUME", "ids": ["rcpt-20"] });
+        let error = json!({ "type": "ASYNC-RESUME", "error": { "rcpt-20": "It isn't suspended" } });
+        self.tries_and_hears(&asy_19::RULE.rule, "an operation that goes on", resume, error);
+        self.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-20", "result": "Flaps out" }));
+    }
+
+    /// A glider is told to do what takes longer than an answer may.
+    pub fn command(&mut self, receipt: &str) {
+        let command = json!({ "type": "OBJ-CMD", "ids": ["kite"], "command": "flaps" });
+        self.asks(command, json!({ "receipt": { "kite": receipt } }));
+    }
+
+    /// A request of each family that servers have to know, and one of a family that there isn't.
+    fn families(&mut self) {
+        self.logs_in();
+        let nobody = json!({ "type": "ACK-NAK", "reason": "No handler for UAV-SOAR" });
+        self.tries_and_hears(&env_07::RULE.rule, "an unknown type", json!({ "type": "UAV-SOAR" }), nobody);
+        let none = json!({ "ids": [] });
+        let version = json!({ "software": "Windward", "version": "3.1", "name": "Hill", "revision": "b7" });
+        let error = json!({ "error": { "rcpt-none": "No such receipt" } });
+        let families = [
+            (json!({ "type": "ASYNC-CANCEL", "ids": ["rcpt-none"] }), error),
+            (json!({ "type": "AUTH-WHOAMI" }), json!({ "user": "wind" })),
+            (json!({ "type": "CONN-LIST" }), json!({ "ids": ["winch"] })),
+            (
+                json!({ "type": "DEV-LIST", "ids": ["kite"] }),
+                json!({ "devices": { "kite": { "type": "object" } } }),
+            ),
+            (json!({ "type": "EXT-LIST" }), json!({ "available": ["wind"], "loaded": ["wind"] })),
+            (json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite", "swift", "mast"] })),
+            (json!({ "type": "RTK-LIST" }), none),
+            (json!({ "type": "SYS-VER" }), version),
+            (json!({ "type": "UAV-LIST" }), json!({ "ids": ["kite", "swift"] })),
+        ];
+        for (request, mut answer) in families {
+            answer["type"] = request["type"].clone();
+            self.tries_and_hears(&env_24::RULE.rule, "", request, answer);
+        }
+    }
+
+    /// What is asked more than once, or in more than one way.
+    fn lists(&mut self) {
+        let version =
+            || json!({ "software": "Windward", "version": "3.1", "name": "Hill", "revision": "b7" });
+        for _ in 0..2 {
+            self.asks(json!({ "type": "SYS-VER" }), version());
+        }
+        for request in [json!({}), json!({ "adjustment": 0 }), json!({})] {
+            let mut request = request;
+            request["type"] = "SYS-TIME".into();
+            let now = self.now() + 40;
+            self.asks(request, json!({ "timestamp": now }));
+        }
+        let ports = json!({ "ports": { "tcp": 7001, "udp": 7002, "socketio": 7003 } });
+        self.asks(json!({ "type": "SYS-PORTS" }), ports);
+        let gliders = || json!({ "ids": ["kite", "swift"] });
+        let all = || json!({ "ids": ["kite", "swift", "mast"] });
+        let status = json!({ "kite": self.kite(), "swift": self.swift() });
+        self.asks(json!({ "type": "OBJ-LIST" }), all());
+        self.asks(json!({ "type": "UAV-LIST" }), gliders());
+        self.asks(json!({ "type": "OBJ-LIST", "filter": ["uav"] }), gliders());
+        self.asks(json!({ "type": "OBJ-LIST", "filter": ["beacon"] }), json!({ "ids": ["mast"] }));
+        self.asks(json!({ "type": "UAV-INF", "ids": ["kite", "swift"] }), json!({ "status": status }));
+        self.asks(json!({ "type": "UAV-LIST" }), gliders());
+        self.asks(json!({ "type": "OBJ-LIST" }), all());
+    }
+}

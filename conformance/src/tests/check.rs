@@ -1,0 +1,541 @@
+//! Logs judged: each rule finds what breaks it, and nothing in a log that conforms.
+
+mod counted;
+use crate::tests::support;
+mod time;
+
+use std::fs;
+
+use crate::check::{CaptureResult, LogSummary, Summary, check_ulog};
+use crate::definitions::Definitions;
+use crate::model::{Extent, Verdict};
+use crate::px4::comparison::Comparison;
+use crate::rules::{RULES, rule};
+use serde_json::Value;
+use tempfile::TempDir;
+
+use support::{Writer, shared};
+
+const GLIDER: &str = "\
+# State of a glider
+
+uint32 MESSAGE_VERSION = 2
+uint8 ORB_QUEUE_LENGTH = 2
+
+uint64 timestamp          # [us] Time since system start
+float32 speed             # [m/s] [@range 0, 60] [@invalid -1] Speed
+float32[2] flaps          # [rad] [@range -1, 1] [@invalid NaN] Left and right
+uint8 MODE_CRUISE = 0     # Straight on
+uint8 MODE_THERMAL = 7    # Circling in lift
+uint8 mode                # [@enum MODE] What it does
+uint8 num_marks           # [-] [@count marks] Entries of marks in use
+Mark[3] marks             # Places to fly to
+char[4] name              # Call sign
+bool is_landed            # Whether it stands on the ground
+";
+const MARK: &str =
+    "# A place\n\nuint64 timestamp  # [us] Time of entry\nint16 height  # [m] [@range -500, 9000] Height\n";
+
+const FORMAT: &str = "uint64_t timestamp;float speed;float[2] flaps;uint8_t mode;uint8_t num_marks;char[4] name;\
+    bool is_landed;uint8_t[5] _padding0;mark[3] marks;";
+const MARK_FORMAT: &str = "mark:uint64_t timestamp;int16_t height;uint8_t[6] _padding0;";
+
+fn definitions() -> (TempDir, Definitions) {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("Glider.msg"), GLIDER).expect("a file");
+    fs::write(folder.path().join("Mark.msg"), MARK).expect("a file");
+    let definitions = Definitions::load(folder.path()).expect("definitions");
+    (folder, definitions)
+}
+
+/// A message of the glider that conforms.
+#[derive(Clone)]
+struct Glider {
+    timestamp: u64,
+    speed: f32,
+    flaps: [f32; 2],
+    mode: u8,
+    num_marks: u8,
+    name: [u8; 4],
+    is_landed: u8,
+    heights: [i16; 3],
+}
+
+impl Glider {
+    fn at(timestamp: u64) -> Self {
+        let flaps = [0.5, f32::NAN];
+        Self {
+            timestamp,
+            speed: 20.0,
+            flaps,
+            mode: 7,
+            num_marks: 3,
+            name: *b"D-1\0",
+            is_landed: 1,
+            heights: [9000; 3],
+        }
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        let mut bytes = self.timestamp.to_le_bytes().to_vec();
+        bytes.extend(self.speed.to_le_bytes());
+        bytes.extend(self.flaps.iter().flat_map(|flap| flap.to_le_bytes()));
+        bytes.extend([self.mode, self.num_marks]);
+        bytes.extend(self.name);
+        bytes.push(self.is_landed);
+        bytes.extend([0; 5]);
+        for height in self.heights {
+            bytes.extend([0; 8]);
+            bytes.extend(height.to_le_bytes());
+            bytes.extend([0; 6]);
+        }
+        bytes
+    }
+}
+
+/// Period of the messages, in µs.
+const PERIOD: u64 = 20_000;
+
+/// A log that conforms, with a message of its own at the end.
+fn log_with(last: &Glider) -> Writer {
+    let mut log = start();
+    for number in 1..60 {
+        log.data(5, &Glider::at(number * PERIOD).bytes());
+    }
+    log.data(5, &last.bytes());
+    log
+}
+
+fn start() -> Writer {
+    let mut log = Writer::with_flags();
+    log.entry(b'I', &[], "char[3] sys_name", b"PX4");
+    log.format(&format!("glider:{FORMAT}"));
+    log.format(MARK_FORMAT);
+    log.subscribe(5, 0, "glider");
+    log
+}
+
+/// What isn't there may have been in what is missing.
+#[test]
+fn what_was_lost_with_a_part_of_the_log_breaks_no_rule() {
+    let whole = log_with(&Glider::at(60 * PERIOD)).bytes;
+    let found = |bytes: &[u8]| {
+        let (_folder, definitions) = definitions();
+        let judgement = check_ulog(bytes, &definitions);
+        let found: Vec<&str> = broken(&judgement).iter().map(|(rule, _)| *rule).collect();
+        assert_ne!(judgement.extent, Extent::Whole);
+        (found, judgement.damage.into_iter().map(|(_, text)| text).collect::<Vec<_>>())
+    };
+    let position = |what: &[u8]| whole.windows(what.len()).position(|part| part == what).expect("a part");
+    // The subscription, which is the last before the data.
+    let subscription = position(b"\x00\x05\x00glider") - 3;
+    let mut torn = whole.clone();
+    torn[subscription..subscription + 3].copy_from_slice(&[0xff, 0xff, 0]);
+    let (rules, damage) = found(&torn);
+    assert_eq!(rules, [""; 0]);
+    assert!(damage.iter().any(|text| text.starts_with("data of id 5, which isn't subscribed")), "{damage:?}");
+    // Behind the format of the glider, and within that of the mark.
+    let mark = position(b"mark:uint64_t") - 3;
+    for cut in [mark, mark + 2, mark + 20] {
+        let (rules, damage) = found(&whole[..cut]);
+        assert_eq!(rules, [""; 0], "cut at {cut}");
+        assert!(!damage.is_empty(), "cut at {cut}");
+    }
+}
+
+fn judge(log: &Writer) -> CaptureResult {
+    let (_folder, definitions) = definitions();
+    check_ulog(&log.bytes[..], &definitions)
+}
+
+fn as_log(judgement: &CaptureResult) -> &LogSummary {
+    match &judgement.summary {
+        Summary::Log(log) => log,
+        Summary::Json(_) | Summary::Mcap(_) | Summary::Flockwave(_) => panic!("a log"),
+    }
+}
+
+/// The rules that are broken, each with its subject and what is said of the first breach.
+fn broken(judgement: &CaptureResult) -> Vec<(&'static str, String)> {
+    let said =
+        |group: &crate::model::Group| (group.rule.id, format!("{}: {}", group.subject, group.examples[0].1));
+    judgement.findings.groups().map(said).collect()
+}
+
+fn conforming() -> Writer {
+    log_with(&Glider::at(60 * PERIOD))
+}
+
+#[test]
+fn a_log_that_conforms_breaks_nothing_and_exercises_what_it_can() {
+    let judgement = judge(&conforming());
+    assert_eq!(broken(&judgement), []);
+    assert_eq!(judgement.damage, []);
+    assert_eq!((judgement.records, judgement.judged), (60, 60));
+    assert_eq!(judgement.duration, 59 * PERIOD);
+    let log = as_log(&judgement);
+    assert_eq!(log.formats, [("glider".to_owned(), Comparison::Equal)]);
+    assert_eq!(log.firmware.as_deref(), Some("PX4"));
+    let idle: Vec<&str> = RULES
+        .iter()
+        .filter(|rule| !rule.is_on_flockwave())
+        .filter(|rule| judgement.findings.verdict(rule) == Verdict::NotExercised)
+        .map(|rule| rule.id)
+        .collect();
+    // No external component talks, the topic has no version behind its name, and the log is neither JSON nor MCAP.
+    let talk = ["PX-EXT-01", "PX-EXT-02", "PX-EXT-03", "PX-EXT-04", "PX-EXT-05"];
+    let others = ["PX-FSF-03", "PX-HASH-01", "PX-JSON-01", "PX-JSON-02", "PX-VER-01"];
+    assert_eq!(idle, [&["PX-ARR-01", "PX-CDR-01", "PX-CDR-02"], &talk[..], &others].concat());
+}
+
+/// A log that breaks the rule, and what is said of it.
+fn mutants() -> Vec<(&'static str, Writer, &'static str)> {
+    let good = Glider::at(60 * PERIOD);
+    let value = |change: fn(&mut Glider)| {
+        let mut glider = good.clone();
+        change(&mut glider);
+        log_with(&glider)
+    };
+    let with = |change: fn(&mut Writer)| {
+        let mut log = conforming();
+        change(&mut log);
+        log
+    };
+    let format = |fields: &str| {
+        let mut log = Writer::with_flags();
+        log.format(&format!("glider:{fields}"));
+        log.format(MARK_FORMAT);
+        log.subscribe(5, 0, "glider");
+        log
+    };
+    let mut versioned = start();
+    versioned.format(&format!("glider_v1:{FORMAT}"));
+    versioned.subscribe(6, 0, "glider_v1");
+    let mut short = conforming();
+    short.data(5, &[0; 20]);
+    let mut burst = conforming();
+    for _ in 0..2 {
+        burst.data(5, &good.bytes());
+    }
+    let mut no_timestamp = format("uint64_t time;");
+    no_timestamp.data(5, &[0; 8]);
+    vec![
+        (
+            "PX-BOOL-01",
+            value(|glider| glider.is_landed = 153),
+            "glider.is_landed: 153 where a bool is 0 or 1",
+        ),
+        ("PX-DATA-01", short, "glider: expected 80 bytes of data of id 5, found 20"),
+        ("PX-DATA-02", with(|log| _ = log.data(9, &[0; 20])), "id 9: data of id 9, which isn't subscribed"),
+        (
+            "PX-DATA-03",
+            with(|log| _ = log.subscribe(6, 0, "glider")),
+            "glider: a second subscription of instance 0",
+        ),
+        ("PX-ENUM-01", value(|glider| glider.mode = 8), "glider.mode: "),
+        (
+            "PX-FMT-01",
+            format(&FORMAT.replace("uint8_t mode;", "uint8_t kind;")),
+            "glider: it lacks mode (uint8); it also has kind (uint8)",
+        ),
+        (
+            "PX-FMT-02",
+            with(|log| _ = log.format("tow:uint64_t timestamp;rope[2] ropes;")),
+            "tow: format `tow` has a field `ropes`",
+        ),
+        ("PX-FMT-03", no_timestamp, "glider: its format has no `uint64_t timestamp`"),
+        (
+            "PX-LEN-01",
+            value(|glider| glider.num_marks = 4),
+            "glider.num_marks: 4 entries in use of an array of 3",
+        ),
+        (
+            "PX-NAN-01",
+            value(|glider| glider.speed = f32::NAN),
+            "glider.speed: NaN, which has no meaning here",
+        ),
+        ("PX-QUEUE-01", burst, "glider: more than 2 messages at 1200000 µs"),
+        (
+            "PX-RANGE-01",
+            value(|glider| glider.flaps[1] = 1.5),
+            "glider.flaps: flaps[1]: 1.5 is out of range, -1 to 1",
+        ),
+        (
+            "PX-STR-01",
+            value(|glider| glider.name = *b"D\xff\0\0"),
+            "glider.name: no UTF-8 from its byte 1 on",
+        ),
+        (
+            "PX-TIME-01",
+            value(|glider| glider.timestamp = 58 * PERIOD),
+            "glider.timestamp: timestamp is 1160000, and was 1180000",
+        ),
+        (
+            "PX-TIME-02",
+            value(|glider| glider.timestamp = 80 * PERIOD),
+            "glider: 420 ms without a message, where one comes each 20 ms",
+        ),
+        ("PX-VER-01", versioned, "glider_v1: the topic is of version 1, the definition of version 2"),
+    ]
+}
+
+/// Rules that a mutant breaks beside its own, as it can't be otherwise.
+const ALSO: [(&str, &str); 1] = [("PX-FMT-03", "PX-FMT-01")];
+
+#[test]
+fn what_is_said_of_a_breach_tells_what_and_where() {
+    let mutants = mutants();
+    for (id, log, said) in mutants {
+        let judgement = judge(&log);
+        let found = broken(&judgement);
+        let own: Vec<&String> = found.iter().filter(|(rule, _)| *rule == id).map(|(_, text)| text).collect();
+        assert!(own.len() == 1 && own[0].starts_with(said), "{id}: {found:?}");
+        let others: Vec<&str> = found.iter().map(|(rule, _)| *rule).filter(|rule| *rule != id).collect();
+        let allowed: Vec<&str> = ALSO.iter().filter(|(of, _)| *of == id).map(|(_, also)| *also).collect();
+        assert_eq!(others, allowed, "{id}: {found:?}");
+    }
+}
+
+#[test]
+fn a_topic_may_be_subscribed_again_once_nothing_subscribes_it() {
+    let judged = |change: &dyn Fn(&mut Writer)| {
+        let mut log = conforming();
+        change(&mut log);
+        let judgement = judge(&log);
+        broken(&judgement).iter().map(|(rule, _)| *rule).collect::<Vec<_>>()
+    };
+    // As the same id; as another, once the first is unsubscribed, or means something else.
+    let again = |log: &mut Writer, id| _ = log.subscribe(id, 0, "glider");
+    assert_eq!(judged(&|log| again(log, 5)), NONE);
+    let moved = |log: &mut Writer| {
+        log.unsubscribe(5);
+        again(log, 6);
+    };
+    assert_eq!(judged(&moved), NONE);
+    let renamed = |log: &mut Writer| {
+        log.subscribe(5, 0, "mark");
+        again(log, 6);
+    };
+    assert_eq!(judged(&renamed), NONE);
+    // What was unsubscribed for good doesn't take the place of what came after it.
+    let twice = |log: &mut Writer| {
+        moved(log);
+        log.subscribe(5, 0, "mark");
+        again(log, 7);
+    };
+    assert_eq!(judged(&twice), ["PX-DATA-03"]);
+    assert_eq!(judged(&|log| _ = log.subscribe(6, 1, "glider")), NONE);
+}
+
+const NONE: [&str; 0] = [];
+
+#[test]
+fn topics_without_data_have_a_time_all_the_same() {
+    let judged = |data: bool| {
+        let mut log = start();
+        log.format("sonde:float x;");
+        log.subscribe(6, 0, "sonde");
+        log.subscribe(7, 1, "sonde");
+        if data {
+            log.data(6, &[0; 4]);
+            log.data(7, &[0; 4]);
+        }
+        let judgement = judge(&log);
+        let rule = rule("PX-FMT-03").expect("a rule");
+        assert_eq!(judgement.findings.exercised(rule), 2, "each topic once");
+        broken(&judgement)
+    };
+    for data in [false, true] {
+        let said = "sonde: its format has no `uint64_t timestamp`";
+        assert_eq!(judged(data), [("PX-FMT-03", said.to_owned())]);
+    }
+    // What nothing subscribes is nested, and a format that can't be used has no size.
+    let mut log = start();
+    log.format("sonde:float x;");
+    log.format("rope:sail sails;");
+    log.subscribe(6, 0, "rope");
+    assert_eq!(broken(&judge(&log)).iter().map(|(rule, _)| *rule).collect::<Vec<_>>(), ["PX-FMT-02"]);
+}
+
+/// What a definition says of it stands beside each finding that has to do with one.
+#[test]
+fn a_finding_tells_where_it_is_defined_and_what_was_expected() {
+    let (_folder, definitions) = definitions();
+    for (id, log, _) in mutants() {
+        let judgement = check_ulog(&log.bytes[..], &definitions);
+        let group = judgement.findings.of(rule(id).expect("a rule")).next().expect("a finding");
+        let line = group.definition.map(|span| definitions.line(span));
+        let line = line.map(|line| line.text.split('#').next().unwrap_or_default().trim().to_owned());
+        let expected = match id {
+            // No definition is known of what isn't subscribed, or isn't a topic.
+            "PX-DATA-02" | "PX-FMT-02" => None,
+            "PX-TIME-01" => Some("uint64 timestamp"),
+            "PX-DATA-01" | "PX-DATA-03" | "PX-FMT-01" | "PX-FMT-03" | "PX-QUEUE-01" | "PX-TIME-02" => {
+                Some("")
+            }
+            _ => continue,
+        };
+        assert_eq!(line.as_deref(), expected, "{id}");
+        let detail = &group.examples[0].1;
+        assert!(!detail.expected.is_empty() && !detail.actual.is_empty(), "{id}: {detail:?}");
+    }
+}
+
+#[test]
+fn what_is_allowed_beside_the_range_breaks_nothing() {
+    for change in [
+        |glider: &mut Glider| glider.speed = -1.0,
+        |glider: &mut Glider| glider.speed = 60.0,
+        |glider: &mut Glider| glider.flaps = [f32::NAN; 2],
+        |glider: &mut Glider| glider.heights[2] = -500,
+        |glider: &mut Glider| glider.name = *b"full",
+        |glider: &mut Glider| glider.timestamp = 0,
+    ] {
+        let mut glider = Glider::at(60 * PERIOD);
+        change(&mut glider);
+        assert_eq!(broken(&judge(&log_with(&glider))), []);
+    }
+}
+
+#[test]
+fn values_in_nested_messages_are_named_by_their_way() {
+    let mut glider = Glider::at(60 * PERIOD);
+    glider.heights[1] = 9001;
+    let found = broken(&judge(&log_with(&glider)));
+    assert_eq!(
+        found,
+        [(
+            "PX-RANGE-01",
+            "glider.marks.height: marks[1].height: 9001 is out of range, -500 to 9000".to_owned()
+        )]
+    );
+}
+
+/// Where in the record something is, is told of each value, whether or not the words need it.
+#[test]
+fn findings_on_values_have_the_path_of_their_field() {
+    let mut glider = Glider { is_landed: 2, mode: 8, ..Glider::at(60 * PERIOD) };
+    glider.flaps[1] = 1.5;
+    glider.heights[1] = 9001;
+    let judgement = judge(&log_with(&glider));
+    let paths: Vec<&str> =
+        judgement.findings.groups().map(|group| group.examples[0].1.path.as_str()).collect();
+    assert_eq!(paths, ["is_landed", "mode", "flaps[1]", "marks[1].height"]);
+}
+
+#[test]
+fn a_pause_with_a_dropout_nearby_has_its_reason() {
+    let mut log = start();
+    for number in 1..60 {
+        log.data(5, &Glider::at(number * PERIOD).bytes());
+    }
+    log.dropout(400);
+    log.data(5, &Glider::at(80 * PERIOD).bytes());
+    let judgement = judge(&log);
+    assert_eq!(broken(&judgement), []);
+    assert_eq!(as_log(&judgement).dropouts, 1);
+}
+
+#[test]
+fn equal_findings_are_counted() {
+    let mut log = start();
+    for number in 1..=5 {
+        log.data(5, &Glider { is_landed: 2, ..Glider::at(number * PERIOD) }.bytes());
+    }
+    let judgement = judge(&log);
+    let rule = rule("PX-BOOL-01").expect("a rule");
+    let groups: Vec<_> = judgement.findings.of(rule).collect();
+    assert_eq!((groups.len(), groups[0].count, groups[0].examples.len()), (1, 5, 3));
+    assert_eq!(judgement.findings.verdict(rule), Verdict::Fail);
+}
+
+/// Real logs conform to all that must hold, and what is known to be odd is found.
+#[test]
+fn real_logs_are_judged_as_they_are_known() {
+    let (Some(logs), Some(corpus)) = (shared("corpus/ulog"), shared("corpus/px4")) else { return };
+    let mut odd = 0;
+    for release in ["1.15", "1.16", "main"] {
+        let definitions = Definitions::load(&corpus.join(release)).expect("definitions");
+        for entry in fs::read_dir(&logs).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            let judgement = check_ulog(fs::File::open(&path).expect("a log"), &definitions);
+            assert_eq!(judgement.records, judgement.judged, "{}", path.display());
+            for group in judgement.findings.groups() {
+                let is_known = group.rule.id.starts_with("PX-FMT-01")
+                    || group.subject == "battery_status.max_error"
+                    || matches!(group.rule.id, "PX-TIME-02" | "PX-QUEUE-01");
+                assert!(is_known, "{}: {group:?}", path.display());
+                odd += u64::from(group.subject == "battery_status.max_error") * group.count;
+            }
+        }
+    }
+    assert_eq!(odd, 94, "batteries whose greatest error is 0");
+}
+
+/// The oracles of logs and of definitions say each by itself what the fields are: which formats equal is for this test
+/// to work out from them.
+#[test]
+fn which_formats_equal_agrees_with_the_reference_tools() {
+    let (Some(logs), Some(corpus)) = (shared("corpus/ulog"), shared("corpus/px4")) else { return };
+    let Some(oracle) = shared("oracle") else { return };
+    let read = |path: &str| -> Value {
+        serde_json::from_slice(&fs::read(oracle.join(path)).expect("a file")).expect("JSON")
+    };
+    let mut seen = [0, 0, 0];
+    for release in ["1.15", "1.16", "main"] {
+        let defined = read(&format!("uorb/{release}.json"));
+        let definitions = Definitions::load(&corpus.join(release)).expect("definitions");
+        for log in ["sample", "sample_log_small", "sample_logging_tagged_and_default_params"] {
+            let found = read(&format!("ulog/{log}.json"));
+            let file = fs::File::open(logs.join(format!("{log}.ulg"))).expect("a log");
+            for (topic, comparison) in &as_log(&check_ulog(file, &definitions)).formats {
+                let of = defined.as_object().expect("messages").iter().find(|(_, message)| {
+                    message["topics"].as_array().expect("topics").iter().any(|known| known == topic)
+                });
+                let expected = match of {
+                    None => 0,
+                    Some((name, _)) if is_same(topic, name, &found["formats"], &defined) => 1,
+                    Some(_) => 2,
+                };
+                let judged = match comparison {
+                    Comparison::Undefined => 0,
+                    Comparison::Equal => 1,
+                    Comparison::Differs(_) => 2,
+                };
+                assert_eq!(judged, expected, "{release}, {log}: {topic}, {comparison:?}");
+                seen[judged] += 1;
+            }
+        }
+    }
+    assert!(seen.iter().all(|count| *count > 50), "{seen:?}");
+}
+
+/// Whether a format of a log has the fields of a message, both as other tools read them.
+fn is_same(format: &str, message: &str, formats: &Value, messages: &Value) -> bool {
+    let fields = |list: &Value| -> Vec<(String, String)> {
+        let text = |field: &Value, at: usize| field[at].as_str().expect("a text").to_owned();
+        let all = list.as_array().expect("fields").iter();
+        let all = all.map(|field| (text(field, 0), text(field, 1)));
+        all.filter(|(_, name)| !name.starts_with("_padding")).collect()
+    };
+    let (found, defined) = (fields(&formats[format]), fields(&messages[message]["fields"]));
+    found.len() == defined.len()
+        && found.iter().zip(&defined).all(|((ty, name), (defined_ty, defined_name))| {
+            let split = |ty: &str| {
+                ty.split_once('[')
+                    .map_or((ty.to_owned(), String::new()), |(ty, rest)| (ty.to_owned(), rest.to_owned()))
+            };
+            let ((ty, length), (defined_ty, defined_length)) = (split(ty), split(defined_ty));
+            let ty = match ty.as_str() {
+                "float" => "float32",
+                "double" => "float64",
+                other => other.strip_suffix("_t").unwrap_or(other),
+            };
+            let is_same_type = if formats[ty].is_array() {
+                messages[&defined_ty].is_object() && is_same(ty, &defined_ty, formats, messages)
+            } else {
+                ty == defined_ty
+            };
+            name == defined_name && length == defined_length && is_same_type
+        })
+}

@@ -1,0 +1,121 @@
+//! Arrays of which a field says how many entries are in use.
+
+use std::fs;
+
+use crate::check::{CaptureResult, check_ulog};
+use crate::definitions::Definitions;
+use tempfile::TempDir;
+
+use super::{FORMAT, Glider, MARK_FORMAT, PERIOD, broken, judge};
+use crate::tests::support::Writer;
+
+/// A log of a glider with so many marks, of which so many are in use.
+fn glider_of(marks: usize, num_marks: u8) -> Writer {
+    let mut log = Writer::with_flags();
+    log.format(&format!("glider:{}", FORMAT.replace("mark[3]", &format!("mark[{marks}]"))));
+    log.format(MARK_FORMAT);
+    log.subscribe(5, 0, "glider");
+    let mut payload = Glider { num_marks, ..Glider::at(PERIOD) }.bytes();
+    payload.resize(payload.len() + 16 * marks - 16 * 3, 0);
+    log.data(5, &payload);
+    log
+}
+
+/// Firmware may have a longer array than the definition, or a shorter one.
+#[test]
+fn a_count_is_held_to_the_array_that_the_log_has() {
+    for (marks, num_marks, is_broken) in
+        [(8, 7, false), (8, 8, false), (8, 9, true), (2, 2, false), (2, 3, true)]
+    {
+        let found = broken(&judge(&glider_of(marks, num_marks)));
+        let found: Vec<_> = found.into_iter().filter(|(rule, _)| *rule != "PX-FMT-01").collect();
+        let said =
+            ("PX-LEN-01", format!("glider.num_marks: {num_marks} entries in use of an array of {marks}"));
+        assert_eq!(found, if is_broken { vec![said] } else { vec![] }, "{num_marks} of {marks}");
+    }
+}
+
+#[test]
+fn a_count_of_an_array_that_the_log_lacks_may_be_any() {
+    let mut log = Writer::with_flags();
+    log.format("glider:uint64_t timestamp;uint8_t num_marks;uint8_t[7] _padding0;");
+    log.subscribe(5, 0, "glider");
+    log.data(5, &[[0; 8], [200; 8]].concat());
+    assert!(broken(&judge(&log)).iter().all(|(rule, _)| *rule == "PX-FMT-01"));
+}
+
+const TOW: &str = "\
+# A tow
+
+uint64 timestamp      # [us] Time since system start
+uint8 num_ropes       # [-] [@count ropes] Ropes in use
+uint8[4] ropes        # [m] [@range 10, 90] Lengths
+int8 num_knots        # [-] [@count knots] Knots in use
+Knot[2] knots         # Knots
+";
+const KNOT: &str = "\
+# A knot
+
+uint64 timestamp      # [us] Time since system start
+uint8 num_turns       # [-] [@count turns] Turns in use
+uint8[3] turns        # [-] [@range 1, 9] How tight each is
+bool is_firm          # Whether it holds
+";
+
+fn tow() -> (TempDir, Definitions) {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("Tow.msg"), TOW).expect("a file");
+    fs::write(folder.path().join("Knot.msg"), KNOT).expect("a file");
+    let definitions = Definitions::load(folder.path()).expect("definitions");
+    (folder, definitions)
+}
+
+/// A message of the tow: its ropes and how many there are, and the same of knots, each with its turns.
+fn judge_tow(ropes: (u8, [u8; 4]), num_knots: i8, knots: [(u8, [u8; 3], u8); 2]) -> CaptureResult {
+    let mut log = Writer::with_flags();
+    log.format(
+        "tow:uint64_t timestamp;uint8_t num_ropes;uint8_t[4] ropes;int8_t num_knots;uint8_t[2] _padding0;\
+         knot[2] knots;",
+    );
+    log.format(
+        "knot:uint64_t timestamp;uint8_t num_turns;uint8_t[3] turns;bool is_firm;uint8_t[3] _padding0;",
+    );
+    log.subscribe(5, 0, "tow");
+    let mut payload = 5_u64.to_le_bytes().to_vec();
+    payload.push(ropes.0);
+    payload.extend(ropes.1);
+    payload.extend([num_knots.cast_unsigned(), 0, 0]);
+    for (num_turns, turns, is_firm) in knots {
+        payload.extend(5_u64.to_le_bytes());
+        payload.push(num_turns);
+        payload.extend(turns);
+        payload.extend([is_firm, 0, 0, 0]);
+    }
+    log.data(5, &payload);
+    let (_folder, definitions) = tow();
+    check_ulog(&log.bytes[..], &definitions)
+}
+
+#[test]
+fn entries_that_are_not_in_use_are_ignored() {
+    let knot = (3, [1, 2, 3], 1);
+    let firm = [knot, knot];
+    for (ropes, num_knots, knots, path) in [
+        ((4, [10; 4]), 2, firm, ""),
+        ((2, [10, 10, 0, 255]), 2, firm, ""),
+        ((0, [0; 4]), 0, [(9, [0; 3], 153); 2], ""),
+        ((3, [10, 10, 0, 255]), 2, firm, "ropes[2]"),
+        ((4, [10; 4]), 1, [knot, (9, [0; 3], 153)], ""),
+        ((4, [10; 4]), 2, [knot, (1, [1, 0, 0], 1)], ""),
+        ((4, [10; 4]), 2, [knot, (2, [1, 0, 0], 1)], "knots[1].turns[1]"),
+        ((4, [10; 4]), 2, [knot, (3, [1, 1, 1], 153)], "knots[1].is_firm"),
+        // A count that makes no sense says nothing of what is in use.
+        ((4, [10; 4]), -1, [knot, (1, [0; 3], 1)], "knots[1].turns[0]"),
+    ] {
+        let judgement = judge_tow(ropes, num_knots, knots);
+        let paths: Vec<&str> =
+            judgement.findings.groups().map(|group| group.examples[0].1.path.as_str()).collect();
+        let expected: &[&str] = if path.is_empty() { &[] } else { &[path] };
+        assert_eq!(paths, expected, "{ropes:?} {num_knots} {knots:?}");
+    }
+}

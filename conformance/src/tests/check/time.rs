@@ -1,0 +1,228 @@
+//! The rules on messages over time: from where on something is a breach, to the microsecond.
+
+use std::fs;
+
+use crate::check::{CaptureResult, check_ulog};
+use crate::definitions::Definitions;
+use crate::rules::rule;
+
+use super::{Glider, PERIOD, broken, judge, start};
+use crate::tests::support::Writer;
+
+/// When the first message comes. It is no multiple of the period, as a flight controller is up before it logs.
+const FIRST: u64 = 1_234_567;
+
+/// Adds messages of the glider at these times.
+fn at(log: &mut Writer, times: impl IntoIterator<Item = u64>) {
+    for time in times {
+        log.data(5, &Glider::at(time).bytes());
+    }
+}
+
+/// A log with so many messages, a period apart, and the time of the last.
+fn regular(messages: u64) -> (Writer, u64) {
+    let mut log = start();
+    at(&mut log, (0..messages).map(|number| FIRST + number * PERIOD));
+    (log, FIRST + (messages - 1) * PERIOD)
+}
+
+fn exercised(judgement: &CaptureResult, id: &str) -> u64 {
+    judgement.findings.exercised(rule(id).expect("a rule"))
+}
+
+/// Nothing is found when a message comes at this time, and a pause when it comes a microsecond later.
+fn check_longest(log: &Writer, last: u64) {
+    for (time, is_pause) in [(last, false), (last + 1, true)] {
+        let mut log = log.clone();
+        at(&mut log, [time]);
+        let found: Vec<&str> = broken(&judge(&log)).iter().map(|(rule, _)| *rule).collect();
+        assert_eq!(found, if is_pause { vec!["PX-TIME-02"] } else { vec![] }, "at {time}");
+    }
+}
+
+#[test]
+fn a_pause_is_longer_than_ten_periods() {
+    let (mut log, last) = regular(40);
+    check_longest(&log, last + 10 * PERIOD);
+    at(&mut log, [last + 11 * PERIOD]);
+    let judgement = judge(&log);
+    let group = judgement.findings.groups().next().expect("a finding");
+    let detail = &group.examples[0].1;
+    assert_eq!(detail.message, "220 ms without a message, where one comes each 20 ms");
+    assert_eq!((&*detail.expected, &*detail.actual), ("200 ms at most, or a dropout", "220 ms"));
+}
+
+#[test]
+fn nothing_is_said_of_a_rhythm_that_is_not_known_yet() {
+    for (messages, is_known) in [(32, false), (33, true)] {
+        let (mut log, last) = regular(messages);
+        at(&mut log, [last + 20 * PERIOD]);
+        let judgement = judge(&log);
+        assert_eq!(broken(&judgement).len(), usize::from(is_known), "{messages}");
+        assert_eq!(exercised(&judgement, "PX-TIME-02"), u64::from(is_known), "{messages}");
+    }
+}
+
+/// A log begins with the latest message of each topic, whenever that was; and several may come at once.
+#[test]
+fn a_beginning_that_is_out_of_time_makes_no_pauses() {
+    for first in [FIRST - 1, FIRST - 100, FIRST - 500_000] {
+        let mut log = start();
+        at(&mut log, [first]);
+        at(&mut log, (0..400).map(|number| FIRST + number * PERIOD));
+        assert_eq!(broken(&judge(&log)), [], "{first}");
+    }
+    let mut log = start();
+    at(&mut log, (0..40).map(|number| FIRST + number * 20));
+    at(&mut log, [FIRST + 39 * 20 + 300]);
+    let judgement = judge(&log);
+    let detail = &judgement.findings.groups().next().expect("a finding").examples[0].1;
+    assert_eq!(detail.message, "300 µs without a message, where one comes each 20 µs");
+}
+
+/// One interval that is out of time moves the period a little, and no further than to itself.
+#[test]
+fn a_rhythm_is_learned_in_small_steps() {
+    for (interval, period) in [(180_000, 21_250), (20_500, 20_500), (19_500, 19_500), (5_000, 18_750)] {
+        let (mut log, last) = regular(40);
+        at(&mut log, [last + interval]);
+        check_longest(&log, last + interval + 10 * period);
+    }
+}
+
+#[test]
+fn messages_of_one_time_and_those_without_any_have_no_part_in_the_rhythm() {
+    let mut log = start();
+    at(&mut log, (0..80).map(|number| FIRST + number / 2 * PERIOD));
+    check_longest(&log, FIRST + 49 * PERIOD);
+    at(&mut log, [0, 0, 0]);
+    let last = FIRST + 60 * PERIOD;
+    at(&mut log, [last]);
+    assert_eq!(broken(&judge(&log)), []);
+    check_longest(&log, last + 10 * PERIOD);
+}
+
+#[test]
+fn a_dropout_is_a_reason_for_as_long_as_it_took_and_a_second_more() {
+    for (messages, is_excused) in [(70, true), (71, false)] {
+        let (mut log, last) = regular(40);
+        log.dropout(400);
+        at(&mut log, (1..=messages).map(|number| last + number * PERIOD));
+        at(&mut log, [last + (messages + 20) * PERIOD]);
+        let found = broken(&judge(&log)).len();
+        assert_eq!(found, usize::from(!is_excused), "{messages} messages after it");
+    }
+}
+
+#[test]
+fn times_that_can_not_be_are_judged_like_any_other() {
+    let mut log = start();
+    at(&mut log, [1, u64::MAX].repeat(60));
+    log.dropout(u16::MAX);
+    at(&mut log, [1, u64::MAX, 0].repeat(60));
+    let judgement = judge(&log);
+    assert_eq!(judgement.judged, 300);
+    assert!(broken(&judgement).iter().all(|(rule, _)| *rule == "PX-TIME-01"));
+}
+
+#[test]
+fn one_time_that_is_wrong_is_one_finding() {
+    let count = |times: &[u64]| {
+        let mut log = start();
+        at(&mut log, times.iter().copied());
+        let judgement = judge(&log);
+        let found: Vec<u64> =
+            judgement.findings.of(rule("PX-TIME-01").expect("a rule")).map(|group| group.count).collect();
+        found.first().copied().unwrap_or_default()
+    };
+    let [second, third, fourth] = [2, 3, 4].map(|number| FIRST + number * PERIOD);
+    assert_eq!(count(&[FIRST, second, third]), 0);
+    assert_eq!(count(&[1 << 60, FIRST, second, third]), 1, "the first is wrong");
+    assert_eq!(count(&[FIRST, third, second, fourth]), 1, "one comes too late");
+    assert_eq!(count(&[third, fourth, FIRST, second]), 1, "the flight controller starts again");
+    assert_eq!(count(&[third, second, FIRST]), 2, "each goes back");
+    assert_eq!(count(&[third, 0, second]), 1, "what has no time isn't between them");
+    assert_eq!(count(&[FIRST, 0, second]), 0);
+}
+
+/// What an id meant before counts no more, even if it is the same topic.
+#[test]
+fn who_subscribes_again_begins_anew() {
+    let (mut log, last) = regular(40);
+    log.subscribe(5, 0, "glider");
+    let mut pause = log.clone();
+    at(&mut pause, [last + 20 * PERIOD]);
+    assert_eq!(broken(&judge(&pause)), []);
+    at(&mut log, [FIRST]);
+    assert_eq!(broken(&judge(&log)), []);
+}
+
+#[test]
+fn a_queue_may_be_filled_and_is_too_full_once() {
+    for (messages, found) in [(1, 0), (2, 0), (3, 1), (9, 1)] {
+        let (mut log, last) = regular(40);
+        // What was never published has no time, so it isn't of one.
+        at(&mut log, [0; 5]);
+        at(&mut log, vec![last + PERIOD; messages]);
+        at(&mut log, [last + 2 * PERIOD, last + 2 * PERIOD]);
+        let judgement = judge(&log);
+        let broken = broken(&judgement);
+        assert_eq!(broken.len(), found, "{messages}: {broken:?}");
+        assert_eq!(exercised(&judgement, "PX-QUEUE-01"), 47 + messages as u64);
+        if let Some(group) = judgement.findings.groups().next() {
+            assert_eq!((group.rule.id, group.count), ("PX-QUEUE-01", 1));
+        }
+    }
+}
+
+const SONDE: &str = "\
+uint32 MESSAGE_VERSION = 3
+
+uint64 timestamp # [us] Time since system start
+
+# TOPICS sonde sonde_v8 sonde_v9
+";
+
+/// A log of a message without a queue, on topics of these names.
+fn judge_sonde(topics: &[&str], times: &[u64]) -> CaptureResult {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("Sonde.msg"), SONDE).expect("a file");
+    let definitions = Definitions::load(folder.path()).expect("definitions");
+    let mut log = Writer::with_flags();
+    for topic in topics {
+        log.format(&format!("{topic}:uint64_t timestamp;"));
+    }
+    for (id, topic) in (0..).zip(topics) {
+        log.subscribe(id, 0, topic);
+        for time in times {
+            log.data(id, &time.to_le_bytes());
+        }
+    }
+    check_ulog(&log.bytes[..], &definitions)
+}
+
+#[test]
+fn a_topic_without_a_queue_may_repeat_a_time() {
+    let judgement = judge_sonde(&["sonde"], &[FIRST, FIRST, FIRST, FIRST + 1]);
+    assert_eq!(broken(&judgement), []);
+    assert_eq!(exercised(&judgement, "PX-QUEUE-01"), 4);
+}
+
+#[test]
+fn of_what_has_no_definition_only_the_time_is_judged() {
+    let judgement = judge_sonde(&["balloon"], &[FIRST; 4]);
+    assert_eq!(broken(&judgement), []);
+    assert_eq!(exercised(&judgement, "PX-QUEUE-01"), 0);
+    assert_eq!(exercised(&judgement, "PX-TIME-01"), 4);
+}
+
+#[test]
+fn a_version_is_what_stands_behind_a_name_unless_a_topic_is_called_so() {
+    let judgement = judge_sonde(&["sonde", "sonde_v8", "sonde_v9"], &[FIRST]);
+    assert_eq!((broken(&judgement), exercised(&judgement, "PX-VER-01")), (vec![], 0));
+    let judgement = judge_sonde(&["sonde_v3"], &[FIRST]);
+    assert_eq!((broken(&judgement), exercised(&judgement, "PX-VER-01")), (vec![], 1));
+    let judgement = judge_sonde(&["sonde_v3", "sonde_v4"], &[FIRST]);
+    let said = "sonde_v4: the topic is of version 4, the definition of version 3";
+    assert_eq!(broken(&judgement), [("PX-VER-01", said.to_owned())]);
+}

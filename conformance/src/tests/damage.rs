@@ -1,0 +1,136 @@
+//! Sources that are damaged in every way are judged as far as they can be read, and say where they can't.
+
+use crate::tests::support;
+
+use crate::check::{CaptureResult, check_capture};
+use crate::definitions::Definitions;
+use crate::model::Place;
+use crate::rules::sample::{Flight, ROUNDS};
+
+use support::{Random, extent};
+
+fn judged(bytes: &[u8], definitions: &Definitions) -> CaptureResult {
+    check_capture(bytes, None, definitions).expect("bytes can be read")
+}
+
+/// What each kind of source is, and how much of it is judged.
+fn sources(definitions: &Definitions) -> Vec<(&'static str, Vec<u8>, u64)> {
+    let flight = Flight::new(definitions);
+    let sources = [
+        ("log", flight.log().to_bytes()),
+        ("MCAP", flight.bag().to_bytes()),
+        ("JSON Lines", flight.lines().to_bytes()),
+        ("rosbridge", flight.rosbridge().to_bytes()),
+    ];
+    sources
+        .map(|(name, bytes)| {
+            let whole = judged(&bytes, definitions);
+            assert_eq!((whole.judged, whole.damage.len()), (flight.messages.len() as u64, 0), "{name}");
+            (name, bytes, whole.judged)
+        })
+        .into()
+}
+
+/// All damage lies in what was read.
+fn check_places(name: &str, judgement: &CaptureResult, size: usize) {
+    for (place, what) in &judgement.damage {
+        let (Place::Byte(at) | Place::Line(at)) = *place;
+        assert!(at <= size as u64, "{name}: {what} at {place} of {size}");
+    }
+}
+
+#[test]
+fn what_stands_before_a_cut_is_judged() {
+    let definitions = Definitions::built_in();
+    for (name, bytes, whole) in sources(&definitions) {
+        let mut before = 0;
+        // JSON has ten times as many bytes, and each cut reads them all.
+        let step = extent(1, 4) * if name == "log" || name == "MCAP" { 97 } else { 970 };
+        for cut in (0..bytes.len()).step_by(step) {
+            let judgement = judged(&bytes[..cut], &definitions);
+            check_places(name, &judgement, cut);
+            // A subscription or a message more can only add to what is judged.
+            assert!(judgement.judged >= before, "{name} cut at {cut}");
+            before = judgement.judged;
+            assert!(judgement.judged <= whole);
+        }
+        assert!(before + extent(4, 16) >= whole, "{name}: {before} of {whole} before the last cut");
+    }
+}
+
+#[test]
+fn a_flipped_bit_costs_few_messages() {
+    let definitions = Definitions::built_in();
+    for (name, bytes, whole) in sources(&definitions) {
+        let mut random = Random(97);
+        let mut damaged = 0;
+        let flips = if name == "log" || name == "MCAP" { 1_000 } else { 250 } / extent(1, 4);
+        for _ in 0..flips {
+            // Magic and flag bits say that nobody should go on who doesn't know them.
+            let head = if name == "log" { 59 } else { 0 };
+            let (at, bit) = (head + random.index(bytes.len() - head), random.below(8));
+            let mut flipped = bytes.clone();
+            flipped[at] ^= 1 << bit;
+            let judgement = judged(&flipped, &definitions);
+            check_places(name, &judgement, bytes.len());
+            damaged += u64::from(!judgement.damage.is_empty());
+            // What says what messages are may be hit: then those of a topic, and of one that nests it, are lost, and
+            // that is told.
+            let lost = whole - judgement.judged.min(whole);
+            let is_told = !judgement.damage.is_empty()
+                || judgement.records > judgement.judged
+                || judgement.findings.groups().next().is_some();
+            // Data whose kind became that of a text is one.
+            assert!(lost <= 1 || is_told, "{name}: {lost} lost after bit {bit} of byte {at}");
+            assert!(
+                lost <= 3 * ROUNDS,
+                "{name}: {lost} lost after bit {bit} of byte {at}: {:?}",
+                judgement.damage
+            );
+        }
+        assert!(
+            damaged > extent(10, 2),
+            "{name}: only {damaged} of {flips} flipped bits were noticed as damage"
+        );
+    }
+}
+
+#[test]
+fn sections_in_the_wrong_order_are_judged() {
+    let definitions = Definitions::built_in();
+    for (name, bytes, _) in sources(&definitions) {
+        let mut random = Random(5);
+        for _ in 0..50 {
+            let mut cuts = [random.index(bytes.len()), random.index(bytes.len()), random.index(bytes.len())];
+            cuts.sort_unstable();
+            let [first, second, third] = cuts;
+            let swapped =
+                [&bytes[..first], &bytes[second..third], &bytes[first..second], &bytes[third..]].concat();
+            let judgement = judged(&swapped, &definitions);
+            check_places(name, &judgement, bytes.len());
+        }
+    }
+}
+
+#[test]
+fn noise_is_told_from_the_start() {
+    let definitions = Definitions::built_in();
+    let noise = Random(3).bytes(1 << 20);
+    for start in
+        [&b"{"[..], b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0", b"[", b"{\"type\":\"px4/Event\",\"message\":"]
+    {
+        let judgement = judged(&[start, &noise].concat(), &definitions);
+        assert_eq!(judgement.judged, 0, "{start:?}");
+        assert!(!judgement.damage.is_empty(), "{start:?}");
+        check_places("noise", &judgement, start.len() + noise.len());
+    }
+    for start in [&b"ULoG\x01\x12\x35\x01"[..], &[0; 20], &noise, b"\xff\xfe{\0}\0", b"\x01\x02"] {
+        let error = check_capture(start, None, &definitions).expect_err("nothing that can be judged");
+        let expected = format!("byte 0: no ULog, no MCAP and no JSON: it begins with {:02x} ", start[0]);
+        assert!(error.to_string().starts_with(&expected), "{error}");
+    }
+    // What has one wrong byte may be damaged, and letters of other languages are none.
+    for start in [&b"\x1b{\"type\":1}\n"[..], "\u{feff}{\"ключ\":1}".as_bytes(), b"\0"] {
+        assert!(check_capture(start, None, &definitions).is_ok(), "{}", start.escape_ascii());
+    }
+}

@@ -1,0 +1,1010 @@
+//! The talk between a flight controller and external components: what the rules find in it, and what they leave
+//! alone since a recording doesn't show all.
+
+use crate::tests::mcap::file;
+
+use std::fs;
+use std::sync::LazyLock;
+
+use crate::check::{CaptureResult, check_capture};
+use crate::definitions::Definitions;
+use crate::model::Verdict;
+use crate::rules::rule;
+use crate::rules::sample::{Entry, Flight, Sent};
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
+static FLIGHT: LazyLock<Flight<'static>> = LazyLock::new(|| Flight::new(&DEFINITIONS));
+
+const REQUEST: &str = "ArmingCheckRequest";
+const REPLY: &str = "ArmingCheckReply";
+
+/// From one request to the next, in ms.
+const PERIOD: u64 = 300;
+
+/// A recording that is written message by message, with times in ms.
+#[derive(Clone)]
+struct Script<'d> {
+    typical: &'d Flight<'d>,
+    flight: Flight<'d>,
+}
+
+impl Script<'static> {
+    fn new() -> Self {
+        Self::of(&FLIGHT)
+    }
+}
+
+impl<'d> Script<'d> {
+    fn of(typical: &'d Flight<'d>) -> Self {
+        Self { typical, flight: Flight { messages: Vec::new(), ..typical.clone() } }
+    }
+
+    fn topic(&self, message: &str) -> usize {
+        self.typical.topic(message).expect("a topic")
+    }
+
+    /// Adds a message that differs from a typical one in these fields.
+    fn say(&mut self, message: &str, ms: u64, fields: &Value) {
+        let topic = self.topic(message);
+        let sent = self.typical.messages.iter().find(|sent| sent.topic == topic).expect("a message");
+        let mut value = sent.value.clone();
+        value["timestamp"] = (ms * 1000).into();
+        for (field, new) in fields.as_object().expect("fields") {
+            if let Some(place) = value.get_mut(field) {
+                *place = new.clone();
+            }
+        }
+        self.flight.messages.push(Sent { topic, value });
+    }
+
+    fn request(&mut self, ms: u64, id: u8, registrations: &[u8]) {
+        let mask: u32 = registrations.iter().map(|id| 1 << id).sum();
+        self.say(REQUEST, ms, &json!({ "request_id": id, "valid_registrations_mask": mask }));
+    }
+
+    fn reply(&mut self, ms: u64, id: u8, registration: u8) {
+        let fields = json!({
+            "request_id": id, "registration_id": registration, "can_arm_and_run": true, "num_events": 0,
+        });
+        self.say(REPLY, ms, &fields);
+    }
+
+    fn register(&mut self, ms: u64, registration: i8) {
+        let fields = json!({ "success": true, "arming_check_id": registration });
+        self.say("RegisterExtComponentReply", ms, &fields);
+    }
+
+    fn unregister(&mut self, ms: u64, registration: i8) {
+        self.say("UnregisterExtComponent", ms, &json!({ "arming_check_id": registration }));
+    }
+
+    /// Requests from this one to before that one, each with answers of all that are registered.
+    fn talk(&mut self, from: u64, to: u64, registrations: &[u8]) {
+        for number in from..to {
+            self.request(number * PERIOD, id(number), registrations);
+            for registration in registrations {
+                self.reply(number * PERIOD + 5, id(number), *registration);
+            }
+        }
+    }
+
+    /// What the rules on external components find, in a log as well as in JSON and in MCAP.
+    fn found(&self) -> Vec<String> {
+        let log = self.judge(&self.flight.log().to_bytes());
+        for other in [self.flight.rosbridge().to_bytes(), self.flight.bag().to_bytes()] {
+            let other = self.judge(&other);
+            assert_eq!(told(&log), told(&other));
+            for id in ["PX-EXT-01", "PX-EXT-02", "PX-EXT-03"] {
+                let rule = rule(id).expect("a rule");
+                assert_eq!(log.findings.exercised(rule), other.findings.exercised(rule), "{id}");
+            }
+        }
+        told(&log)
+    }
+
+    fn judge(&self, bytes: &[u8]) -> CaptureResult {
+        check_capture(bytes, None, self.flight.definitions).expect("bytes can be read")
+    }
+
+    fn exercised(&self, id: &str) -> u64 {
+        self.judge(&self.flight.log().to_bytes()).findings.exercised(rule(id).expect("a rule"))
+    }
+}
+
+/// The id of a request, which begins anew.
+fn id(number: u64) -> u8 {
+    u8::try_from(number % 256).expect("a byte")
+}
+
+/// What is found by these rules: the rule, where, how often, and what is said of the first.
+fn told(judgement: &CaptureResult) -> Vec<String> {
+    let groups = judgement.findings.groups().filter(|group| group.rule.id.starts_with("PX-EXT"));
+    groups
+        .map(|group| {
+            let Value::String(said) = json!(group.examples[0].1.to_string()) else { unreachable!() };
+            format!("{} {} {}: {said}", group.rule.id, group.subject, group.count)
+        })
+        .collect()
+}
+
+const NOTHING: [&str; 0] = [];
+
+/// When a component registers in the talks that begin with request 100, in ms.
+const SHORTLY: u64 = 100 * PERIOD - 200;
+
+#[test]
+fn numbers_of_requests_begin_anew_and_all_is_well() {
+    let mut script = Script::new();
+    script.register(0, 3);
+    script.register(1, 5);
+    script.talk(250, 260, &[3, 5]);
+    script.unregister(260 * PERIOD, 5);
+    script.talk(261, 270, &[3]);
+    assert_eq!(script.found(), NOTHING);
+    assert_eq!(script.exercised("PX-EXT-01"), 29);
+    assert_eq!(script.exercised("PX-EXT-02"), 29);
+    // The last two requests of each part aren't judged, and before the second a request is missing.
+    assert_eq!(script.exercised("PX-EXT-03"), 2 * 8 + 7);
+}
+
+#[test]
+fn the_request_before_the_latest_may_be_answered_but_that_is_late() {
+    let mut script = Script::new();
+    script.talk(100, 105, &[3]);
+    script.request(105 * PERIOD, 105, &[3]);
+    script.request(106 * PERIOD, 106, &[3]);
+    script.reply(106 * PERIOD + 20, 105, 3);
+    script.reply(106 * PERIOD + 25, 106, 3);
+    script.talk(107, 110, &[3]);
+    let late = "request 105: registration 3 answers it only after the next one";
+    assert_eq!(script.found(), [format!("PX-EXT-03 arming_check_request 1: {late}")]);
+}
+
+#[test]
+fn an_answer_to_any_other_request_is_wrong() {
+    for (answered, is_wrong) in [(103, true), (104, false), (105, false), (106, true), (250, true)] {
+        let mut script = Script::new();
+        script.talk(100, 106, &[3]);
+        script.reply(105 * PERIOD + 20, answered, 3);
+        script.talk(106, 109, &[3]);
+        let said = format!(
+            "PX-EXT-01 arming_check_reply.request_id 1: registration 3 answers request {answered}, where 105 is the latest"
+        );
+        let expected = if is_wrong { vec![said] } else { vec![] };
+        assert_eq!(script.found(), expected);
+    }
+}
+
+#[test]
+fn at_the_end_only_what_lies_behind_is_wrong() {
+    for (answered, is_wrong) in
+        [(103, true), (100, true), (234, true), (233, false), (104, false), (106, false), (110, false)]
+    {
+        let mut script = Script::new();
+        script.talk(100, 106, &[3]);
+        script.reply(105 * PERIOD + 20, answered, 3);
+        assert_eq!(script.found().len(), usize::from(is_wrong), "{answered}");
+    }
+    let mut script = Script::new();
+    script.request(PERIOD, 100, &[3]);
+    script.reply(PERIOD + 5, 90, 3);
+    assert_eq!(script.found(), NOTHING, "the request before may have had any number");
+}
+
+#[test]
+fn topics_need_not_be_in_order_in_the_file() {
+    // An answer before its request, and one behind the next; by their times both are right.
+    for times in [[5, 5], [0, 0]] {
+        let mut script = Script::new();
+        script.talk(100, 105, &[3]);
+        let time = |number: u64, at: usize| if times[at] == 0 { 0 } else { number * PERIOD + times[at] };
+        script.reply(time(105, 0), 105, 3);
+        script.request(105 * PERIOD, 105, &[3]);
+        script.request(106 * PERIOD, 106, &[3]);
+        script.request(107 * PERIOD, 107, &[3]);
+        script.reply(time(106, 1), 106, 3);
+        script.reply(107 * PERIOD + 5, 107, 3);
+        script.talk(108, 112, &[3]);
+        assert_eq!(script.found(), NOTHING);
+    }
+    // Far behind, too, it answers the request that was the latest at its time.
+    let mut script = Script::new();
+    script.talk(100, 105, &[]);
+    script.reply(102 * PERIOD + 5, 101, 3);
+    script.reply(102 * PERIOD + 5, 100, 3);
+    script.talk(105, 107, &[]);
+    assert_eq!(script.found().len(), 1);
+    assert!(script.found()[0].contains("registration 3 answers request 100"));
+}
+
+#[test]
+fn the_clock_of_a_component_may_be_another() {
+    for offset in [8, 1_000_000] {
+        let mut script = Script::new();
+        for number in 100..110 {
+            script.request(2_000_000 + number * PERIOD, id(number), &[3]);
+            script.reply(2_000_000 + number * PERIOD - offset, id(number), 3);
+        }
+        assert_eq!(script.found(), NOTHING);
+        assert!(script.exercised("PX-EXT-03") > 0);
+    }
+}
+
+#[test]
+fn nothing_is_said_before_a_request_is_seen() {
+    let mut script = Script::new();
+    script.reply(5, 17, 3);
+    script.talk(100, 103, &[3]);
+    assert_eq!(script.found(), NOTHING);
+    assert_eq!(script.exercised("PX-EXT-01"), 3);
+}
+
+/// A log begins with the latest message of each topic.
+#[test]
+fn nothing_is_said_of_an_answer_that_is_older_than_all_requests() {
+    for is_first in [false, true] {
+        let mut script = Script::new();
+        if is_first {
+            script.reply(70 * PERIOD, 70, 3);
+        }
+        script.request(100 * PERIOD, 100, &[3]);
+        if !is_first {
+            script.reply(70 * PERIOD, 70, 3);
+        }
+        script.reply(100 * PERIOD + 5, 100, 3);
+        script.talk(101, 110, &[3]);
+        assert_eq!(script.found(), NOTHING);
+        script.reply(110 * PERIOD, 70, 3);
+        assert_eq!(script.found().len(), 1);
+    }
+}
+
+/// A log with something between the messages before and those after it.
+fn interrupted(before: &Script<'_>, between: Vec<Entry>, after: &Script<'_>) -> Vec<u8> {
+    let mut log = before.flight.log();
+    log.entries.extend(between);
+    let data = after.flight.log().entries.into_iter().filter(|entry| matches!(entry, Entry::Data(..)));
+    log.entries.extend(data);
+    log.to_bytes()
+}
+
+#[test]
+fn after_a_dropout_nothing_is_known() {
+    let mut before = Script::new();
+    before.register(SHORTLY, 3);
+    before.talk(100, 105, &[3]);
+    before.unregister(105 * PERIOD - 100, 3);
+    let mut after = Script::new();
+    after.reply(105 * PERIOD, 50, 3);
+    after.reply(105 * PERIOD, 104, 9);
+    after.talk(105, 106, &[]);
+    after.reply(105 * PERIOD + 5, 105, 3);
+    after.talk(106, 108, &[]);
+    let wrong = before.judge(&interrupted(&before, vec![], &after));
+    let rules: Vec<&str> = wrong.findings.groups().map(|group| group.rule.id).collect();
+    assert_eq!(rules, ["PX-EXT-01", "PX-EXT-02"]);
+    assert_eq!(told(&before.judge(&interrupted(&before, vec![Entry::Dropout(100)], &after))), NOTHING);
+}
+
+#[test]
+fn an_answer_that_was_lost_is_not_missed() {
+    let [mut before, mut after] = [Script::new(), Script::new()];
+    before.talk(100, 105, &[3]);
+    before.request(105 * PERIOD, 105, &[3]);
+    after.talk(106, 110, &[3]);
+    let missing = before.judge(&interrupted(&before, vec![], &after));
+    let said = "request 105: registration 3 doesn't answer it";
+    assert_eq!(told(&missing), [format!("PX-EXT-03 arming_check_request 1: {said}")]);
+    let lost = before.judge(&interrupted(&before, vec![Entry::Dropout(9)], &after));
+    assert_eq!(told(&lost), NOTHING);
+    assert!(lost.findings.exercised(rule("PX-EXT-03").expect("a rule")) > 0);
+
+    // As JSON, with a mistake in it, or as what is no JSON at all.
+    let mut whole = before.clone();
+    whole.reply(105 * PERIOD + 5, 105, 3);
+    whole.flight.messages.extend(after.flight.messages.clone());
+    let lines = whole.flight.rosbridge().lines;
+    let at = lines.iter().rposition(|line| line.contains("\"request_id\":105")).expect("a line");
+    for (wrong, is_missed) in [("", true), ("{\"op\":", false), ("mistake", false)] {
+        let mut lines = lines.clone();
+        lines[at] = match wrong {
+            "mistake" => lines[at].replace("\"registration_id\":3", "\"registration_id\":3.5"),
+            _ => wrong.to_owned(),
+        };
+        assert_eq!(told(&whole.judge(lines.join("\n").as_bytes())).len(), usize::from(is_missed), "{wrong}");
+    }
+}
+
+#[test]
+fn recordings_that_begin_in_the_middle_know_registrations_by_masks_only() {
+    let mut script = Script::new();
+    script.talk(100, 103, &[3]);
+    script.reply(102 * PERIOD + 8, 102, 5);
+    script.talk(103, 106, &[3]);
+    assert_eq!(script.found(), NOTHING);
+    script.unregister(105 * PERIOD + 100, 3);
+    // It answers the request before it left.
+    script.reply(105 * PERIOD + 102, 105, 3);
+    script.talk(106, 107, &[]);
+    assert_eq!(script.found(), NOTHING);
+    script.reply(106 * PERIOD + 5, 106, 3);
+    script.talk(107, 109, &[]);
+    let said = "3 as the id of who answers, which was given back before this was asked";
+    let expected = [format!("PX-EXT-02 arming_check_reply.registration_id 1: {said}")];
+    assert_eq!(script.found(), expected);
+}
+
+#[test]
+fn an_id_that_was_never_given_out_is_wrong_where_the_beginning_is_recorded() {
+    let said = |id: u8| {
+        let said = format!("{id} as the id of who answers, which was never given out");
+        vec![format!("PX-EXT-02 arming_check_reply.registration_id 1: {said}")]
+    };
+    let stranger = |begin: fn(&mut Script<'static>), mask: &[u8]| {
+        let mut script = Script::new();
+        begin(&mut script);
+        script.talk(100, 102, mask);
+        script.reply(101 * PERIOD + 8, 101, 9);
+        script.talk(102, 104, mask);
+        script.found()
+    };
+    assert_eq!(stranger(|script| script.register(SHORTLY, 3), &[3]), said(9));
+    assert_eq!(stranger(|_| {}, &[3]), NOTHING);
+    assert_eq!(stranger(|script| script.register(SHORTLY, 3), &[3, 5]), NOTHING, "5 was there before");
+    assert_eq!(stranger(|script| script.register(SHORTLY, 3), &[3, 9]), NOTHING);
+    for first in [
+        |script: &mut Script<'static>| script.unregister(9, 1),
+        |script: &mut Script<'static>| script.reply(9, 1, 3),
+        |script: &mut Script<'static>| script.request(9, 99, &[]),
+    ] {
+        let mut script = Script::new();
+        first(&mut script);
+        script.register(SHORTLY, 3);
+        script.talk(100, 102, &[3]);
+        script.reply(101 * PERIOD + 8, 101, 9);
+        script.talk(102, 104, &[3]);
+        assert_eq!(script.found(), NOTHING);
+    }
+    // What failed, or takes no part in arming checks, gives out no id.
+    let failed = stranger(
+        |script| {
+            script.register(SHORTLY, 3);
+            let fields = json!({ "success": false, "arming_check_id": 9 });
+            script.say("RegisterExtComponentReply", SHORTLY + 1, &fields);
+            script.register(SHORTLY + 2, -1);
+        },
+        &[3],
+    );
+    assert_eq!(failed, said(9));
+}
+
+/// Who was slow is no longer asked, and answers all the same: nobody knows when it was registered.
+#[test]
+fn a_registration_of_long_ago_does_not_tell_the_beginning() {
+    let late = |registered: u64| {
+        let mut script = Script::new();
+        script.register(registered, 1);
+        for number in 100..110 {
+            script.request(number * PERIOD, id(number), &[1]);
+            script.reply(number * PERIOD + 5, id(number), 1);
+            script.reply(number * PERIOD + 20, id(number - 1), 0);
+        }
+        script.found().len()
+    };
+    assert_eq!(late(500), 0);
+    assert_eq!(late(100 * PERIOD - 601), 0);
+    assert_eq!(late(100 * PERIOD - 600), 1);
+    assert_eq!(late(100 * PERIOD + 10), 1);
+    assert_eq!(late(100 * PERIOD + 11), 0, "it stands before the request only in the file");
+    assert_eq!(late(0), 0, "it has no time");
+}
+
+/// The header of a log tells its first second as the time of its start.
+#[test]
+fn a_registration_before_the_log_does_not_tell_the_beginning() {
+    for (registered, is_wrong) in [(999, false), (1_000, true)] {
+        let mut script = Script::new();
+        script.register(registered, 3);
+        script.talk(4, 6, &[3]);
+        script.reply(5 * PERIOD + 8, 5, 9);
+        script.talk(6, 8, &[3]);
+        let log = script.judge(&script.flight.log().to_bytes());
+        assert_eq!(told(&log).len(), usize::from(is_wrong), "{registered}");
+    }
+}
+
+#[test]
+fn nor_does_one_after_a_dropout() {
+    let [mut before, mut after] = [Script::new(), Script::new()];
+    before.talk(90, 92, &[9]);
+    after.register(SHORTLY, 3);
+    after.talk(100, 102, &[3]);
+    after.reply(101 * PERIOD + 8, 101, 9);
+    after.talk(102, 104, &[3]);
+    assert_eq!(told(&before.judge(&interrupted(&before, vec![Entry::Dropout(100)], &after))), NOTHING);
+    assert_eq!(after.found().len(), 1);
+}
+
+#[test]
+fn a_mask_tells_that_an_id_was_given_out_again() {
+    let mut script = Script::new();
+    script.register(SHORTLY, 3);
+    script.talk(100, 105, &[3]);
+    script.unregister(105 * PERIOD - 100, 3);
+    script.talk(105, 107, &[]);
+    // The registration isn't in the recording.
+    script.talk(107, 112, &[3]);
+    // Now it is slow, and isn't asked any more.
+    script.request(112 * PERIOD, 112, &[]);
+    script.reply(112 * PERIOD + 5, 112, 3);
+    // Nor need others be in the recording.
+    script.reply(112 * PERIOD + 6, 112, 9);
+    script.talk(113, 116, &[]);
+    assert_eq!(script.found(), NOTHING);
+}
+
+#[test]
+fn without_times_the_order_of_arrival_says_who_has_left() {
+    let mut script = Script::new();
+    script.talk(100, 103, &[3]);
+    script.unregister(0, 3);
+    script.talk(103, 104, &[]);
+    script.reply(0, 103, 3);
+    let said = "3 as the id of who answers, which was given back before this was asked";
+    assert_eq!(script.found(), [format!("PX-EXT-02 arming_check_reply.registration_id 1: {said}")]);
+}
+
+#[test]
+fn an_answer_to_what_was_asked_before_somebody_left_may_be_under_way() {
+    let mut script = Script::new();
+    script.talk(100, 103, &[3]);
+    script.unregister(103 * PERIOD - 50, 3);
+    script.request(103 * PERIOD, 103, &[]);
+    script.reply(103 * PERIOD + 5, 102, 3);
+    script.talk(104, 106, &[]);
+    assert_eq!(script.found(), NOTHING);
+}
+
+#[test]
+fn answers_that_stand_far_behind_are_looked_up_among_eight_requests() {
+    for (requests, is_found) in [(8, true), (9, false)] {
+        let mut script = Script::new();
+        script.talk(100, 100 + requests, &[]);
+        script.reply(100 * PERIOD + 5, 99, 3);
+        script.talk(100 + requests, 102 + requests, &[]);
+        assert_eq!(script.found(), NOTHING, "{requests}");
+        assert_eq!(script.exercised("PX-EXT-01"), u64::from(is_found), "{requests}");
+    }
+}
+
+/// Nodes of ROS 2 often give their messages no time.
+#[test]
+fn answers_without_a_time_are_late_if_several_in_a_row_stand_behind_the_next_request() {
+    for (late, found) in [(1, 0), (2, 0), (3, 1), (5, 3)] {
+        let mut script = Script::new();
+        for number in 100..115 {
+            script.request(number * PERIOD, id(number), &[3]);
+            if (105..105 + late).contains(&(number - 1)) {
+                script.reply(0, id(number - 1), 3);
+            }
+            if !(105..105 + late).contains(&number) {
+                script.reply(0, id(number), 3);
+            }
+        }
+        let said = "request 107: registration 3 answers it only after the next one";
+        let expected: Vec<String> = match found {
+            0 => vec![],
+            _ => vec![format!("PX-EXT-03 arming_check_request {found}: {said}")],
+        };
+        assert_eq!(script.found(), expected, "{late}");
+    }
+    // Whose answer stands there twice wasn't late, nor is another's streak its own.
+    let mut script = Script::new();
+    script.talk(100, 103, &[3, 5]);
+    for number in 103..115 {
+        script.request(number * PERIOD, id(number), &[3, 5]);
+        script.reply(0, id(number - 1), 3);
+        script.reply(0, id(number), 3);
+        script.reply(0, id(number - number % 2), 5);
+        script.reply(0, id(number - 1 + number % 2), 5);
+    }
+    assert_eq!(script.found(), NOTHING);
+}
+
+/// A message that can't be read is one that may have said anything.
+#[test]
+fn an_answer_that_can_not_be_read_is_not_missed() {
+    let mut script = Script::new();
+    script.talk(100, 110, &[3]);
+    let [reply, other] =
+        [REPLY, "FailsafeFlags"].map(|name| u16::try_from(script.topic(name)).expect("an id"));
+    // The same for what belongs to no talk: then the answer is missing.
+    for (id, found) in [(reply, &["PX-DATA-01"][..]), (other, &["PX-DATA-01", "PX-EXT-03"])] {
+        let mut log = script.flight.log();
+        let at = log.entries.iter().rposition(|entry| matches!(entry, Entry::Data(of, _) if *of == reply));
+        log.entries[at.expect("a reply") - 8] = Entry::Data(id, b"abc".to_vec());
+        assert_eq!(rules_broken(&script.judge(&log.to_bytes())), found);
+
+        let mut bag = script.flight.bag();
+        let message = bag.messages.iter_mut().rev().filter(|message| message.0 == reply).nth(4);
+        let (channel, _, payload) = message.expect("a reply");
+        (*channel, *payload) = (id, payload[..8].to_vec());
+        let found: Vec<&str> =
+            found.iter().map(|id| if *id == "PX-DATA-01" { "PX-CDR-02" } else { id }).collect();
+        assert_eq!(rules_broken(&script.judge(&bag.to_bytes())), found);
+    }
+}
+
+fn rules_broken(judgement: &CaptureResult) -> Vec<&'static str> {
+    judgement.findings.groups().map(|group| group.rule.id).collect()
+}
+
+#[test]
+fn json_in_mcap_is_heard_as_any() {
+    let mut script = Script::new();
+    script.talk(100, 110, &[3]);
+    script.reply(109 * PERIOD + 9, 50, 3);
+    let topics = [REQUEST, REPLY].map(|message| script.topic(message));
+    let mut records = Vec::new();
+    for (id, topic) in (1..).zip(topics) {
+        let name = format!("/fmu/out/{}", script.flight.topics[topic].name);
+        records.extend(file::channel(id, 0, &name, "json", &[]));
+    }
+    for sent in &script.flight.messages {
+        let id = (1..).zip(topics).find(|(_, topic)| *topic == sent.topic).map(|(id, _)| id);
+        records.extend(file::message(id.expect("a channel"), sent.value.to_string().as_bytes()));
+    }
+    let judgement = script.judge(&file::file(&records));
+    assert_eq!(rules_broken(&judgement), ["PX-EXT-01"]);
+    assert_eq!(judgement.findings.exercised(rule("PX-EXT-03").expect("a rule")), 8);
+}
+
+/// A topic may be unsubscribed, and subscribed again with another id.
+#[test]
+fn a_talk_may_go_on_with_other_ids() {
+    let [mut before, mut after] = [Script::new(), Script::new()];
+    before.talk(100, 105, &[3]);
+    after.talk(105, 110, &[3]);
+    after.reply(109 * PERIOD + 9, 50, 3);
+    let request = u16::try_from(before.topic(REQUEST)).expect("an id");
+    let mut bytes = before.flight.log().to_bytes();
+    bytes.extend([2, 0, b'R']);
+    bytes.extend(request.to_le_bytes());
+    let mut log = after.flight.log();
+    log.entries.retain(|entry| matches!(entry, Entry::Data(..)));
+    for entry in &mut log.entries {
+        if let Entry::Data(id, _) = entry
+            && *id == request
+        {
+            *id = 900;
+        }
+    }
+    log.entries.insert(0, Entry::Subscription(900, 0, "arming_check_request".to_owned()));
+    // Behind the header.
+    bytes.extend(&log.to_bytes()[16..]);
+    assert_eq!(rules_broken(&before.judge(&bytes)), ["PX-EXT-01"]);
+}
+
+#[test]
+fn a_registration_may_stand_behind_the_first_answer_in_the_file() {
+    let mut script = Script::new();
+    script.register(SHORTLY, 3);
+    script.talk(100, 102, &[3]);
+    script.request(102 * PERIOD, 102, &[3]);
+    script.reply(102 * PERIOD + 5, 102, 3);
+    script.reply(102 * PERIOD + 7, 102, 5);
+    script.register(102 * PERIOD + 2, 5);
+    script.talk(103, 106, &[3, 5]);
+    assert_eq!(script.found(), NOTHING);
+}
+
+#[test]
+fn an_id_that_nobody_can_have_is_always_wrong() {
+    for (id, is_wrong) in [(127, false), (128, true), (255, true)] {
+        let mut script = Script::new();
+        script.reply(5, 17, id);
+        assert_eq!(script.found().len(), usize::from(is_wrong), "{id}");
+    }
+}
+
+#[test]
+fn an_id_that_was_given_back_may_be_given_out_again() {
+    let mut script = Script::new();
+    script.register(10, 3);
+    script.talk(100, 105, &[3]);
+    script.unregister(105 * PERIOD - 100, 3);
+    script.talk(105, 107, &[]);
+    script.register(107 * PERIOD - 100, 3);
+    script.talk(107, 112, &[3]);
+    assert_eq!(script.found(), NOTHING);
+    // In the file, the registration may stand behind the first request that it is part of.
+    let at = script
+        .flight
+        .messages
+        .iter()
+        .rposition(|sent| sent.topic == script.topic("RegisterExtComponentReply"));
+    let at = at.expect("a registration");
+    script.flight.messages.swap(at, at + 1);
+    assert_eq!(script.found(), NOTHING);
+}
+
+#[test]
+fn what_is_older_than_what_it_seems_to_end_ends_nothing() {
+    let mut script = Script::new();
+    script.talk(100, 102, &[3]);
+    script.unregister(50 * PERIOD, 3);
+    script.request(102 * PERIOD, 102, &[]);
+    script.reply(102 * PERIOD + 5, 102, 3);
+    script.talk(103, 105, &[]);
+    assert_eq!(script.found(), NOTHING);
+    // Nor does an old registration give out again what was given back since.
+    let mut script = Script::new();
+    script.talk(100, 102, &[3]);
+    script.unregister(102 * PERIOD - 50, 3);
+    script.register(10, 3);
+    script.request(102 * PERIOD, 102, &[]);
+    script.reply(102 * PERIOD + 5, 102, 3);
+    assert_eq!(script.found().len(), 1);
+}
+
+#[test]
+fn a_request_may_be_under_way_while_a_component_leaves() {
+    for (mask, ms, is_wrong) in [(&[3][..], 100, false), (&[], 105, false), (&[], 150, true)] {
+        let mut script = Script::new();
+        script.talk(1, 3, &[3]);
+        script.unregister(3 * PERIOD + 95, 3);
+        script.request(3 * PERIOD + ms, 3, mask);
+        script.reply(3 * PERIOD + ms + 5, 3, 3);
+        assert_eq!(script.found().len(), usize::from(is_wrong), "{ms}");
+    }
+}
+
+#[test]
+fn recordings_with_some_of_the_requests_are_left_alone() {
+    let mut script = Script::new();
+    for number in 100..130 {
+        if number % 3 == 0 {
+            script.request(number * PERIOD, id(number), &[3]);
+        }
+        script.reply(number * PERIOD + 5, id(number), 3);
+    }
+    assert_eq!(script.found(), NOTHING);
+}
+
+#[test]
+fn recordings_with_some_of_the_replies_are_left_alone() {
+    for step in [2, 3] {
+        let mut script = Script::new();
+        for number in 100..130 {
+            script.request(number * PERIOD, id(number), &[3]);
+            if number % step > 0 {
+                script.reply(number * PERIOD + 5, id(number), 3);
+            }
+        }
+        assert_eq!(script.found(), NOTHING);
+        assert_eq!(script.exercised("PX-EXT-03"), 28);
+    }
+}
+
+#[test]
+fn of_several_components_the_silent_one_is_named() {
+    let mut script = Script::new();
+    script.talk(100, 103, &[3, 5]);
+    for number in 103..107 {
+        script.request(number * PERIOD, id(number), &[3, 5]);
+        script.reply(number * PERIOD + 5, id(number), 3);
+    }
+    // The flight controller no longer counts on it.
+    script.talk(107, 112, &[3]);
+    let said = "request 103: registration 5 doesn't answer it";
+    assert_eq!(script.found(), [format!("PX-EXT-03 arming_check_request 3: {said}")]);
+}
+
+#[test]
+fn components_that_come_or_go_need_not_answer() {
+    let mut script = Script::new();
+    script.talk(100, 105, &[3, 5]);
+    script.request(105 * PERIOD, 105, &[3, 5]);
+    script.unregister(105 * PERIOD + 2, 5);
+    script.reply(105 * PERIOD + 5, 105, 3);
+    script.request(106 * PERIOD, 106, &[3, 5]);
+    script.register(106 * PERIOD + 2, 5);
+    script.reply(106 * PERIOD + 5, 106, 3);
+    // The new one takes its time.
+    for number in 107..112 {
+        script.request(number * PERIOD, id(number), &[3, 5]);
+        script.reply(number * PERIOD + 5, id(number), 3);
+    }
+    assert_eq!(script.found(), NOTHING);
+}
+
+#[test]
+fn a_flight_controller_that_starts_again_begins_anew() {
+    for (ms, is_wrong) in [(105 * PERIOD, true), (50, false)] {
+        let mut script = Script::new();
+        script.register(SHORTLY, 3);
+        script.talk(100, 105, &[3]);
+        // Numbers may go on by chance.
+        script.request(ms, 105, &[3]);
+        script.reply(ms + 5, 105, 3);
+        script.reply(ms + 6, 105, 9);
+        script.request(ms + PERIOD, 106, &[3]);
+        assert_eq!(script.found().len(), usize::from(is_wrong), "{ms}");
+    }
+}
+
+/// Time goes back only where it is less than before.
+#[test]
+fn requests_of_one_time_follow_each_other() {
+    let mut script = Script::new();
+    script.request(100 * PERIOD, 100, &[3]);
+    script.request(100 * PERIOD, 101, &[3]);
+    script.reply(100 * PERIOD + 5, 90, 3);
+    let said = "registration 3 answers request 90, where 101 is the latest";
+    assert_eq!(script.found(), [format!("PX-EXT-01 arming_check_reply.request_id 1: {said}")]);
+}
+
+#[test]
+fn who_answers_too_early_does_not_answer() {
+    let mut script = Script::new();
+    script.talk(100, 105, &[3]);
+    script.reply(104 * PERIOD + 9, 105, 3);
+    script.request(105 * PERIOD, 105, &[3]);
+    script.talk(106, 110, &[3]);
+    let found = script.found();
+    assert_eq!(found.len(), 2, "{found:?}");
+    assert!(found[0].starts_with("PX-EXT-01") && found[1].starts_with("PX-EXT-03"), "{found:?}");
+}
+
+#[test]
+fn components_may_share_a_topic_by_instances() {
+    let mut script = Script::new();
+    script.talk(100, 110, &[3, 5]);
+    script.reply(109 * PERIOD + 9, 50, 3);
+    let mut log = script.flight.log();
+    let reply = u16::try_from(script.topic(REPLY)).expect("an id");
+    let last_subscription = log.entries.iter().rposition(|entry| matches!(entry, Entry::Subscription(..)));
+    let second = Entry::Subscription(900, 1, "arming_check_reply".to_owned());
+    log.entries.insert(last_subscription.expect("a subscription") + 1, second);
+    let replies = log.entries.iter_mut().filter_map(|entry| match entry {
+        Entry::Data(id, _) if *id == reply => Some(id),
+        _ => None,
+    });
+    replies.step_by(2).for_each(|id| *id = 900);
+    let judgement = script.judge(&log.to_bytes());
+    let rules: Vec<&str> = judgement.findings.groups().map(|group| group.rule.id).collect();
+    assert_eq!(rules, ["PX-EXT-01"]);
+    assert_eq!(judgement.findings.exercised(rule("PX-EXT-03").expect("a rule")), 16);
+
+    // A logger subscribes to instances that nobody publishes.
+    let at = last_subscription.expect("a subscription") + 1;
+    log.entries.insert(at, Entry::Subscription(901, 1, "arming_check_request".to_owned()));
+    assert_eq!(told(&script.judge(&log.to_bytes())).len(), 1);
+
+    // But where two ask, nobody knows who is meant.
+    let request = u16::try_from(script.topic(REQUEST)).expect("an id");
+    let of_another = log.entries.iter().find_map(|entry| match entry {
+        Entry::Data(id, payload) if *id == request => Some(Entry::Data(901, payload.clone())),
+        _ => None,
+    });
+    log.entries.insert(at + 2, of_another.expect("a request"));
+    let judgement = script.judge(&log.to_bytes());
+    assert_eq!(told(&judgement), NOTHING);
+    assert_eq!(judgement.findings.exercised(rule("PX-EXT-01").expect("a rule")), 0);
+}
+
+#[test]
+fn vehicles_that_can_not_be_told_apart_are_left_alone() {
+    let mut script = Script::new();
+    script.talk(100, 104, &[3]);
+    script.reply(103 * PERIOD + 9, 50, 3);
+    script.talk(104, 106, &[3]);
+    let mut lines = script.flight.rosbridge().lines;
+    assert_eq!(told(&script.judge(lines.join("\n").as_bytes())).len(), 1);
+    for topic in ["arming_check_request", "arming_check_reply"] {
+        let mut lines = lines.clone();
+        let of_another = lines.iter().find(|line| line.contains(topic)).expect("a line");
+        lines.insert(0, of_another.replace("/fmu/", "/second/fmu/"));
+        assert_eq!(told(&script.judge(lines.join("\n").as_bytes())), NOTHING, "{topic}");
+    }
+    lines.insert(0, r#"{"op":"publish","topic":"/second/wind","msg":{"timestamp":1}}"#.to_owned());
+    assert_eq!(told(&script.judge(lines.join("\n").as_bytes())).len(), 1);
+}
+
+#[test]
+fn a_message_that_is_recorded_twice_is_one() {
+    let mut script = Script::new();
+    script.talk(100, 110, &[3]);
+    let messages = std::mem::take(&mut script.flight.messages);
+    script.flight.messages = messages.into_iter().flat_map(|sent| [sent.clone(), sent]).collect();
+    assert_eq!(script.found(), NOTHING);
+    assert_eq!(script.exercised("PX-EXT-03"), 8);
+}
+
+#[test]
+fn many_replies_that_wait_are_let_go() {
+    let mut script = Script::new();
+    script.talk(100, 102, &[3]);
+    for _ in 0..100 {
+        script.reply(101 * PERIOD + 9, 50, 9);
+    }
+    script.talk(102, 104, &[3]);
+    let said = "registration 9 answers request 50, where 101 is the latest";
+    assert_eq!(script.found(), [format!("PX-EXT-01 arming_check_reply.request_id 64: {said}")]);
+}
+
+const TALK: [(&str, &str); 4] = [
+    ("ArmingCheckRequest", "uint64 timestamp\nuint8 request_id\n"),
+    (
+        "ArmingCheckReply",
+        "uint64 timestamp\nuint8 request_id\nuint8 registration_id\nbool can_arm_and_run\nuint8 num_events\n",
+    ),
+    ("RegisterExtComponentReply", "uint64 timestamp\nbool success\nint8 arming_check_id\n"),
+    ("UnregisterExtComponent", "uint64 timestamp\nint8 arming_check_id\n"),
+];
+
+#[test]
+fn without_masks_registrations_say_who_is_asked() {
+    let folder = TempDir::new().expect("a folder");
+    for (name, text) in TALK {
+        fs::write(folder.path().join(format!("{name}.msg")), text).expect("a file");
+    }
+    let definitions = Definitions::load(folder.path()).expect("definitions");
+    let flight = Flight::new(&definitions);
+    let mut script = Script::of(&flight);
+    script.register(10, 3);
+    script.talk(100, 105, &[3, 5]);
+    script.request(105 * PERIOD, 105, &[]);
+    script.reply(105 * PERIOD + 5, 105, 5);
+    script.talk(106, 109, &[3]);
+    script.unregister(109 * PERIOD - 5, 3);
+    script.talk(109, 114, &[]);
+    let said = "request 105: registration 3 doesn't answer it";
+    let expected = [format!("PX-EXT-03 arming_check_request 1: {said}")];
+    assert_eq!(script.found(), expected, "nobody knows of 5, which was there before, or wasn't");
+    // Those from 100 to 107: the answer to 108 isn't asked of who has left before 109.
+    assert_eq!(script.exercised("PX-EXT-03"), 8);
+    script.reply(113 * PERIOD + 5, 113, 3);
+    assert_eq!(script.found().len(), 1, "it may have been registered again, and go on");
+    script.talk(114, 116, &[]);
+    assert_eq!(script.found().len(), 1);
+    script.talk(116, 117, &[]);
+    assert_eq!(script.found().len(), 2);
+}
+
+#[test]
+fn without_masks_who_goes_on_to_answer_was_registered_again() {
+    let folder = TempDir::new().expect("a folder");
+    for (name, text) in TALK {
+        fs::write(folder.path().join(format!("{name}.msg")), text).expect("a file");
+    }
+    let definitions = Definitions::load(folder.path()).expect("definitions");
+    let flight = Flight::new(&definitions);
+    let left = |after: &dyn Fn(&mut Script<'_>)| {
+        let mut script = Script::of(&flight);
+        script.register(10, 3);
+        script.talk(100, 105, &[3]);
+        script.unregister(105 * PERIOD - 100, 3);
+        after(&mut script);
+        script.talk(110, 116, &[]);
+        script.found().iter().filter(|said| said.starts_with("PX-EXT-02")).count()
+    };
+    let once = left(&|script| {
+        script.talk(105, 106, &[3]);
+        script.talk(106, 110, &[]);
+    });
+    assert_eq!(once, 1);
+    assert_eq!(left(&|script| script.talk(105, 110, &[3])), 0, "it goes on");
+    // Its registration stands behind its first answer.
+    let registered = left(&|script| {
+        script.talk(105, 106, &[3]);
+        script.register(105 * PERIOD - 50, 3);
+        script.talk(106, 110, &[]);
+    });
+    assert_eq!(registered, 0);
+    // A request is missing in between.
+    let missing = left(&|script| {
+        script.talk(105, 106, &[3]);
+        script.talk(107, 110, &[]);
+    });
+    assert_eq!(missing, 0);
+    // Topics aren't in order among each other: it came again after it had left.
+    let mut script = Script::of(&flight);
+    script.register(10, 3);
+    script.talk(100, 105, &[3]);
+    script.register(105 * PERIOD - 100, 3);
+    script.unregister(105 * PERIOD - 105, 3);
+    script.talk(105, 106, &[3]);
+    script.talk(106, 112, &[]);
+    assert_eq!(script.found(), NOTHING);
+}
+
+#[test]
+fn fields_that_a_release_lacks_are_not_judged() {
+    let folder = TempDir::new().expect("a folder");
+    for (name, text) in TALK {
+        let text = text.replace("uint8 request_id\n", "").replace("bool success\n", "");
+        let text = text.replace("uint8 num_events\n", "");
+        fs::write(folder.path().join(format!("{name}.msg")), text).expect("a file");
+    }
+    let definitions = Definitions::load(folder.path()).expect("definitions");
+    let flight = Flight::new(&definitions);
+    let mut script = Script::of(&flight);
+    script.register(10, 3);
+    script.talk(100, 105, &[3]);
+    script.reply(105 * PERIOD, 9, 200);
+    assert_eq!(script.found(), NOTHING);
+    for id in ["PX-EXT-01", "PX-EXT-02", "PX-EXT-03", "PX-EXT-04", "PX-EXT-05"] {
+        assert_eq!(script.exercised(id), 0, "{id}");
+    }
+}
+
+/// What is said of a reply with these values, whose events have these ids.
+fn said_of(can_arm: bool, in_use: u8, ids: [u32; 5]) -> (Vec<String>, u64) {
+    let mut script = Script::new();
+    script.reply(5, 17, 3);
+    let reply = &mut script.flight.messages[0].value;
+    reply["can_arm_and_run"] = can_arm.into();
+    reply["num_events"] = in_use.into();
+    for (at, id) in ids.into_iter().enumerate() {
+        reply["events"][at]["id"] = id.into();
+    }
+    (script.found(), script.exercised("PX-EXT-04"))
+}
+
+#[test]
+fn events_in_use_have_an_id() {
+    assert_eq!(said_of(true, 0, [0; 5]), (vec![], 0));
+    assert_eq!(said_of(true, 2, [1, 2, 0, 0, 0]), (vec![], 2));
+    assert_eq!(said_of(false, 5, [1; 5]), (vec![], 5));
+    let said =
+        "PX-EXT-04 arming_check_reply.events 1: events[1].id: an event without an id, where 2 are in use";
+    assert_eq!(said_of(true, 2, [1, 0, 0, 0, 0]).0, [said]);
+    assert!(said_of(true, 5, [0; 5]).0[0].starts_with("PX-EXT-04 arming_check_reply.events 5: events[0].id"));
+}
+
+#[test]
+fn who_refuses_says_why() {
+    let said = "PX-EXT-05 arming_check_reply.num_events 1: can_arm_and_run is false, and no event says why";
+    assert_eq!(said_of(false, 0, [1; 5]).0, [said]);
+    assert_eq!(said_of(false, 1, [1; 5]).0, NOTHING);
+    assert_eq!(said_of(true, 0, [1; 5]).0, NOTHING);
+}
+
+#[test]
+fn flags_that_no_mode_requires_are_shown_each_with_its_count() {
+    let flags = |fields: &Value| {
+        let mut script = Script::new();
+        for round in 1..=5 {
+            script.say("FailsafeFlags", round * 20, fields);
+        }
+        script
+    };
+    let script = flags(&json!({
+        "mode_req_attitude": 0, "attitude_invalid": true,
+        "mode_req_local_alt": 0, "local_altitude_invalid": false,
+        "mode_req_mission": 2, "auto_mission_missing": true,
+        "mode_req_wind_and_flight_time_compliance": 0, "wind_limit_exceeded": true,
+        "flight_time_limit_exceeded": true, "gcs_connection_lost": true,
+    }));
+    let shown = rule("PX-FSF-03").expect("a rule");
+    for bytes in [script.flight.log().to_bytes(), script.flight.lines().to_bytes()] {
+        let judgement = script.judge(&bytes);
+        let found: Vec<(String, u64)> =
+            judgement.findings.groups().map(|group| (group.subject.clone(), group.count)).collect();
+        let of = |flag: &str| {
+            let name = if bytes.starts_with(b"{") { "FailsafeFlags" } else { "failsafe_flags" };
+            (format!("{name}.{flag}"), 5)
+        };
+        let expected = ["attitude_invalid", "flight_time_limit_exceeded", "wind_limit_exceeded"].map(of);
+        assert_eq!(found, expected);
+        assert_eq!(judgement.findings.verdict(shown), Verdict::Shown);
+        let group = judgement.findings.of(shown).next().expect("a group");
+        assert_eq!(group.examples[0].1.to_string(), "set, and mode_req_attitude is 0: no mode requires it");
+    }
+    // Twelve flags of this release have a requirement.
+    let script = flags(&json!({ "attitude_invalid": true, "mode_req_attitude": 1 }));
+    assert_eq!(script.exercised("PX-FSF-03"), 12 * 5);
+}

@@ -1,0 +1,107 @@
+//! A run whose input does what it can to break reports.
+
+use crate::check::check_capture;
+use crate::definitions::Definitions;
+use crate::model::Reason;
+use crate::report::{Action, CheckedCapture, Known, Report, Settings, Subject, Unreadable};
+use crate::rules::mutants;
+use crate::rules::sample::Flight;
+use crate::testee::case::cases;
+use crate::testee::compare::Difference;
+use crate::testee::outcome::{Manners, Outcome, Verdict};
+use serde_json::{Value, json};
+
+/// What ends, opens or escapes something in one of the kinds of reports, or fools the eye.
+pub(crate) const HOSTILE: &str = "</style><script>alert(1)</script>|`*[x](javascript:y)]]>&amp;\"'\r\n::error::\u{1b}[31m\u{7}\u{202e}\u{ffff}é🛩";
+
+/// Every source that breaks a rule, by name, and JSON with hostile names.
+pub(crate) fn sources(definitions: &Definitions) -> Vec<(String, Vec<u8>)> {
+    let flight = Flight::new(definitions);
+    let mut sources = Vec::new();
+    for mutant in mutants() {
+        for (title, bytes) in mutant.captures(&flight) {
+            sources.push((format!("{}: {title}", mutant.rule.id), bytes));
+        }
+    }
+    sources.push((format!("{HOSTILE}.jsonl"), lines()));
+    sources
+}
+
+/// Messages with fields, types and texts that nobody would choose.
+fn lines() -> Vec<u8> {
+    let long = "x".repeat(10_000);
+    let glider = |name: &str, value: Value| {
+        let mut message = json!({ "timestamp": 1, "arming_check_id": 2, "mode_id": 3, "mode_executor_id": -1, "name": "glider" });
+        message[name] = value;
+        json!({ "type": "px4/UnregisterExtComponent", "message": message }).to_string()
+    };
+    let mut lines = vec![
+        glider(HOSTILE, 1.into()),
+        glider(&long, 2.into()),
+        glider("name", long.as_str().into()),
+        glider("name", HOSTILE.repeat(3).into()),
+        glider("mode_id", 300.into()),
+        json!({ "type": HOSTILE, "message": {} }).to_string(),
+        format!("no JSON: {HOSTILE}").replace(['\r', '\n'], " "),
+    ];
+    lines.extend((0..40).map(|number| glider(&format!("mark_{number}"), 0.into())));
+    lines.join("\n").into_bytes()
+}
+
+/// A report of `check` in which there is everything.
+pub(crate) fn checked(definitions: &Definitions) -> Report {
+    let subject = |(path, bytes): (String, Vec<u8>)| {
+        let judgement = check_capture(&bytes[..], None, definitions).expect("bytes can be read");
+        // The time that it took is no part of what is compared.
+        let judged = CheckedCapture {
+            path,
+            result: judgement,
+            notes: vec!["the <b>wind</b>\u{1b}[1m turned".to_owned()],
+            elapsed: 7,
+        };
+        let arguments = vec!["--definitions".to_owned(), HOSTILE.to_owned()];
+        Subject::of_capture(judged, definitions, &Settings { arguments, ..Settings::default() })
+    };
+    let mut subjects: Vec<Subject> = sources(definitions).into_iter().map(subject).collect();
+    let last = subjects.last_mut().expect("subjects");
+    let known = Known {
+        kind: "known".to_owned(),
+        reason: HOSTILE.to_owned(),
+        link: Some("javascript:alert(1)".to_owned()),
+        expires: Some("2027-06-30".to_owned()),
+    };
+    last.findings[0].known = Some(known);
+    let unreadable = vec![Unreadable { path: format!("gone{HOSTILE}"), message: HOSTILE.to_owned() }];
+    let reasons = vec![Reason::from(format!("required: {HOSTILE}"))];
+    Report::new(Action::Check, format!("uavspec check {HOSTILE}"), definitions, subjects, unreadable, reasons)
+}
+
+/// A report of `test` with every verdict.
+pub(crate) fn tested(definitions: &Definitions) -> Report {
+    let cases = cases(definitions, definitions.types());
+    let text = HOSTILE.to_owned();
+    let verdict = |at: usize| match at % 12 {
+        1 => Verdict::Fail(Difference {
+            path: "/mark/2".to_owned(),
+            expected: text.clone(),
+            actual: "x".repeat(10_000),
+        }),
+        2 => Verdict::Unsupported,
+        3 => Verdict::Crashed { how: text.clone(), stderr: format!("{text}\n{text}") },
+        4 => Verdict::TimedOut { after: std::time::Duration::from_secs(5), stderr: String::new() },
+        5 => Verdict::NotRun,
+        _ => Verdict::Pass,
+    };
+    let outcome = Outcome {
+        hello: None,
+        verdicts: cases.iter().enumerate().map(|(at, case)| (case, verdict(at))).collect(),
+        manners: Manners { remarks: vec![(text.clone(), 3)], more: 2 },
+        restarts: 4,
+        gave_up: Some(text.clone()),
+    };
+    let mut subject =
+        Subject::of_testee(&outcome, definitions, &|case| format!("uavspec test --filter {case}"));
+    subject.path.clone_from(&text);
+    let command = "uavspec test -- ./codec".to_owned();
+    Report::new(Action::Test, command, definitions, vec![subject], Vec::new(), Vec::new())
+}

@@ -1,0 +1,390 @@
+//! JSON judged: each rule finds what breaks it, and reading goes on whatever comes.
+
+mod forms;
+mod hostile;
+mod logs;
+
+use std::fs;
+
+use crate::check::{CaptureResult, JsonSummary, Summary, check_capture, check_json, check_json_thoroughly};
+use crate::definitions::Definitions;
+use crate::model::{Place, Verdict};
+use crate::rules::sample::Flight;
+use crate::rules::{self, RULES, rule};
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+const GLIDER: &str = "\
+uint32 MESSAGE_VERSION = 2
+uint8 ORB_QUEUE_LENGTH = 2
+
+uint64 timestamp          # [us] Time since system start
+float32 speed             # [m/s] [@range 0, 60] [@invalid -1] Speed
+float32[2] flaps          # [rad] [@range -1, 1] [@invalid NaN] Left and right
+uint8 MODE_CRUISE = 0     # Straight on
+uint8 MODE_THERMAL = 7    # Circling in lift
+uint8 mode                # [@enum MODE] What it does
+uint8 num_marks           # [-] [@count marks] Entries of marks in use
+Mark[3] marks             # Places to fly to
+char[4] name              # Call sign
+bool is_landed            # Whether it stands on the ground
+uint8[5] raw              # Anything
+int64 serial              # Any number
+float64 ratio             # Any ratio
+";
+const MARK: &str =
+    "# A place\n\nuint64 timestamp  # [us] Time of entry\nint16 height  # [m] [@range -500, 9000] Height\n";
+
+const PERIOD: u64 = 20_000;
+
+fn definitions() -> (TempDir, Definitions) {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("Glider.msg"), GLIDER).expect("a file");
+    fs::write(folder.path().join("Mark.msg"), MARK).expect("a file");
+    let definitions = Definitions::load(folder.path()).expect("definitions");
+    (folder, definitions)
+}
+
+fn glider(timestamp: u64) -> Value {
+    json!({
+        "timestamp": timestamp, "speed": 20.0, "flaps": [0.5, null], "mode": 7, "num_marks": 3,
+        "marks": vec![json!({"timestamp": 0, "height": 9000}); 3],
+        "name": "D-1", "is_landed": true, "raw": [1, 2, 3, 4, 255], "serial": i64::MIN, "ratio": 1e300,
+    })
+}
+
+fn typed(message: &Value) -> String {
+    json!({"type": type_name(), "message": message}).to_string()
+}
+
+fn published(topic: &str, message: &Value) -> String {
+    json!({"op": "publish", "topic": topic, "msg": message}).to_string()
+}
+
+/// The name of a package that is read from a folder isn't ours to say.
+fn type_name() -> String {
+    let (_folder, definitions) = definitions();
+    format!("{}/Glider", definitions.schema.packages[0].name)
+}
+
+fn judge_bytes(bytes: &[u8]) -> CaptureResult {
+    let (_folder, definitions) = definitions();
+    check_capture(bytes, None, &definitions).expect("bytes can be read")
+}
+
+fn judge_bare(text: &str) -> CaptureResult {
+    let (_folder, definitions) = definitions();
+    let of = definitions.message_of_topic("glider");
+    assert!(of.is_some());
+    check_capture(text.as_bytes(), of, &definitions).expect("bytes can be read")
+}
+
+fn source(judgement: &CaptureResult) -> &JsonSummary {
+    match &judgement.summary {
+        Summary::Json(source) => source,
+        Summary::Log(_) | Summary::Mcap(_) | Summary::Flockwave(_) => panic!("JSON"),
+    }
+}
+
+fn broken(judgement: &CaptureResult) -> Vec<(&'static str, String)> {
+    let said =
+        |group: &crate::model::Group| (group.rule.id, format!("{}: {}", group.subject, group.examples[0].1));
+    judgement.findings.groups().map(said).collect()
+}
+
+fn damage(judgement: &CaptureResult) -> Vec<String> {
+    judgement.damage.iter().map(|(place, what)| format!("{place}: {what}")).collect()
+}
+
+/// Lines that conform, with another at the end.
+fn lines_with(last: &str) -> String {
+    let lines = (1..60).map(|number| typed(&glider(number * PERIOD)));
+    lines.chain([last.to_owned()]).map(|line| line + "\n").collect()
+}
+
+#[test]
+fn json_that_conforms_breaks_nothing_and_exercises_what_it_can() {
+    let judgement = judge_bytes(lines_with(&typed(&glider(60 * PERIOD))).as_bytes());
+    assert_eq!((broken(&judgement), damage(&judgement)), (vec![], vec![]));
+    assert_eq!((judgement.records, judgement.judged, judgement.duration), (60, 60, 59 * PERIOD));
+    let found = source(&judgement);
+    assert_eq!((found.lines, found.types, found.skipped), (60, 1, 0));
+    assert_eq!(found.dialects.iter().count(), 0);
+    let idle: Vec<&str> = RULES
+        .iter()
+        .filter(|rule| !rule.is_on_flockwave())
+        .filter(|rule| judgement.findings.verdict(rule) == Verdict::NotExercised)
+        .map(|rule| rule.id)
+        .collect();
+    let data = ["PX-BOOL-01", "PX-CDR-01", "PX-CDR-02", "PX-DATA-01", "PX-DATA-02", "PX-DATA-03"];
+    let talk = ["PX-EXT-01", "PX-EXT-02", "PX-EXT-03", "PX-EXT-04", "PX-EXT-05"];
+    let formats = ["PX-FMT-01", "PX-FMT-02", "PX-FMT-03"];
+    // No external component talks, and a type has no version behind its name.
+    assert_eq!(idle, [&data[..], &talk, &formats, &["PX-FSF-03", "PX-HASH-01", "PX-VER-01"]].concat());
+    assert_eq!(judgement.findings.exercised(rule("PX-JSON-01").expect("a rule")), 60 * 4);
+}
+
+/// The rule, what follows messages that conform, and what is said.
+fn mutants() -> Vec<(&'static str, String, &'static str)> {
+    let good = glider(60 * PERIOD);
+    let value = |pointer: &str, value: Value| {
+        let mut changed = good.clone();
+        *changed.pointer_mut(pointer).expect("a member") = value;
+        typed(&changed)
+    };
+    let with = |change: fn(&mut serde_json::Map<String, Value>)| {
+        let mut changed = good.clone();
+        change(changed.as_object_mut().expect("an object"));
+        typed(&changed)
+    };
+    let text = typed(&good);
+    let replaced = |from: &str, to: &str| {
+        assert!(text.contains(from), "{text}");
+        text.replacen(from, to, 1)
+    };
+    vec![
+        ("PX-ARR-01", value("/raw", json!([1, 2])), "Glider.raw: expected 5 elements, found 2"),
+        ("PX-ARR-01", value("/flaps", json!([0, 0, 0])), "Glider.flaps: expected 2 elements, found 3"),
+        ("PX-ARR-01", value("/name", json!("too long")), "Glider.name: expected at most 4 bytes, found 8"),
+        ("PX-ENUM-01", value("/mode", json!(8)), "Glider.mode: 8 is not a documented value"),
+        (
+            "PX-JSON-01",
+            with(|fields| _ = fields.remove("ratio")),
+            "Glider.ratio: the field is missing; expected a number, or null for NaN",
+        ),
+        (
+            "PX-JSON-01",
+            with(|fields| _ = fields.insert("tow".into(), 1.into())),
+            "Glider.tow: Glider has no such field; found 1",
+        ),
+        (
+            "PX-JSON-01",
+            replaced("\"mode\":7", "\"mode\":7,\"mode\":7"),
+            "Glider.mode: the field is there 2 times",
+        ),
+        ("PX-JSON-02", value("/is_landed", json!(1)), "Glider.is_landed: expected true or false, found 1"),
+        (
+            "PX-JSON-02",
+            value("/raw/4", json!(256)),
+            "Glider.raw: raw[4]: expected an integer from 0 to 255, found 256",
+        ),
+        (
+            "PX-JSON-02",
+            value("/mode", json!(7.0)),
+            "Glider.mode: expected an integer from 0 to 255, found 7.0",
+        ),
+        (
+            "PX-JSON-02",
+            value("/serial", json!(1_u64 << 63)),
+            "Glider.serial: expected an integer from -9223372036854775808 to 9223372036854775807, found 9223372036854775808",
+        ),
+        (
+            "PX-JSON-02",
+            value("/speed", json!(1e39)),
+            "Glider.speed: expected a number, or null for NaN, found 1e+39, which is too large for float32",
+        ),
+        (
+            "PX-JSON-02",
+            value("/marks/1", json!(null)),
+            "Glider.marks: marks[1]: expected an object, found null",
+        ),
+        (
+            "PX-JSON-02",
+            value("/name", json!([68, 0, 0, 0])),
+            "Glider.name: expected a string, found an array of 4",
+        ),
+        (
+            "PX-JSON-02",
+            value("/raw", json!("AQIDBAU=")),
+            "Glider.raw: expected an array of 5, found \"AQIDBAU=\"",
+        ),
+        (
+            "PX-JSON-02",
+            replaced("[0.5,null]", "[0.5,NaN]"),
+            "Glider.flaps: flaps[1]: expected a number, or null for NaN, found a bare NaN, which is no JSON",
+        ),
+        (
+            "PX-JSON-02",
+            replaced("[0.5,null]", "[-Infinity,null]"),
+            "Glider.flaps: flaps[0]: expected a number, or null for NaN, found a bare -Infinity",
+        ),
+        (
+            "PX-JSON-02",
+            replaced("\"ratio\":1e+300", "\"ratio\":1e400"),
+            "Glider.ratio: expected a number, or null for NaN, found 1e400, which is too large for float64",
+        ),
+        ("PX-LEN-01", value("/num_marks", json!(4)), "Glider.num_marks: 4 entries in use of an array of 3"),
+        ("PX-NAN-01", value("/speed", json!(null)), "Glider.speed: NaN, which has no meaning here"),
+        ("PX-QUEUE-01", format!("{0}\n{0}\n{0}", typed(&good)), "Glider: more than 2 messages at 1200000 µs"),
+        (
+            "PX-RANGE-01",
+            value("/marks/1/height", json!(9001)),
+            "Glider.marks.height: marks[1].height: 9001 is out of range, -500 to 9000",
+        ),
+        ("PX-STR-01", value("/name", json!("D\0")), "Glider.name: a NUL at its byte 1"),
+        (
+            "PX-STR-01",
+            {
+                let mut changed = good.clone();
+                changed["name"] = json!([68, 255, 0, 0]);
+                published("/glider", &changed)
+            },
+            "glider.name: no UTF-8 from its byte 1 on",
+        ),
+        (
+            "PX-TIME-01",
+            value("/timestamp", json!(58 * PERIOD)),
+            "Glider.timestamp: timestamp is 1160000, and was 1180000",
+        ),
+        ("PX-TIME-02", value("/timestamp", json!(80 * PERIOD)), "Glider: 420 ms without a message"),
+        (
+            "PX-VER-01",
+            published("/glider_v1", &good),
+            "glider_v1: the topic is of version 1, the definition of version 2",
+        ),
+    ]
+}
+
+#[test]
+fn what_is_said_of_a_breach_tells_what_and_where() {
+    let mutants = mutants();
+    for (id, last, said) in mutants {
+        let judgement = judge_bytes(lines_with(&last).as_bytes());
+        let found = broken(&judgement);
+        assert!(found.len() == 1 && found[0].0 == id && found[0].1.starts_with(said), "{id}: {found:?}");
+        assert_eq!(damage(&judgement), Vec::<String>::new(), "{id}");
+        let group = judgement.findings.groups().next().expect("a finding");
+        assert!(group.examples[0].0 >= Place::Line(60), "{id}: {group:?}");
+        assert!(group.definition.is_some(), "{id}");
+    }
+}
+
+#[test]
+fn everything_that_is_wrong_with_a_message_is_told() {
+    let mut message = glider(PERIOD);
+    message["speed"] = json!(61);
+    message["marks"][2] = json!({"timestamp": -1, "height": "high", "depth": 0});
+    message["raw"] = json!([1, 2, 3, 4, 5, 600]);
+    message.as_object_mut().expect("an object").remove("serial");
+    let judgement = judge_bytes(typed(&message).as_bytes());
+    let ids: Vec<(&str, String)> = broken(&judgement)
+        .into_iter()
+        .map(|(id, text)| (id, text[..text.find(':').unwrap_or(0)].to_owned()))
+        .collect();
+    let expected = [
+        ("PX-ARR-01", "Glider.raw"),
+        ("PX-JSON-01", "Glider.marks.depth"),
+        ("PX-JSON-01", "Glider.serial"),
+        ("PX-JSON-02", "Glider.marks.height"),
+        ("PX-JSON-02", "Glider.marks.timestamp"),
+        ("PX-JSON-02", "Glider.raw"),
+        ("PX-RANGE-01", "Glider.speed"),
+    ];
+    assert_eq!(ids, expected.map(|(id, subject)| (id, subject.to_owned())));
+}
+
+/// What findings are about is found again in the record by their pointers, whatever stands around the message.
+#[test]
+fn findings_point_into_the_record() {
+    let mut message = glider(PERIOD);
+    message["speed"] = json!(61);
+    message["marks"][2]["height"] = json!("high");
+    message["a/b~c"] = json!(null);
+    message["raw"] = json!([1, 2]);
+    let typed_record = typed(&message);
+    let published_record = published("/glider", &message);
+    let bare = message.to_string();
+    for (record, around) in [(&typed_record, "/message"), (&published_record, "/msg"), (&bare, "")] {
+        let judgement = if around.is_empty() { judge_bare(record) } else { judge_bytes(record.as_bytes()) };
+        let value: Value = serde_json::from_str(record).expect("JSON");
+        let found: Vec<(&str, &str)> = judgement
+            .findings
+            .groups()
+            .map(|group| (group.rule.id, group.examples[0].1.path.as_str()))
+            .collect();
+        let expected = [
+            ("PX-ARR-01", "/raw"),
+            ("PX-JSON-01", "/a~1b~0c"),
+            ("PX-JSON-02", "/marks/2/height"),
+            ("PX-RANGE-01", "/speed"),
+        ];
+        let expected = expected.map(|(rule, path)| (rule, format!("{around}{path}")));
+        assert_eq!(found, expected.each_ref().map(|(rule, path)| (*rule, path.as_str())));
+        for (_, pointer) in found {
+            assert!(value.pointer(pointer).is_some(), "{pointer} in {record}");
+        }
+    }
+}
+
+#[test]
+fn findings_show_what_was_written_and_not_too_much_of_it() {
+    let mut message = glider(PERIOD);
+    message.as_object_mut().expect("an object").remove("serial");
+    message["raw"] = json!([1, {"a": [true, "\u{1b}"]}]);
+    message["name"] = json!("x".repeat(10_000));
+    let judgement = judge_bare(&message.to_string());
+    let groups: Vec<_> = judgement.findings.groups().collect();
+    for group in &groups {
+        let excerpt = &group.examples[0].1.excerpt;
+        assert!(!excerpt.is_empty() && excerpt.len() < 300, "{} {excerpt}", group.rule.id);
+        assert!(!excerpt.contains('\u{1b}'), "{excerpt}");
+    }
+    let of = |subject: &str| {
+        let group = groups.iter().find(|group| group.subject == subject).expect("a finding");
+        group.examples[0].1.excerpt.as_str()
+    };
+    let whole = of("Glider.serial");
+    assert!(
+        whole.starts_with(r#"{"timestamp": 20000, "speed": 20.0, "flaps": [0.5, null], "mode": 7, "#),
+        "{whole}"
+    );
+    assert!(whole.ends_with("…}"), "{whole}");
+    assert_eq!(of("Glider.raw"), r#""raw": [1, {"a": [true, "\u{1b}"]}]"#);
+}
+
+/// Entries beyond their count may hold anything of their type, whether the count stands before them or behind.
+#[test]
+fn entries_that_are_not_in_use_are_ignored() {
+    let with = |num_marks: i64, height: Value| {
+        let mut message = glider(PERIOD);
+        message["num_marks"] = json!(num_marks);
+        message["marks"][2]["height"] = height;
+        message
+    };
+    for (message, id) in [
+        (with(2, json!(9001)), None),
+        (with(0, json!(9001)), None),
+        (with(3, json!(9001)), Some("PX-RANGE-01")),
+        (with(2, json!("high")), Some("PX-JSON-02")),
+        (with(2, json!(70_000)), Some("PX-JSON-02")),
+    ] {
+        let before = message.to_string();
+        assert!(before.find("\"num_marks\"") < before.find("\"marks\""));
+        let count = format!("\"num_marks\":{},", message["num_marks"]);
+        let behind = before.replace(&count, "");
+        let behind = format!("{},{}}}", behind.trim_end_matches('}'), count.trim_end_matches(','));
+        for text in [before, behind] {
+            let judgement = judge_bare(&format!("{text}\n{}", glider(2 * PERIOD)));
+            let found: Vec<&str> = broken(&judgement).iter().map(|(rule, _)| *rule).collect();
+            assert_eq!(found, Vec::from_iter(id), "{text}");
+            assert_eq!((judgement.judged, damage(&judgement)), (2, vec![]), "{text}");
+        }
+    }
+}
+
+#[test]
+fn templates_come_to_the_same_as_reading_each_message() {
+    let definitions = Definitions::built_in();
+    let flight = Flight::new(&definitions);
+    let mut compared = 0;
+    let mutants = rules::mutants().filter(|mutant| !mutant.rule.is_on_flockwave());
+    let captures = mutants.flat_map(|mutant| mutant.captures(&flight));
+    for (title, bytes) in captures.filter(|(_, bytes)| bytes.first() == Some(&b'{')) {
+        compared += 1;
+        let quick = format!("{:#?}", check_json(&bytes[..], None, &definitions));
+        let thorough = format!("{:#?}", check_json_thoroughly(&bytes[..], None, &definitions));
+        let difference = quick.lines().zip(thorough.lines()).find(|(one, other)| one != other);
+        assert_eq!((difference, quick.len()), (None, thorough.len()), "{title}");
+    }
+    assert!(compared > 0);
+}

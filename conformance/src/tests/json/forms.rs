@@ -1,0 +1,126 @@
+//! The forms in which messages come, and what their numbers are.
+
+use crate::check::Summary;
+use serde_json::{Value, json};
+
+use super::{PERIOD, broken, damage, glider, judge_bare, judge_bytes, published, source, type_name};
+use crate::tests::support::Writer;
+
+#[test]
+fn messages_come_in_several_forms() {
+    let (one, two) = (glider(PERIOD), glider(2 * PERIOD));
+    let pretty = |value: &Value| serde_json::to_string_pretty(value).expect("JSON");
+    for (text, lines) in [
+        (format!("{one}\n{two}\n"), 2),
+        (format!("{one}\r\n\r\n  \r\n{two}"), 4),
+        (json!([one, two]).to_string(), 1),
+        (format!("[\n{one},\n{two}\n]\n"), 4),
+        (format!("\n {}\n{}", pretty(&one), pretty(&two)), 79),
+        (format!("{}\n", pretty(&json!([one, two]))), 80),
+    ] {
+        let judgement = judge_bare(&text);
+        assert_eq!((broken(&judgement), damage(&judgement)), (vec![], vec![]), "{text}");
+        assert_eq!((judgement.records, judgement.judged), (2, 2), "{text}");
+        if lines < 10 {
+            assert_eq!(source(&judgement).lines, lines, "{text}");
+        }
+    }
+    let swapped = format!(r#"{{"message":{one},"id":1,"type":"{}"}}"#, type_name());
+    let mixed = [
+        json!({"op": "advertise", "topic": "/fmu/out/glider", "type": "px4_msgs/msg/Glider"}).to_string(),
+        published("/fmu/out/glider", &one),
+        published("/fmu/out/kite", &one),
+        published("/fmu/out/kite", &json!(1)),
+        published("/2/fmu/out/glider", &one),
+        swapped,
+        format!(r#"{{"topic":"/2/fmu/out/glider","msg":{two},"op":"publish"}}"#),
+    ];
+    let judgement = judge_bytes(mixed.join("\n").as_bytes());
+    assert_eq!((broken(&judgement), damage(&judgement)), (vec![], vec![]));
+    assert_eq!((judgement.records, judgement.judged), (6, 4));
+    let found = source(&judgement);
+    assert_eq!((found.lines, found.types, found.skipped), (7, 1, 1));
+    assert_eq!(found.undefined.iter().collect::<Vec<_>>(), ["/fmu/out/kite"]);
+}
+
+/// What rosbridge says of the type of a topic counts more than what the topic is called.
+#[test]
+fn topics_have_the_type_that_was_advertised() {
+    let topics = [
+        ("/any", "px4_msgs/msg/Glider", true),
+        ("/glider", "px4_msgs/Glider", true),
+        ("/robot/glider", "robot_msgs/msg/Wing", false),
+        ("/other/glider", "", true),
+        ("/other", "", false),
+    ];
+    let mut lines = Vec::new();
+    for (topic, ty, _) in topics {
+        if !ty.is_empty() {
+            lines.push(json!({"op": "advertise", "topic": topic, "type": ty}).to_string());
+        }
+        lines.push(published(topic, &glider(PERIOD)));
+    }
+    lines.push(json!({"op": "subscribe", "topic": "/some"}).to_string());
+    lines.push(json!({"op": "subscribe", "topic": "/more", "type": "px4_msgs/msg/Glider"}).to_string());
+    lines.push(published("/more", &glider(PERIOD)));
+    let judgement = judge_bytes(lines.join("\n").as_bytes());
+    assert_eq!((broken(&judgement), damage(&judgement)), (vec![], vec![]));
+    assert_eq!((judgement.records, judgement.judged), (6, 4));
+    assert_eq!(source(&judgement).undefined.iter().collect::<Vec<_>>(), ["/other", "/robot/glider"]);
+    assert_eq!(source(&judgement).skipped, 5);
+}
+
+/// A topic is known by its name with the number of its instance, as it is in MCAP.
+#[test]
+fn instances_of_a_topic_are_of_its_type() {
+    let lines: Vec<String> = ["/fmu/out/glider/1", "/glider_1", "/glider.01", "/glider_v2_0", "/glider/"]
+        .iter()
+        .map(|topic| published(topic, &glider(PERIOD)))
+        .collect();
+    let judgement = judge_bytes(lines.join("\n").as_bytes());
+    assert_eq!((broken(&judgement), damage(&judgement)), (vec![], vec![]));
+    assert_eq!((judgement.judged, source(&judgement).undefined.len()), (5, 0));
+    let mut wrong = glider(PERIOD);
+    wrong["speed"] = json!(61);
+    let judgement = judge_bytes(published("/fmu/out/glider/1", &wrong).as_bytes());
+    assert_eq!(broken(&judgement), [("PX-RANGE-01", "glider.speed: 61 is out of range, 0 to 60".to_owned())]);
+}
+
+#[test]
+fn what_rosbridge_writes_is_understood_and_named() {
+    let mut message = glider(PERIOD);
+    message["raw"] = json!("AQIDBAU=");
+    let numbers = published("/glider", &{
+        let mut message = message.clone();
+        message["name"] = json!([68, 45, 49, 0]);
+        message
+    });
+    message["name"] = json!("RC0xAA==");
+    let judgement = judge_bytes(format!("{numbers}\n{}\n", published("/glider", &message)).as_bytes());
+    assert_eq!((broken(&judgement), damage(&judgement), judgement.judged), (vec![], vec![], 2));
+    let dialects: Vec<String> =
+        source(&judgement).dialects.iter().map(|dialect| dialect.to_string()).collect();
+    assert_eq!(dialects, ["base64 for arrays of uint8 (rosbridge)", "numbers for char[N] (ROS 2)"]);
+    message["raw"] = json!("AQID");
+    let judgement = judge_bytes(published("/glider", &message).as_bytes());
+    assert_eq!(broken(&judgement), [("PX-ARR-01", "glider.raw: expected 5 elements, found 3".to_owned())]);
+}
+
+#[test]
+fn integers_of_64_bits_are_exact() {
+    let mut message = glider(u64::MAX);
+    message["serial"] = json!(i64::MAX);
+    let judgement = judge_bare(&message.to_string());
+    assert_eq!(broken(&judgement), []);
+    let text = message.to_string().replace(&i64::MAX.to_string(), "9223372036854775808");
+    assert_eq!(broken(&judge_bare(&text)).len(), 1);
+    let text = message.to_string().replace(&u64::MAX.to_string(), "18446744073709551616");
+    assert_eq!(broken(&judge_bare(&text)).len(), 1);
+}
+
+#[test]
+fn logs_are_still_known_by_their_magic() {
+    let judgement = judge_bytes(&Writer::with_flags().bytes);
+    assert!(matches!(judgement.summary, Summary::Log(_)));
+    assert!(matches!(judge_bytes(b"").summary, Summary::Json(_)));
+}

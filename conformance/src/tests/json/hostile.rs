@@ -1,0 +1,165 @@
+//! Whatever bytes come, they are told with their line, and reading goes on.
+
+use std::io::{self, Read};
+
+use crate::capture::json::{Event, MAX_LENGTH, Problem, Reader};
+use crate::check::check_json;
+use proptest::prelude::*;
+
+use super::{PERIOD, broken, damage, definitions, glider, judge_bare, judge_bytes, source, typed};
+
+/// Something that can't be read, between two messages that can, and what is said of it.
+#[test]
+fn what_cannot_be_read_is_told_with_its_line_and_reading_goes_on() {
+    let good = typed(&glider(PERIOD));
+    let long = format!("{{\"type\":\"{}\"", "x".repeat(20 << 20));
+    let cases: [(&[u8], &str); 12] = [
+        (b"{\"type\": tru", "line 2: no JSON: it is cut off"),
+        (b"{\"type\":'x'}", "line 2: no JSON: expected a value at byte 8"),
+        (b"{\"type\":\"\xff\"}", "line 2: no UTF-8 from its byte 9 on"),
+        (b"{} {}", "line 2: no JSON: something follows the value at byte 3"),
+        (b"17", "line 2: it is no object"),
+        (b"[]", "line 2: it is no object"),
+        (b"{\"message\":{}}", "line 2: nothing says what message it is"),
+        (b"{\"op\":\"publish\"}", "line 2: rosbridge's `publish` without"),
+        (b"{\"op\":1}", "line 2: `op` is no string"),
+        (b"{\"type\":\"a\",\"type\":\"b\",\"message\":{}}", "line 2: a key that says what message"),
+        (b"\xef\xbb\xbf{}", "line 2: no JSON: expected a value at byte 0"),
+        (long.as_bytes(), "line 2: 20971530 bytes, where at most 16777216 are read"),
+    ];
+    for (bytes, said) in cases {
+        let input = [good.as_bytes(), b"\n", bytes, b"\n", good.as_bytes(), b"\n"].concat();
+        let judgement = judge_bytes(&input);
+        let found = damage(&judgement);
+        assert!(found.len() == 1 && found[0].starts_with(said), "{said}: {found:?}");
+        assert_eq!((judgement.judged, broken(&judgement)), (2, vec![]), "{said}");
+        assert_eq!((source(&judgement).lines, judgement.bytes), (3, input.len() as u64), "{said}");
+    }
+    for open in ["[", "{\"a\":"] {
+        let deep = format!("{good}\n{}\n{good}\n", open.repeat(100_000));
+        let judgement = judge_bytes(deep.as_bytes());
+        assert_eq!(judgement.judged, 2);
+        assert!(damage(&judgement)[0].starts_with("line 2: no JSON: values nest too deep"), "{judgement:?}");
+    }
+    let judgement = judge_bytes(format!("\u{feff}{good}\n").as_bytes());
+    assert_eq!(damage(&judgement).len(), 1);
+    assert!(damage(&judgement)[0].starts_with("line 1: a byte order mark"), "{judgement:?}");
+    assert_eq!(judgement.judged, 1);
+    let cut = format!("{good}\n{}", &good[..good.len() / 2]);
+    let judgement = judge_bytes(cut.as_bytes());
+    assert!(damage(&judgement)[0].starts_with("line 2: the last value is cut off after"), "{judgement:?}");
+}
+
+#[test]
+fn arrays_that_are_broken_are_told() {
+    let one = glider(PERIOD);
+    for (text, judged, said) in [
+        (format!("[{one},{one}"), 2, vec!["line 1: the array is not closed"]),
+        (format!("[{one}\n{one}]"), 2, vec!["line 2: `{` where a comma should be"]),
+        (format!("[{one},\n]"), 1, vec!["line 2: `]` where a value should be"]),
+        (format!("[{one},,\n{one}]"), 2, vec!["line 1: `,` where a value should be"]),
+        (format!("[{one}]\n}}"), 1, vec!["line 2: `}` where a value should be"]),
+    ] {
+        let judgement = judge_bare(&text);
+        assert_eq!(
+            (damage(&judgement), judgement.judged),
+            (said.iter().map(ToString::to_string).collect(), judged),
+            "{text}"
+        );
+    }
+    let judgement = judge_bare(&format!("[{one}, 5, {{}}]"));
+    assert_eq!(judgement.judged, 3);
+    assert_eq!(broken(&judgement).len(), 12, "{judgement:?}");
+    let long = format!("[{one}, \"{}\", {one}]", "x".repeat(20 << 20));
+    let judgement = judge_bare(&long);
+    assert_eq!(damage(&judgement), ["line 1: 20971522 bytes, where at most 16777216 are read; skipped"]);
+    assert_eq!(judgement.judged, 2);
+}
+
+/// Gives at most so many bytes at a time.
+struct Slow<'b>(&'b [u8], usize);
+
+impl Read for Slow<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.0.len().min(self.1).min(buffer.len());
+        let (now, later) = self.0.split_at(count);
+        buffer[..count].copy_from_slice(now);
+        self.0 = later;
+        Ok(count)
+    }
+}
+
+/// Whatever comes, in whatever pieces.
+fn events(bytes: &[u8], piece: usize) -> (Vec<String>, u64) {
+    let mut reader = Reader::new(Slow(bytes, piece));
+    let mut events = Vec::new();
+    while let Some(item) = reader.next().expect("bytes can be read") {
+        events.push(format!("{item:?}"));
+    }
+    (events, reader.lines())
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_are_cut_the_same_in_any_pieces(
+        parts in prop::collection::vec(prop::sample::select(&[
+            "{", "}", "[", "]", ",", ":", "\"", "\\", "\n", " ", "\r\n", "1", "null", "{\"a\":[1]}", "\u{feff}", "é",
+            "{\"type\":\"x/Glider\",\"message\":{}}",
+        ][..]), 0..24),
+        foreign in any::<[u8; 2]>(),
+        at in any::<prop::sample::Index>(),
+    ) {
+        let mut bytes = parts.concat().into_bytes();
+        if foreign[0] < 64 && !bytes.is_empty() {
+            let at = at.index(bytes.len());
+            bytes[at] = foreign[1];
+        }
+        let whole = events(&bytes, usize::MAX);
+        prop_assert_eq!(&events(&bytes, 1), &whole);
+        prop_assert_eq!(&events(&bytes, 3), &whole);
+        let lines = bytes.split(|byte| *byte == b'\n').count() - 1;
+        let is_open = bytes.last().is_some_and(|byte| *byte != b'\n');
+        prop_assert_eq!(whole.1, lines as u64 + u64::from(is_open));
+        let (_folder, definitions) = definitions();
+        check_json(&bytes[..], None, &definitions);
+    }
+}
+
+/// A line without an end is read and forgotten.
+#[test]
+fn a_line_without_an_end_takes_no_room() {
+    /// Counts what is asked for, which is what the reader has room for.
+    struct Endless {
+        left: u64,
+        most: usize,
+    }
+    impl Read for &mut Endless {
+        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+            let count = buffer.len().min(usize::try_from(self.left).unwrap_or(usize::MAX));
+            buffer[..count].fill(b'x');
+            self.left -= count as u64;
+            self.most = self.most.max(buffer.len());
+            Ok(count)
+        }
+    }
+    let mut endless = Endless { left: 200 << 20, most: 0 };
+    let mut reader = Reader::new(&mut endless);
+    let item = reader.next().expect("bytes can be read").expect("a problem");
+    assert_eq!(item.event, Event::Problem(Problem::TooLong { length: 200 << 20 }));
+    assert_eq!(reader.next().expect("bytes can be read"), None);
+    assert!(endless.most <= MAX_LENGTH, "{}", endless.most);
+}
+
+/// A name that is as long as a line isn't kept, nor shown; control characters don't reach a terminal.
+#[test]
+fn names_are_bounded_and_shown_harmlessly() {
+    let named = |ty: &str| format!("{}\n", serde_json::json!({"type": ty, "message": {}}));
+    let judgement = judge_bytes(format!("{}{}", named(&"x".repeat(300)), named("x/\u{1b}[31m")).as_bytes());
+    assert_eq!(damage(&judgement), ["line 1: a topic or type whose name has more than 256 bytes"]);
+    assert_eq!(source(&judgement).undefined.iter().collect::<Vec<_>>(), ["x/\\u{1b}[31m"]);
+    let mut message = glider(PERIOD);
+    message["\u{1b}[31m"] = 1.into();
+    let judgement = judge_bytes(typed(&message).as_bytes());
+    let said = "Glider.\\u{1b}[31m: Glider has no such field; found 1".to_owned();
+    assert_eq!(broken(&judgement), [("PX-JSON-01", said)]);
+}

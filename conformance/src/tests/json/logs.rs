@@ -1,0 +1,88 @@
+//! Real logs, written as JSON, are judged as the logs are.
+
+use std::fmt::Write as _;
+use std::fs;
+
+use crate::capture::ulog::{Log, Reader};
+use crate::check::{CaptureResult, check_capture, check_json};
+use crate::definitions::Definitions;
+use crate::px4::comparison::{Comparison, compare};
+use uavspec_codegen::dynamic::Types;
+
+use super::{damage, source};
+use crate::tests::support::shared;
+
+/// The messages of a log as rosbridge would publish them, where their format is that of the definition.
+fn as_json(bytes: &[u8], definitions: &Definitions, types: &Types) -> (String, Vec<String>) {
+    let (mut reader, mut log) = (Reader::new(bytes), Log::default());
+    let (mut lines, mut topics) = (String::new(), Vec::new());
+    while let Some(item) = reader.next().expect("bytes can be read") {
+        let Some(record) = log.take(&item, &mut |_, _| {}) else { continue };
+        let topic = &record.subscription.topic;
+        let defined = definitions.message_of_topic(topic).map(|id| types.get(id));
+        if !defined.is_some_and(|defined| compare(record.of, defined) == Comparison::Equal) {
+            continue;
+        }
+        // Infinity has no JSON.
+        let view = record.of.view_uorb(record.payload).expect("a payload");
+        let Ok(message) = view.to_json_text() else { continue };
+        // Padding has names in logs, and none in JSON.
+        let mut message: serde_json::Value = serde_json::from_str(&message).expect("JSON");
+        unpad(&mut message);
+        let instance = record.subscription.multi_id;
+        writeln!(lines, r#"{{"op":"publish","topic":"/{instance}/{topic}","msg":{message}}}"#)
+            .expect("memory");
+        if !topics.contains(topic) {
+            topics.push(topic.clone());
+        }
+    }
+    (lines, topics)
+}
+
+fn unpad(value: &mut serde_json::Value) {
+    match value {
+        serde_json::Value::Object(members) => {
+            members.retain(|name, _| !name.starts_with("_padding"));
+            members.values_mut().for_each(unpad);
+        }
+        serde_json::Value::Array(values) => values.iter_mut().for_each(unpad),
+        _ => {}
+    }
+}
+
+/// What both kinds of sources can break, in these topics.
+fn findings(judgement: &CaptureResult, topics: &[String]) -> Vec<(&'static str, String, u64, Vec<String>)> {
+    let of_both =
+        ["PX-ENUM-01", "PX-LEN-01", "PX-NAN-01", "PX-QUEUE-01", "PX-RANGE-01", "PX-STR-01", "PX-TIME-01"];
+    let is_wanted =
+        |subject: &str| topics.iter().any(|topic| Some(topic.as_str()) == subject.split('.').next());
+    let groups = judgement.findings.groups().filter(|group| is_wanted(&group.subject));
+    let groups = groups.filter(|group| !matches!(group.rule.id, "PX-BOOL-01" | "PX-FMT-01" | "PX-TIME-02"));
+    groups
+        .map(|group| {
+            assert!(of_both.contains(&group.rule.id), "{group:?}");
+            let said = group.examples.iter().map(|(_, detail)| detail.to_string()).collect();
+            (group.rule.id, group.subject.clone(), group.count, said)
+        })
+        .collect()
+}
+
+#[test]
+fn real_logs_as_json_are_judged_as_the_logs_are() {
+    let (Some(logs), Some(corpus)) = (shared("corpus/ulog"), shared("corpus/px4")) else { return };
+    let definitions = Definitions::load(&corpus.join("1.15")).expect("definitions");
+    let types = Types::new(&definitions.schema);
+    let mut judged = 0;
+    for entry in fs::read_dir(&logs).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        let bytes = fs::read(&path).expect("a log");
+        let (lines, topics) = as_json(&bytes, &definitions, &types);
+        let of_log = check_capture(&bytes[..], None, &definitions).expect("bytes can be read");
+        let of_json = check_json(lines.as_bytes(), None, &definitions);
+        assert_eq!(damage(&of_json), Vec::<String>::new(), "{}", path.display());
+        assert_eq!(of_json.judged, source(&of_json).lines, "{}", path.display());
+        assert_eq!(findings(&of_json, &topics), findings(&of_log, &topics), "{}", path.display());
+        judged += of_json.judged;
+    }
+    assert!(judged > 1_000, "{judged} messages have the format of the definitions");
+}

@@ -1,0 +1,474 @@
+//! MCAP judged: whatever packs it, each rule finds what breaks it, and reading goes on after damage.
+
+mod damage;
+pub(crate) mod file;
+mod schemas;
+mod varying;
+
+use std::borrow::Cow;
+use std::fs;
+use std::io::Cursor;
+use std::sync::{Arc, LazyLock};
+
+use crate::check::{Basis, CaptureResult, McapSummary, Standing, Summary, check_capture};
+use crate::definitions::Definitions;
+use crate::model::{Group, Verdict};
+use crate::px4::comparison::Comparison;
+use crate::rules::RULES;
+use ruzstd::encoding::{CompressionLevel, compress_to_vec};
+use serde_json::{Value, json};
+use uavspec_codegen::schema::fingerprint::ros_name;
+
+use file::{FORMS, Form, channel, chunked, file, message, schema};
+
+const GLIDER: &str = "\
+uint32 MESSAGE_VERSION = 2
+uint8 ORB_QUEUE_LENGTH = 2
+
+uint64 timestamp          # [us] Time since system start
+float32 speed             # [m/s] [@range 0, 60] [@invalid -1] Speed
+float32[2] flaps          # [rad] [@range -1, 1] [@invalid NaN] Left and right
+uint8 MODE_CRUISE = 0     # Straight on
+uint8 MODE_THERMAL = 7    # Circling in lift
+uint8 mode                # [@enum MODE] What it does
+uint8 num_marks           # [-] [@count marks] Entries of marks in use
+Mark[3] marks             # Places to fly to
+char[4] name              # Call sign
+bool is_landed            # Whether it stands on the ground
+";
+const MARK: &str =
+    "# A place\n\nuint64 timestamp  # [us] Time of entry\nint16 height  # [m] [@range -500, 9000] Height\n";
+
+/// Period of the messages, in µs.
+const PERIOD: u64 = 20_000;
+
+static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(|| {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("Glider.msg"), GLIDER).expect("a file");
+    fs::write(folder.path().join("Mark.msg"), MARK).expect("a file");
+    Definitions::load(folder.path()).expect("definitions")
+});
+
+/// The name that ROS 2 has for a message, and its hash.
+fn ros(name: &str) -> (String, String) {
+    let schema = &DEFINITIONS.schema;
+    let message = schema.messages.iter().find(|message| message.name == name).expect("a message");
+    (ros_name(schema, message), message.type_hash.clone())
+}
+
+/// The schema of a type with what it nests, as `rosbag2` writes it.
+fn ros2msg(glider: &str) -> String {
+    let package = ros("Mark").0.replace("/msg/Mark", "");
+    format!("{glider}\n{}\nMSG: {package}/Mark\n{MARK}", "=".repeat(80))
+}
+
+/// A message of the glider that conforms.
+#[derive(Clone)]
+struct Glider {
+    timestamp: u64,
+    speed: f32,
+    flaps: [f32; 2],
+    mode: u8,
+    num_marks: u8,
+    heights: [i16; 3],
+    name: [u8; 4],
+    is_landed: u8,
+}
+
+impl Glider {
+    fn at(timestamp: u64) -> Self {
+        Self {
+            timestamp,
+            speed: 20.0,
+            flaps: [0.5, f32::NAN],
+            mode: 7,
+            num_marks: 3,
+            heights: [9000; 3],
+            name: *b"D-1\0",
+            is_landed: 1,
+        }
+    }
+
+    /// As CDR, little endian.
+    fn cdr(&self) -> Vec<u8> {
+        let mut body = self.timestamp.to_le_bytes().to_vec();
+        body.extend(self.speed.to_le_bytes());
+        body.extend(self.flaps.iter().flat_map(|flap| flap.to_le_bytes()));
+        body.extend([self.mode, self.num_marks]);
+        for height in self.heights {
+            body.resize(body.len().next_multiple_of(8), 0);
+            body.extend([0; 8]);
+            body.extend(height.to_le_bytes());
+        }
+        body.extend(self.name);
+        body.push(self.is_landed);
+        body.resize(body.len().next_multiple_of(4), 0);
+        [&[0, 1, 0, 0][..], &body].concat()
+    }
+
+    /// As CDR, big endian.
+    fn big_cdr(&self) -> Vec<u8> {
+        let mut body = self.timestamp.to_be_bytes().to_vec();
+        body.extend(self.speed.to_be_bytes());
+        body.extend(self.flaps.iter().flat_map(|flap| flap.to_be_bytes()));
+        body.extend([self.mode, self.num_marks]);
+        for height in self.heights {
+            body.resize(body.len().next_multiple_of(8), 0);
+            body.extend([0; 8]);
+            body.extend(height.to_be_bytes());
+        }
+        body.extend(self.name);
+        body.push(self.is_landed);
+        [&[0; 4][..], &body].concat()
+    }
+
+    fn json(&self) -> Value {
+        let marks = self.heights.map(|height| json!({"timestamp": 0, "height": height}));
+        json!({
+            "timestamp": self.timestamp, "speed": self.speed, "flaps": [0.5, null], "mode": self.mode,
+            "num_marks": self.num_marks, "marks": marks, "name": "D-1", "is_landed": true,
+        })
+    }
+}
+
+/// The channel of the glider, with its schema and its hash.
+fn declarations() -> Vec<u8> {
+    let (name, hash) = ros("Glider");
+    let metadata = [("offered_qos_profiles", "- history: 3"), ("topic_type_hash", hash.as_str())];
+    [
+        schema(1, &name, "ros2msg", ros2msg(GLIDER).as_bytes()),
+        channel(3, 1, "/fmu/out/glider", "cdr", &metadata),
+    ]
+    .concat()
+}
+
+/// Records of sixty payloads in two chunks, of which the last is given.
+fn records_with(last: &[u8]) -> [Vec<u8>; 2] {
+    let messages = |numbers: std::ops::Range<u64>| -> Vec<u8> {
+        numbers.flat_map(|number| message(3, &Glider::at(number * PERIOD).cdr())).collect()
+    };
+    [[declarations(), messages(1..30)].concat(), [messages(30..60), message(3, last)].concat()]
+}
+
+fn equal() -> Basis {
+    Basis::Compared(Arc::new(Comparison::Equal))
+}
+
+fn good() -> Glider {
+    Glider::at(60 * PERIOD)
+}
+
+fn judged(bytes: &[u8]) -> CaptureResult {
+    check_capture(bytes, None, &DEFINITIONS).expect("bytes can be read")
+}
+
+fn source(judgement: &CaptureResult) -> &McapSummary {
+    match &judgement.summary {
+        Summary::Mcap(source) => source,
+        Summary::Log(_) | Summary::Json(_) | Summary::Flockwave(_) => panic!("MCAP"),
+    }
+}
+
+/// The rules that are broken, each with its subject and what is said of the first breach.
+fn broken(judgement: &CaptureResult) -> Vec<(&'static str, String)> {
+    let said = |group: &Group| (group.rule.id, format!("{}: {}", group.subject, group.examples[0].1));
+    judgement.findings.groups().map(said).collect()
+}
+
+fn damages(judgement: &CaptureResult) -> Vec<String> {
+    judgement.damage.iter().map(|(place, what)| format!("{place}: {what}")).collect()
+}
+
+/// Nothing is broken or damaged, and all of sixty messages are judged.
+fn assert_conforms(judgement: &CaptureResult, what: &dyn std::fmt::Debug) {
+    assert_eq!((broken(judgement), damages(judgement)), (vec![], vec![]), "{what:?}");
+    assert_eq!((judgement.records, judgement.judged, judgement.duration), (60, 60, 59 * PERIOD), "{what:?}");
+    let channels = &source(judgement).channels;
+    assert_eq!(channels.len(), 1, "{what:?}");
+    assert_eq!(channels[0].standing, Standing::Judged(equal()), "{what:?}");
+}
+
+#[test]
+fn whatever_packs_it_what_conforms_breaks_nothing() {
+    for form in FORMS {
+        for last in [good().cdr(), good().big_cdr()] {
+            let judgement = judged(&file(&chunked(form, &records_with(&last))));
+            assert_conforms(&judgement, &form);
+            let found = source(&judgement);
+            assert_eq!((found.profile.as_str(), found.library.as_str()), ("ros2", "glider club"));
+            let channel = &found.channels[0];
+            assert_eq!((channel.topic.as_str(), channel.encoding.as_str()), ("/fmu/out/glider", "cdr"));
+            assert_eq!(channel.messages, 60);
+        }
+    }
+    let judgement = judged(&file(&chunked(Form::Plain, &records_with(&good().cdr()))));
+    let idle: Vec<&str> = RULES
+        .iter()
+        .filter(|rule| !rule.is_on_flockwave())
+        .filter(|rule| judgement.findings.verdict(rule) == Verdict::NotExercised)
+        .map(|rule| rule.id)
+        .collect();
+    // No external component talks, the topic has no version behind its name, and nothing is a log or JSON.
+    let data = ["PX-ARR-01", "PX-DATA-01", "PX-DATA-02", "PX-DATA-03"];
+    let talk = ["PX-EXT-01", "PX-EXT-02", "PX-EXT-03", "PX-EXT-04", "PX-EXT-05"];
+    let others = ["PX-FMT-02", "PX-FSF-03", "PX-JSON-01", "PX-JSON-02", "PX-VER-01"];
+    assert_eq!(idle, [&data[..], &talk, &others].concat());
+}
+
+/// What the crate `mcap` writes, with its indices, checksums and its summary.
+#[test]
+fn files_of_another_writer_conform() {
+    let (name, _) = ros("Glider");
+    for (use_chunks, disable_seeking) in [(true, false), (true, true), (false, false)] {
+        let options = mcap::WriteOptions::new()
+            .compression(None)
+            .chunk_size(Some(1_000))
+            .calculate_data_section_crc(true)
+            .use_chunks(use_chunks)
+            .disable_seeking(disable_seeking);
+        let mut writer = options.create(Cursor::new(Vec::new())).expect("memory");
+        let schema = Arc::new(mcap::Schema {
+            id: 1,
+            name: name.clone(),
+            encoding: "ros2msg".to_owned(),
+            data: Cow::Owned(ros2msg(GLIDER).into_bytes()),
+        });
+        let channel = Arc::new(mcap::Channel {
+            id: 0,
+            topic: "/fmu/out/glider".to_owned(),
+            schema: Some(schema),
+            message_encoding: "cdr".to_owned(),
+            metadata: [("topic_type_hash".to_owned(), ros("Glider").1)].into(),
+        });
+        for number in 1..=60 {
+            let message = mcap::Message {
+                channel: channel.clone(),
+                sequence: 0,
+                log_time: number,
+                publish_time: number,
+                data: Cow::Owned(Glider::at(number * PERIOD).cdr()),
+            };
+            writer.write(&message).expect("memory");
+        }
+        let attachment = mcap::Attachment {
+            log_time: 0,
+            create_time: 0,
+            name: "picture".to_owned(),
+            media_type: "image/png".to_owned(),
+            data: Cow::Owned(vec![5; 100_000]),
+        };
+        writer.attach(&attachment).expect("memory");
+        let metadata = mcap::records::Metadata {
+            name: "club".to_owned(),
+            metadata: [("field".to_owned(), "grass".to_owned())].into(),
+        };
+        writer.write_metadata(&metadata).expect("memory");
+        writer.finish().expect("memory");
+        let bytes = writer.into_inner().into_inner();
+        assert_conforms(&judged(&bytes), &(use_chunks, disable_seeking));
+    }
+}
+
+/// A file with a channel of JSON and such messages.
+fn json_file(topic: &str, messages: &[Value]) -> Vec<u8> {
+    let (name, _) = ros("Glider");
+    let mut records = [schema(1, &name, "jsonschema", b"{}"), channel(3, 1, topic, "json", &[])].concat();
+    records.extend(messages.iter().flat_map(|value| message(3, value.to_string().as_bytes())));
+    file(&records)
+}
+
+fn json_with(change: impl Fn(&mut Value)) -> Vec<u8> {
+    let mut messages: Vec<Value> = (1..=60).map(|number| Glider::at(number * PERIOD).json()).collect();
+    change(&mut messages[59]);
+    json_file("/glider", &messages)
+}
+
+/// A file that breaks the rule, and what is said of it.
+fn mutants() -> Vec<(&'static str, Vec<u8>, &'static str)> {
+    let with_payload = |payload: &[u8]| file(&chunked(Form::Plain, &records_with(payload)));
+    let value = |change: fn(&mut Glider)| {
+        let mut glider = good();
+        change(&mut glider);
+        with_payload(&glider.cdr())
+    };
+    let changed = |from: &str, to: &str| {
+        let (name, _) = ros("Glider");
+        let text = ros2msg(&GLIDER.replace(from, to));
+        assert_ne!(text, ros2msg(GLIDER));
+        file(&[schema(1, &name, "ros2msg", text.as_bytes()), channel(3, 1, "/glider", "cdr", &[])].concat())
+    };
+    let mut header = good().cdr();
+    header[1] = 0x20;
+    let mut long = good().cdr();
+    long.extend([0; 4]);
+    let burst: Vec<u8> = (0..3).flat_map(|_| message(3, &good().cdr())).collect();
+    let other_hash =
+        channel(3, 0, "/glider", "cdr", &[("topic_type_hash", &format!("RIHS01_{}", "0".repeat(64)))]);
+    vec![
+        (
+            "PX-ARR-01",
+            json_with(|json| json["flaps"] = json!([0.5])),
+            "glider.flaps: expected 2 elements, found 1",
+        ),
+        (
+            "PX-BOOL-01",
+            value(|glider| glider.is_landed = 153),
+            "glider.is_landed: 153 where a bool is 0 or 1",
+        ),
+        (
+            "PX-CDR-01",
+            with_payload(&header),
+            "glider: expected 00 01 (little endian) or 00 00 (big endian), found 00 20",
+        ),
+        (
+            "PX-CDR-02",
+            with_payload(&good().cdr()[..70]),
+            "glider: name[0] at byte 70: expected 4 more bytes, found 0",
+        ),
+        ("PX-CDR-02", with_payload(&long), "glider: Glider at byte 75: "),
+        ("PX-CDR-02", with_payload(&[0, 1]), "glider: expected 4 bytes of header, found 2"),
+        ("PX-ENUM-01", value(|glider| glider.mode = 8), "glider.mode: "),
+        (
+            "PX-FMT-01",
+            changed("uint8 mode ", "uint8 kind "),
+            "glider: it lacks mode (uint8); it also has kind (uint8)",
+        ),
+        ("PX-HASH-01", file(&other_hash), "glider: expected RIHS01_"),
+        ("PX-JSON-01", json_with(|json| json["depth"] = json!(1)), "glider.depth: Glider has no such field"),
+        ("PX-JSON-02", json_with(|json| json["mode"] = json!("far")), "glider.mode: expected an integer"),
+        (
+            "PX-LEN-01",
+            value(|glider| glider.num_marks = 4),
+            "glider.num_marks: 4 entries in use of an array of 3",
+        ),
+        (
+            "PX-NAN-01",
+            value(|glider| glider.speed = f32::NAN),
+            "glider.speed: NaN, which has no meaning here",
+        ),
+        (
+            "PX-QUEUE-01",
+            file(&[declarations(), burst].concat()),
+            "glider: more than 2 messages at 1200000 µs",
+        ),
+        (
+            "PX-RANGE-01",
+            value(|glider| glider.heights[1] = 9001),
+            "glider.marks.height: marks[1].height: 9001 is out",
+        ),
+        (
+            "PX-STR-01",
+            value(|glider| glider.name = *b"D\xff\0\0"),
+            "glider.name: no UTF-8 from its byte 1 on",
+        ),
+        (
+            "PX-TIME-01",
+            value(|glider| glider.timestamp = 58 * PERIOD),
+            "glider.timestamp: timestamp is 1160000",
+        ),
+        ("PX-TIME-02", value(|glider| glider.timestamp = 80 * PERIOD), "glider: 420 ms without a message"),
+        (
+            "PX-VER-01",
+            json_file("/fmu/out/glider_v1", &[good().json()]),
+            "glider_v1: the topic is of version 1, the definition of version 2",
+        ),
+    ]
+}
+
+#[test]
+fn what_is_said_of_a_breach_tells_what_and_where() {
+    let mutants = mutants();
+    for (id, bytes, said) in mutants {
+        let judgement = judged(&bytes);
+        let found = broken(&judgement);
+        assert!(found.len() == 1 && found[0].0 == id && found[0].1.starts_with(said), "{id}: {found:#?}");
+        assert_eq!(damages(&judgement), Vec::<String>::new(), "{id}");
+    }
+}
+
+#[test]
+fn json_that_conforms_breaks_nothing() {
+    let judgement = judged(&json_with(|_| ()));
+    assert_eq!((broken(&judgement), damages(&judgement)), (vec![], vec![]));
+    assert_eq!((judgement.records, judgement.judged, judgement.duration), (60, 60, 59 * PERIOD));
+    assert_eq!(source(&judgement).channels[0].standing, Standing::Judged(Basis::NoSchema));
+}
+
+/// rosbag2 can pack each message by itself, of which the file says nothing.
+#[test]
+fn messages_that_are_packed_by_themselves_are_unpacked() {
+    let pack = |payload: &[u8]| compress_to_vec(payload, CompressionLevel::Fastest);
+    let odd = Glider { is_landed: 3, ..good() };
+    let packed = pack(&good().cdr());
+    // Blocks of 128 KiB, each of which is one byte repeated (RFC 8878).
+    let block = ((128_u32 << 10) << 3 | 1 << 1).to_le_bytes();
+    let bomb =
+        [&[0x28, 0xb5, 0x2f, 0xfd, 0, 0x38][..], &[block[0], block[1], block[2], 7].repeat(600)].concat();
+    let records = [
+        declarations(),
+        message(3, &packed),
+        message(3, &pack(&odd.cdr())),
+        message(3, &packed[..20]),
+        message(3, &bomb),
+    ];
+    let judgement = judged(&file(&records.concat()));
+    let expected = [("PX-BOOL-01", "glider.is_landed: 3 where a bool is 0 or 1".to_owned())];
+    assert_eq!((broken(&judgement), judgement.judged), (expected.to_vec(), 2));
+    let said = damages(&judgement);
+    assert!(said.len() == 2 && said[0].contains("that can't be unpacked: "), "{said:?}");
+    assert!(said[1].ends_with("a packed message of more than 67108864 bytes"), "{said:?}");
+}
+
+/// Foxglove writes bytes as base64, and what isn't JSON at all is damage.
+#[test]
+fn json_has_its_dialects_and_its_damage() {
+    let (name, _) = ros("Glider");
+    let mut numbers = good().json();
+    numbers["name"] = json!([68, 45, 49, 0]);
+    let records = [
+        schema(1, &name, "jsonschema", b"{}"),
+        channel(3, 1, "/glider", "json", &[]),
+        message(3, numbers.to_string().as_bytes()),
+        message(3, b"{\"timestamp\": "),
+        message(3, b"\xff"),
+        message(3, b""),
+    ];
+    let judgement = judged(&file(&records.concat()));
+    assert_eq!((broken(&judgement), judgement.records, judgement.judged), (vec![], 4, 1));
+    assert_eq!(damages(&judgement).len(), 3, "{:?}", judgement.damage);
+    let dialects: Vec<String> =
+        source(&judgement).dialects.iter().map(|dialect| dialect.to_string()).collect();
+    assert_eq!(dialects, ["numbers for char[N] (ROS 2)"]);
+}
+
+#[test]
+fn what_is_judged_by_nothing_says_why() {
+    let records = [
+        schema(1, "std_msgs/msg/String", "ros2msg", b"string data\n"),
+        schema(2, "Glider", "protobuf", b"\0\x01"),
+        channel(1, 1, "/glider", "cdr", &[]),
+        channel(2, 2, "/club/glider", "protobuf", &[]),
+        channel(3, 0, "/glider/0", "cdr", &[]),
+        channel(4, 0, "/talk", "json", &[]),
+        channel(5, 0, "/glider", "", &[]),
+    ];
+    let mut version_2 = good().cdr();
+    version_2[1] = 7;
+    let messages: Vec<u8> = (1..=5).flat_map(|id| message(id, &version_2)).collect();
+    let judgement = judged(&file(&[records.concat(), messages].concat()));
+    assert_eq!((broken(&judgement), damages(&judgement)), (vec![], vec![]));
+    assert_eq!((judgement.records, judgement.judged), (5, 0));
+    let found: Vec<_> = source(&judgement)
+        .channels
+        .iter()
+        .map(|channel| (channel.topic.as_str(), channel.standing.clone(), channel.other_cdr))
+        .collect();
+    let expected = [
+        ("/club/glider", Standing::Unsupported, 0),
+        ("/glider", Standing::Undefined, 0),
+        ("/glider", Standing::Unsupported, 0),
+        ("/glider/0", Standing::Judged(Basis::NoSchema), 1),
+        ("/talk", Standing::Undefined, 0),
+    ];
+    assert_eq!(found, expected);
+}

@@ -1,0 +1,386 @@
+//! Files that are broken: what is sound in them is judged, and what isn't is told with its place.
+
+use std::io::{self, Read};
+
+use crate::capture::mcap::{Event, Problem, Reader};
+use crate::check::{Basis, Standing};
+use crate::model::Place;
+
+use super::file::{
+    FORMS, Form, MAGIC, channel, chunk, chunked, end, file, header, message, raw_chunk, record, schema,
+    start, text,
+};
+use super::{Glider, PERIOD, assert_conforms, broken, damages, declarations, good, judged, records_with};
+use crate::tests::support::{Pieces, Random};
+
+fn glider(number: u64) -> Vec<u8> {
+    message(3, &Glider::at(number * PERIOD).cdr())
+}
+
+/// Messages of these numbers.
+fn gliders(numbers: std::ops::RangeInclusive<u64>) -> Vec<u8> {
+    numbers.flat_map(glider).collect()
+}
+
+/// What a file of these parts says of its damage, and how many messages are judged. `{}` in what is expected is the
+/// place of the part with that number.
+fn assert_damage(parts: &[Vec<u8>], expected: &[(usize, &str)], judged_count: u64) {
+    let judgement = judged(&parts.concat());
+    let offset = |part: usize| parts[..part].iter().map(|part| part.len() as u64).sum();
+    let expected: Vec<String> =
+        expected.iter().map(|(part, said)| format!("{}: {said}", Place::Byte(offset(*part)))).collect();
+    assert_eq!(damages(&judgement), expected);
+    assert_eq!((broken(&judgement), judgement.judged), (vec![], judged_count));
+}
+
+#[test]
+fn a_record_that_is_none_is_passed_over() {
+    let rest = [gliders(3..=4), end()].concat();
+    let before = [start(), declarations(), gliders(1..=2)].concat();
+    let huge = |opcode: u8| [&[opcode][..], &(1_u64 << 60).to_le_bytes(), &[7; 30]].concat();
+    for (broken, said) in [
+        (vec![0; 50], "a record of the unknown kind 0x00 can't have 0 bytes; 50 bytes passed over"),
+        (huge(5), "a message can't have 1,152,921,504,606,846,976 bytes; 39 bytes passed over"),
+        (huge(3), "a schema can't have 1,152,921,504,606,846,976 bytes; 39 bytes passed over"),
+        (huge(6), "a chunk whose parts don't agree with its length; 39 bytes passed over"),
+        (huge(9), "an attachment whose parts don't agree with its length; 39 bytes passed over"),
+        (
+            huge(0x99),
+            "a record of the unknown kind 0x99 can't have 1,152,921,504,606,846,976 bytes; 39 bytes passed over",
+        ),
+        (record(2, &[&[0; 20]]), "a footer whose parts don't agree with its length; 29 bytes passed over"),
+        (record(4, &[&[9; 40]]), "a channel whose parts don't agree with its length; 49 bytes passed over"),
+        (
+            [&[5][..], &5_000_u64.to_le_bytes(), &[3, 0, 1, 1]].concat(),
+            "a message of 5,000 bytes, more than are left; 13 bytes passed over",
+        ),
+        (
+            [&[5][..], &100_u64.to_le_bytes(), &[3, 0, 1, 1]].concat(),
+            "a message that no record follows where its length ends; 13 bytes passed over",
+        ),
+    ] {
+        assert_damage(&[before.clone(), broken, rest.clone()], &[(1, said)], 4);
+    }
+}
+
+#[test]
+fn what_later_versions_add_is_passed_over() {
+    let mut longer = declarations();
+    let added = channel(4, 0, "/other", "cdr", &[]);
+    let body = [&added[9..], b"more"].concat();
+    longer.extend(record(4, &[&body]));
+    let unknown = [record(0x42, &[b"what"]), record(0x81, &[&vec![0; 100_000]]), record(0x10, &[])].concat();
+    let inside = chunk(Form::Zstd, &[glider(2), unknown.clone(), glider(3)].concat());
+    assert_damage(&[start(), longer, unknown, glider(1), inside, end()], &[], 3);
+}
+
+#[test]
+fn chunks_that_are_broken_are_left_and_the_next_is_read() {
+    let rest = [gliders(5..=6), end()].concat();
+    let before = [start(), declarations(), glider(1)].concat();
+    let inner = gliders(2..=4);
+    let checksum = crc32fast::hash(&inner);
+    let length = inner.len() as u64;
+    let packed = chunk(Form::Zstd, &inner);
+    let packed = packed[9 + 40 + 4..].to_vec();
+    let cut = &packed[..packed.len() - 10];
+    let spoiled = [&inner[..], &[5, 255, 255, 255, 255, 255, 255, 255, 127, 1, 2]].concat();
+    let whole = (packed.len() as u64, &packed[..]);
+    let (short, long) = (length - 9, length + 9);
+    let bytes_left = format!("a chunk with {length} bytes, where its header says {long}");
+    let wrong = format!(
+        "a chunk with the checksum {checksum:08x}, where its header says 00000007: what it holds was changed"
+    );
+    for (broken, said, count) in [
+        (
+            raw_chunk("brotli", length, checksum, whole.0, whole.1),
+            "a chunk packed with `brotli`, where zstd, lz4 or nothing are known",
+            3,
+        ),
+        (raw_chunk("zstd", length, 7, whole.0, whole.1), &wrong, 6),
+        (raw_chunk("", length, 7, length, &inner), &wrong, 6),
+        (raw_chunk("zstd", long, checksum, whole.0, whole.1), &bytes_left, 6),
+        (
+            raw_chunk("zstd", short, 0, whole.0, whole.1),
+            "a chunk in which no record begins after 214 bytes",
+            5,
+        ),
+        (
+            raw_chunk("zstd", length, checksum, cut.len() as u64, cut),
+            "a chunk that can't be unpacked after ",
+            3,
+        ),
+        (
+            raw_chunk("lz4", length, checksum, whole.0, whole.1),
+            "a chunk that can't be unpacked after 0 bytes: ",
+            3,
+        ),
+        (chunk(Form::Lz4, &spoiled), "a chunk in which no record begins after 321 bytes", 6),
+        (
+            raw_chunk("zstd", length, checksum, whole.0 + 5, whole.1),
+            "a chunk whose parts don't agree with its length; ",
+            3,
+        ),
+        (
+            raw_chunk("", length + 1, checksum, length, &inner),
+            "a chunk whose parts don't agree with its length; ",
+            6,
+        ),
+    ] {
+        let judgement = judged(&[&before[..], &broken, &rest].concat());
+        let found = damages(&judgement);
+        let place = Place::Byte(before.len() as u64);
+        assert!(found.len() == 1 && found[0].starts_with(&format!("{place}: {said}")), "{said}: {found:#?}");
+        assert_eq!(judgement.judged, count, "{said}");
+    }
+}
+
+#[test]
+fn a_chunk_without_end_is_read_as_far_as_it_goes() {
+    let mut endless = raw_chunk("", 1 << 60, 0, 1 << 60, &gliders(1..=5));
+    endless[1..9].copy_from_slice(&((1_u64 << 60) + 40).to_le_bytes());
+    let missing = (1_u64 << 60) - gliders(1..=5).len() as u64;
+    let judgement = judged(&[start(), declarations(), endless].concat());
+    let found = damages(&judgement);
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(found[0].contains("the file ends within a record"), "{found:?} {missing}");
+    assert_eq!(judgement.judged, 5);
+}
+
+#[test]
+fn declarations_that_contradict_each_other_are_told() {
+    let other = channel(3, 0, "/glider", "json", &[]);
+    let other_schema = schema(1, "Mark", "ros2msg", b"int16 height\n");
+    let none = schema(0, "Mark", "ros2msg", b"int16 height\n");
+    let lost = channel(8, 77, "/rope", "cdr", &[]);
+    let large = schema(9, "Rope", "ros2msg", &b"#".repeat((1 << 20) + 1));
+    let long = channel(10, 0, &"x".repeat(300), "cdr", &[]);
+    let twice = [text(b"key"), text(b"1"), text(b"key"), text(b"2")].concat();
+    let twice = record(4, &[&[12, 0, 0, 0], &text(b"/a"), &text(b"cdr"), &text(&twice)]);
+    let no_text = record(4, &[&[12, 0, 0, 0], &text(b"/\xff"), &text(b"cdr"), &text(b"")]);
+    let parts = [
+        start(),
+        declarations(),
+        other,
+        other_schema,
+        none,
+        message(4, b"what").repeat(3),
+        lost,
+        large,
+        long,
+        twice,
+        no_text,
+        declarations(),
+        glider(1),
+        end(),
+    ];
+    let unreadable =
+        "a channel that can't be read: a text in it is no UTF-8, or a key is there twice (2 times)";
+    let expected = [
+        (2, "channel 3 is another than before; the first one is used"),
+        (3, "schema 1 is another than before; the first one is used"),
+        (4, "a schema of the id 0, which stands for none"),
+        (5, "a message of channel 4, which isn't declared before it"),
+        (6, "channel 8 is of schema 77, which isn't declared before it"),
+        (
+            7,
+            "schema 9 has 1048577 bytes; those of more than 1048576, or of more than 8388608 together, aren't \
+             compared",
+        ),
+        (8, "channel 10 has a topic or an encoding of more than 256 bytes"),
+        (9, unreadable),
+    ];
+    assert_damage(&parts, &expected, 1);
+}
+
+#[test]
+fn where_a_file_begins_and_ends_is_looked_at() {
+    let body = [declarations(), glider(1)].concat();
+    let ends_early = "the file ends without a footer: it was cut off, or what wrote it didn't finish";
+    assert_damage(&[start(), body.clone()], &[(2, ends_early)], 1);
+    assert_damage(&[MAGIC.to_vec(), body.clone(), end()], &[(1, "the file has no header at its start")], 1);
+    let mut no_magic = end();
+    no_magic.truncate(no_magic.len() - 3);
+    assert_damage(
+        &[start(), body.clone(), no_magic[..42].to_vec(), no_magic[42..].to_vec()],
+        &[(3, ends_early), (3, "5 bytes follow the end of the file")],
+        1,
+    );
+    assert_damage(
+        &[start(), body.clone(), end(), vec![0; 7]],
+        &[(3, "7 bytes follow the end of the file")],
+        1,
+    );
+    let mut checksum = crc32fast::Hasher::new();
+    checksum.update(&[start(), body.clone()].concat());
+    let checksum = checksum.finalize();
+    let closed =
+        |stated: u32| [record(15, &[&stated.to_le_bytes()]), record(2, &[&[0; 20]]), MAGIC.to_vec()].concat();
+    assert_damage(&[start(), body.clone(), closed(checksum)], &[], 1);
+    let said = format!(
+        "data with the checksum {checksum:08x}, where the file says {:08x}: something before was changed",
+        checksum ^ 1
+    );
+    assert_damage(&[start(), body, closed(checksum ^ 1)], &[(2, &said)], 1);
+    assert_damage(&[MAGIC.to_vec(), header("")], &[(2, ends_early)], 0);
+}
+
+/// Cut off anywhere, the messages before the cut are judged, or those of whole blocks of a packed chunk.
+#[test]
+fn files_that_are_cut_off_are_judged_up_to_there() {
+    for form in FORMS {
+        let whole = file(&chunked(form, &records_with(&good().cdr())));
+        let all = judged(&whole);
+        assert_conforms(&all, &form);
+        let mut last = 0;
+        for cut in (8..whole.len()).step_by(97) {
+            let judgement = judged(&whole[..cut]);
+            assert_eq!(broken(&judgement), [], "{form:?} {cut}");
+            assert!(!judgement.damage.is_empty(), "{form:?} {cut}");
+            assert!(
+                judgement.damage.iter().all(|(place, _)| *place <= Place::Byte(cut as u64)),
+                "{form:?} {cut}"
+            );
+            assert!(judgement.judged >= last && judgement.judged == judgement.records, "{form:?} {cut}");
+            last = judgement.judged;
+        }
+        assert!(last >= 29, "{form:?} {last}");
+    }
+}
+
+/// A flipped bit costs a few messages, or a chunk. Where a checksum covers it, it is told.
+#[test]
+fn flipped_bits_cost_little_and_are_told_where_a_checksum_covers_them() {
+    let mut random = Random(11);
+    for form in FORMS {
+        let whole = file(&chunked(form, &records_with(&good().cdr())));
+        let least = if form == Form::Unchunked { 50 } else { 29 };
+        for _ in 0..600 {
+            let mut bytes = whole.clone();
+            let at = random.index(bytes.len() - 8) + 8;
+            bytes[at] ^= 1 << random.below(8);
+            let judgement = judged(&bytes);
+            let is_declared = judgement.judged > 0;
+            assert!(!is_declared || judgement.records >= least, "{form:?} {at} {}", judgement.records);
+            for (place, said) in &judgement.damage {
+                assert!(*place <= Place::Byte(whole.len() as u64), "{form:?} {at} {said}");
+            }
+            // Within a chunk, all that is packed or stored has a checksum.
+            let is_covered = form != Form::Unchunked && !broken(&judgement).is_empty();
+            assert!(!is_covered || !judgement.damage.is_empty(), "{form:?} {at} {:?}", broken(&judgement));
+        }
+    }
+}
+
+#[test]
+fn noise_behind_the_magic_is_no_more_than_damage() {
+    let mut random = Random(5);
+    for round in 0..400 {
+        let length = random.index(5_000);
+        let mut noise = random.bytes(length);
+        if round % 2 == 0 {
+            // Small numbers make lengths that can be believed.
+            for byte in &mut noise {
+                *byte = if *byte < 128 { 0 } else { *byte % 16 };
+            }
+        }
+        let judgement = judged(&[MAGIC, &noise].concat());
+        assert!(!judgement.damage.is_empty());
+        assert_eq!(judgement.judged, 0);
+    }
+}
+
+/// However the bytes come, the same is read.
+#[test]
+fn the_pieces_in_which_bytes_come_do_not_matter() {
+    for form in FORMS {
+        let mut whole = file(&chunked(form, &records_with(&good().cdr())));
+        whole.truncate(whole.len() - 60);
+        let seen = |input: &mut dyn Read| -> Vec<String> {
+            let mut reader = Reader::new(input);
+            let mut seen = Vec::new();
+            while let Some(item) = reader.next().expect("bytes") {
+                seen.push(format!("{item:?}"));
+            }
+            seen
+        };
+        let expected = seen(&mut &whole[..]);
+        for sizes in [vec![1], vec![0, 7, 3, 0, 1_000], vec![63]] {
+            assert_eq!(seen(&mut Pieces { rest: &whole, sizes, turn: 0 }), expected, "{form:?}");
+        }
+    }
+}
+
+/// A start, and then the same bytes again and again; it counts how many are asked for at once.
+struct Endless {
+    start: Vec<u8>,
+    pattern: Vec<u8>,
+    position: usize,
+    size: usize,
+    largest_request: usize,
+}
+
+impl Read for &mut Endless {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.largest_request = self.largest_request.max(buffer.len());
+        let rest = match self.position.checked_sub(self.start.len()) {
+            None => &self.start[self.position..],
+            Some(behind) => &self.pattern[behind % self.pattern.len()..],
+        };
+        let count = rest.len().min(buffer.len()).min(self.size - self.position);
+        buffer[..count].copy_from_slice(&rest[..count]);
+        self.position += count;
+        Ok(count)
+    }
+}
+
+/// What is no record to be lent is never held, and no length is believed before its bytes are there.
+#[test]
+fn memory_does_not_grow_with_what_is_passed_over() {
+    let length = |opcode: u8, length: u64| [&[opcode][..], &length.to_le_bytes()].concat();
+    let data: u64 = 1 << 50;
+    let attachment =
+        [length(9, 16 + 4 + 4 + 8 + data + 4), vec![0; 24], data.to_le_bytes().to_vec()].concat();
+    let mut plain = raw_chunk("", 1 << 50, 0, 1 << 50, b"");
+    plain[1..9].copy_from_slice(&((1_u64 << 50) + 40).to_le_bytes());
+    let zeros = vec![0; 1 << 16];
+    let messages = gliders(1..=1).repeat(500);
+    for (head, pattern, largest) in [
+        (attachment, zeros.clone(), 1 << 17),
+        (length(0, 0), zeros.clone(), 1 << 18),
+        (length(5, 1 << 40), zeros.clone(), 1 << 18),
+        (plain, messages.clone(), 1 << 17),
+        (vec![], messages, 1 << 17),
+        // A message as long as one can be is held, and no more.
+        (length(5, Reader::<&[u8]>::MAX_RECORD), zeros, 3 * (64 << 20)),
+    ] {
+        // More than is held at most, or enough to fill the buffer many times.
+        let size = if largest > 1 << 20 { 80 << 20 } else { 8 << 20 };
+        let start = [start(), declarations(), head].concat();
+        let mut input = Endless { start, pattern, position: 0, size, largest_request: 0 };
+        let mut reader = Reader::new(&mut input);
+        while let Some(item) = reader.next().expect("bytes") {
+            if let Event::Problem(Problem::Skipped { length, .. }) = item.event {
+                assert!(length <= size as u64);
+            }
+        }
+        assert_eq!(reader.bytes(), size as u64);
+        assert!(input.largest_request <= largest, "{}", input.largest_request);
+    }
+}
+
+/// Plans take room and time; beyond a limit, channels are told and not judged.
+#[test]
+fn channels_beyond_what_can_be_planned_are_not_judged() {
+    let marks = "Mark[3000] more\nMark[3] marks\nbool[3] flags\n";
+    let text = super::ros2msg(marks).replace("int16 height", "int16 height\nbool is_there");
+    let (name, _) = super::ros("Glider");
+    let mut records = schema(1, &name, "ros2msg", text.as_bytes());
+    for id in 0..2_000 {
+        records.extend(channel(id, 1, &format!("/tow/{id}/rope"), "cdr", &[]));
+    }
+    let judgement = judged(&file(&records));
+    let standings = super::source(&judgement).channels.iter().map(|channel| &channel.standing);
+    let refused = standings.filter(|standing| **standing == Standing::Judged(Basis::TooMany)).count();
+    assert!((1_500..2_000).contains(&refused), "{refused}");
+}

@@ -1,0 +1,270 @@
+//! What a file says of its types, beside the definitions.
+
+use std::fs;
+
+use crate::check::{Basis, CaptureResult, Standing, Summary, check_mcap};
+use crate::definitions::Definitions;
+use crate::px4::comparison::Differences;
+use serde_json::{Value, json};
+
+use super::file::{channel, file, message, schema};
+use super::{GLIDER, Glider, PERIOD, broken, damages, equal, good, judged, ros, ros2msg, source};
+use crate::tests::support::shared;
+
+/// What the only channel of a file is judged by.
+fn basis(judgement: &CaptureResult) -> &Basis {
+    match &source(judgement).channels[0].standing {
+        Standing::Judged(basis) => basis,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn differences(judgement: &CaptureResult) -> &Differences {
+    source(judgement).channels[0].standing.differences().expect("the schema differs")
+}
+
+/// Gliders whose schema has another field before the others.
+fn longer(change: impl Fn(&mut Glider)) -> Vec<u8> {
+    let (name, hash) = ros("Glider");
+    let text = ros2msg(&GLIDER.replace("uint64 timestamp ", "uint64 number\nuint64 timestamp "));
+    let hash = format!("RIHS01_{}", hash.trim_start_matches("RIHS01_").replace(['0', '1', '2', '3'], "4"));
+    let mut records = [
+        schema(1, &name, "ros2msg", text.as_bytes()),
+        channel(3, 1, "/glider", "cdr", &[("topic_type_hash", &hash)]),
+    ]
+    .concat();
+    for number in 1..=60 {
+        let mut glider = Glider::at(number * PERIOD);
+        change(&mut glider);
+        let payload = glider.cdr();
+        records.extend(message(3, &[&payload[..4], &[9; 8], &payload[4..]].concat()));
+    }
+    file(&records)
+}
+
+#[test]
+fn what_differs_is_read_by_its_own_schema_and_judged_where_it_agrees() {
+    let judgement = judged(&longer(|_| ()));
+    let said = "glider: it also has number (uint64); its hash is another, too".to_owned();
+    assert_eq!(broken(&judgement), [("PX-FMT-01", said.clone())], "the hash is part of the difference");
+    assert_eq!((judgement.judged, judgement.duration, damages(&judgement)), (60, 59 * PERIOD, vec![]));
+    let found = differences(&judgement);
+    assert_eq!(found.extra, ["number (uint64)"]);
+    assert!(source(&judgement).channels[0].has_other_hash);
+
+    let judgement = judged(&longer(|glider| {
+        glider.speed = 61.0;
+        glider.is_landed = 7;
+        glider.name = [255; 4];
+        glider.heights[2] = -501;
+    }));
+    let ids: Vec<(&str, String)> = broken(&judgement);
+    let expected = [
+        ("PX-BOOL-01", "glider.is_landed: 7 where a bool is 0 or 1"),
+        ("PX-FMT-01", said.as_str()),
+        ("PX-RANGE-01", "glider.marks.height: marks[2].height: -501 is out of range, -500 to 9000"),
+        ("PX-RANGE-01", "glider.speed: 61 is out of range, 0 to 60"),
+        ("PX-STR-01", "glider.name: no UTF-8 from its byte 0 on"),
+    ];
+    assert_eq!(ids, expected.map(|(id, text)| (id, text.to_owned())));
+}
+
+/// A file may have a longer array than the definition, or a shorter one.
+#[test]
+fn a_count_is_held_to_the_array_that_the_schema_has() {
+    let (name, _) = ros("Glider");
+    for (marks, num_marks, is_broken) in [(8, 7, false), (8, 9, true), (2, 2, false), (2, 3, true)] {
+        let text = format!("uint64 timestamp\nuint8 num_marks\nuint8[{marks}] marks\n");
+        let payload = [&[0, 1, 0, 0][..], &PERIOD.to_le_bytes(), &[num_marks], &vec![1; marks]].concat();
+        let records = [
+            schema(1, &name, "ros2msg", text.as_bytes()),
+            channel(3, 1, "/glider", "cdr", &[]),
+            message(3, &payload),
+        ];
+        let found = broken(&judged(&file(&records.concat())));
+        let found: Vec<_> = found.into_iter().filter(|(rule, _)| *rule != "PX-FMT-01").collect();
+        let said =
+            ("PX-LEN-01", format!("glider.num_marks: {num_marks} entries in use of an array of {marks}"));
+        assert_eq!(found, if is_broken { vec![said] } else { vec![] }, "{num_marks} of {marks}");
+    }
+}
+
+/// The version behind a topic is that of the type that the file brings, whatever the definition's is.
+#[test]
+fn a_topic_has_the_version_of_its_own_schema() {
+    let (name, _) = ros("Glider");
+    let of_version =
+        |number: u32| GLIDER.replace("MESSAGE_VERSION = 2", &format!("MESSAGE_VERSION = {number}"));
+    let without = GLIDER.replace("uint32 MESSAGE_VERSION = 2", "");
+    for (topic, text, said) in [
+        ("/glider_v2", of_version(2), ""),
+        ("/glider_v3", of_version(3), ""),
+        ("/glider_v2", of_version(3), "glider_v2: the topic is of version 2, its schema of version 3"),
+        ("/glider_v3", of_version(2), "glider_v3: the topic is of version 3, its schema of version 2"),
+        ("/glider_v2", without.clone(), ""),
+        ("/glider_v3", without, "glider_v3: the topic is of version 3, the definition of version 2"),
+        (
+            "/glider_v3",
+            "int8 a[".to_owned(),
+            "glider_v3: the topic is of version 3, the definition of version 2",
+        ),
+        ("/glider_v3_1", of_version(3), ""),
+        ("/glider_velocity", of_version(2), ""),
+    ] {
+        let text = if text.starts_with("int8") { text } else { ros2msg(&text) };
+        let records = [
+            schema(1, &name, "ros2msg", text.as_bytes()),
+            channel(3, 1, topic, "cdr", &[]),
+            message(3, &good().cdr()),
+        ];
+        let found = broken(&judged(&file(&records.concat())));
+        let expected = if said.is_empty() { vec![] } else { vec![("PX-VER-01", said.to_owned())] };
+        assert_eq!(found, expected, "{topic} {text}");
+    }
+}
+
+#[test]
+fn the_order_of_fields_counts_and_comments_and_constants_do_not() {
+    let (name, _) = ros("Glider");
+    let with = |text: &str| {
+        let records = [schema(1, &name, "ros2msg", text.as_bytes()), channel(3, 1, "/glider", "cdr", &[])];
+        judged(&file(&records.concat()))
+    };
+    let swapped = GLIDER
+        .replace("uint8 mode ", "uint8 n ")
+        .replace("num_marks ", "mode ")
+        .replace("uint8 n ", "uint8 num_marks ");
+    assert!(differences(&with(&ros2msg(&swapped))).is_moved);
+    let no_comments: String =
+        GLIDER.lines().map(|line| line.split('#').next().unwrap_or("").to_owned() + "\r\n").collect();
+    let equal = &equal();
+    assert_eq!(basis(&with(&ros2msg(&no_comments))), equal);
+    assert_eq!(
+        basis(&with(&ros2msg(&GLIDER.replace("uint8 MODE_THERMAL = 7", "uint8 MODE_WAVE = 9")))),
+        equal
+    );
+    // ROS 2 knows both as the same.
+    assert_eq!(basis(&with(&ros2msg(&GLIDER.replace("char[4]", "uint8[4]")))), equal);
+    let retyped = with(&ros2msg(&GLIDER.replace("char[4]", "char[5]")));
+    assert_eq!(differences(&retyped).retyped, ["name (char[5], defined as char[4])"]);
+    let nested = with(&ros2msg(GLIDER).replace("int16 height", "int32 height"));
+    assert_eq!(differences(&nested).nested, ["marks"]);
+}
+
+#[test]
+fn what_cannot_be_compared_is_judged_by_its_name() {
+    let (name, _) = ros("Glider");
+    for (encoding, text, expected) in [
+        ("ros2idl", &b"module club { struct Glider {}; };"[..], "a schema in `ros2idl`, which isn't read"),
+        ("ros2msg", b"\xff\xfe", "a schema that can't be read: no UTF-8 from its byte 0 on"),
+        ("ros2msg", b"Rope rope\n", "a schema that can't be read: "),
+        ("ros2msg", b"uint64[4000000000] timestamp\n", "a schema that can't be read: "),
+        ("", b"", "no schema that names fields"),
+        ("ros2msg", b"", "no schema that names fields"),
+        ("omgidl", b"module", "a schema in `omgidl`, which isn't read"),
+    ] {
+        let records = [
+            schema(1, &name, encoding, text),
+            channel(3, 1, "/any", "cdr", &[]),
+            message(3, &Glider { is_landed: 2, ..good() }.cdr()),
+        ];
+        let judgement = judged(&file(&records.concat()));
+        let problem = basis(&judgement).problem().expect("it can't be compared");
+        assert!(problem.starts_with(expected), "{problem}");
+        assert_eq!(
+            broken(&judgement),
+            [("PX-BOOL-01", "any.is_landed: 2 where a bool is 0 or 1".to_owned())]
+        );
+        assert_eq!(judgement.judged, 1);
+    }
+}
+
+#[test]
+fn schemas_of_json_are_compared_where_they_say_something() {
+    let (name, _) = ros("Glider");
+    let with = |schema_text: &str| {
+        let records =
+            [schema(1, &name, "jsonschema", schema_text.as_bytes()), channel(3, 1, "/x", "json", &[])];
+        judged(&file(&records.concat()))
+    };
+    let mark = json!({"type": "object", "properties": {"timestamp": {"type": "integer"}, "height": {"type": "number"}}});
+    let text = json!({"$ref": "#/$defs/glider", "$defs": {"mark": mark, "glider": {"properties": {
+        "timestamp": {"type": "integer"}, "speed": {"type": ["number", "null"]},
+        "flaps": {"type": "array", "items": {"type": ["null", "number"]}},
+        "mode": {"type": "integer"}, "num_marks": {"anyOf": [{"const": 1}]},
+        "marks": {"type": "array", "items": {"$ref": "#/$defs/mark"}},
+        "name": {"type": "string"}, "is_landed": {"type": "boolean"},
+    }}}});
+    let equal = &equal();
+    assert_eq!(basis(&with(&text.to_string())), equal);
+    let changed = |path: &str, to: Value| {
+        let mut text = text.clone();
+        *text.pointer_mut(path).expect("a place") = to;
+        differences(&with(&text.to_string())).clone()
+    };
+    let fields = "/$defs/glider/properties";
+    let found = changed(&format!("{fields}/is_landed/type"), json!("integer"));
+    assert_eq!(found.retyped, ["is_landed (integer, defined as boolean)"]);
+    let found = changed(&format!("{fields}/flaps/items/type"), json!("string"));
+    assert_eq!(found.retyped, ["flaps (array of string, defined as array of number)"]);
+    let found = changed("/$defs/mark/properties/height/type", json!("boolean"));
+    assert_eq!(found.nested, ["marks"]);
+    let found = changed(fields, json!({"timestamp": {}, "depth": {"type": "number"}}));
+    assert_eq!((found.missing.len(), found.extra.as_slice()), (7, &["depth (number)".to_owned()][..]));
+    let mut partly = text.clone();
+    partly["$defs"]["glider"]["required"] =
+        json!(["timestamp", "speed", "flaps", "mode", "num_marks", "marks", "name"]);
+    let judgement = with(&partly.to_string());
+    assert_eq!(differences(&judgement).optional, ["is_landed"]);
+    assert_eq!(broken(&judgement), [("PX-FMT-01", "x: it doesn't require is_landed".to_owned())]);
+
+    for nothing in ["{}", r#"{"type": "object"}"#, "true", "[]", "7", r##"{"$ref": "#"}"##] {
+        assert_eq!(basis(&with(nothing)), &Basis::NoSchema, "{nothing}");
+    }
+    assert!(matches!(basis(&with("{")), Basis::Unreadable(_)));
+    assert!(matches!(basis(&with(&"[".repeat(100_000))), Basis::Unreadable(_)));
+}
+
+/// All messages of PX4, each with what it nests, are read from their own texts as ROS 2 would carry them.
+#[test]
+fn definitions_of_real_releases_equal_themselves() {
+    let Some(corpus) = shared("corpus/px4") else { return };
+    let mut compared = 0;
+    for release in ["1.15", "1.16", "main"] {
+        let definitions = Definitions::load(&corpus.join(release)).expect("definitions");
+        let texts: Vec<(String, String)> = walkdir::WalkDir::new(corpus.join(release))
+            .sort_by_file_name()
+            .into_iter()
+            .filter_map(|entry| {
+                let path = entry.ok()?.into_path();
+                let is_message = path.extension().is_some_and(|extension| extension == "msg");
+                let name = path.file_stem()?.to_str()?.to_owned();
+                is_message.then(|| (name, fs::read_to_string(&path).expect("a text")))
+            })
+            .collect();
+        let line = "=".repeat(80);
+        for (name, text) in &texts {
+            // What isn't nested does no harm, and who nests what isn't for a test to find out.
+            let others: String = texts
+                .iter()
+                .filter(|(other, _)| other != name && text.contains(other.as_str()))
+                .flat_map(|(name, text)| {
+                    let within = texts.iter().filter(|(other, _)| text.contains(other.as_str()));
+                    std::iter::once((name, text)).chain(within.map(|(name, text)| (name, text)))
+                })
+                .map(|(name, text)| format!("{line}\nMSG: px4_msgs/{name}\n{text}\n"))
+                .collect();
+            let records = [
+                schema(1, &format!("px4_msgs/msg/{name}"), "ros2msg", format!("{text}\n{others}").as_bytes()),
+                channel(1, 1, "/any", "cdr", &[]),
+            ];
+            let judgement = check_mcap(&file(&records.concat())[..], &definitions);
+            let Summary::Mcap(found) = &judgement.summary else { panic!("MCAP") };
+            let standing = &found.channels[0].standing;
+            let is_equal = *standing == Standing::Judged(equal());
+            assert!(is_equal || *standing == Standing::Undefined, "{release} {name}: {standing:?}");
+            compared += usize::from(is_equal);
+        }
+    }
+    assert!(compared > 500, "{compared}");
+}

@@ -1,0 +1,124 @@
+//! Each rule finds its mutants, and no rule finds anything in what conforms.
+
+use crate::tests::support;
+
+use std::collections::BTreeSet;
+use std::fs;
+
+use crate::check::check_capture;
+use crate::definitions::Definitions;
+use crate::matrix::{conforming, matrix};
+use crate::rules::sample::{Encoding, Flight};
+use crate::rules::{RULES, mutants, rule};
+use tempfile::TempDir;
+
+use support::shared;
+
+/// Nothing breaks a rule in the flights of these definitions; the rules that something exercised.
+fn check_conforming(definitions: &Definitions) -> BTreeSet<&'static str> {
+    let mut exercised = BTreeSet::new();
+    for (name, judgement) in conforming(definitions) {
+        let found: Vec<String> = judgement
+            .findings
+            .groups()
+            .map(|group| format!("{} {}: {}", group.rule.id, group.subject, group.examples[0].1))
+            .collect();
+        assert_eq!((found, judgement.damage), (vec![], vec![]), "{name}");
+        assert!(judgement.judged > 0 && judgement.judged == judgement.records, "{name}");
+        exercised
+            .extend(RULES.iter().filter(|rule| judgement.findings.exercised(rule) > 0).map(|rule| rule.id));
+    }
+    exercised
+}
+
+/// All mutants that can be made of these definitions break what they should; the rules that have one.
+fn check_mutants(definitions: &Definitions) -> BTreeSet<&'static str> {
+    let rows = matrix(definitions);
+    let wrong: Vec<String> = rows
+        .iter()
+        .filter(|row| !row.is_right())
+        .map(|row| format!("{}, {}: {:?}", row.rule.id, row.title, row.broken))
+        .collect();
+    assert_eq!(wrong, Vec::<String>::new());
+    rows.iter().filter(|row| row.broken.is_some()).map(|row| row.rule.id).collect()
+}
+
+#[test]
+fn the_definitions_of_this_program_show_every_rule() {
+    let definitions = Definitions::built_in();
+    let all: BTreeSet<&str> = RULES.iter().map(|rule| rule.id).collect();
+    let mut exercised = check_conforming(&definitions);
+    // Only a topic that has a version behind its name can have a wrong one.
+    exercised.insert("PX-VER-01");
+    assert_eq!(exercised, all);
+    assert_eq!(check_mutants(&definitions), all);
+    assert!(matrix(&definitions).iter().all(|row| row.broken.is_some()));
+}
+
+/// Of a session, too.
+#[test]
+fn findings_tell_where_it_is_defined_and_what_was_expected() {
+    let definitions = Definitions::built_in();
+    let flight = Flight::new(&definitions);
+    let fields = [
+        ("PX-EXT-01", "uint8 request_id"),
+        ("PX-EXT-02", "uint8 registration_id"),
+        ("PX-EXT-03", "#"),
+        ("PX-EXT-04", "Event[5] events"),
+        ("PX-EXT-05", "uint8 num_events"),
+        ("PX-FSF-03", "bool attitude_invalid"),
+    ];
+    for (id, expected) in fields {
+        let rule = rule(id).expect("a rule");
+        for mutant in mutants().filter(|mutant| mutant.rule.id == id) {
+            let captures = mutant.captures(&flight);
+            assert_eq!(captures.len(), Encoding::ALL.len(), "{id}: {}", mutant.name);
+            for (title, bytes) in captures {
+                let judgement = check_capture(&bytes[..], None, &definitions).expect("bytes");
+                let group = judgement.findings.of(rule).next().expect("a finding");
+                let detail = &group.examples[0].1;
+                assert!(
+                    !detail.expected.is_empty() && !detail.actual.is_empty(),
+                    "{id}, {title}: {detail:?}"
+                );
+                let line = definitions.line(group.definition.expect("a definition")).text.trim();
+                assert!(line.starts_with(expected), "{id}, {title}: {line}");
+            }
+        }
+    }
+}
+
+/// Rules are about any definitions, not about those of this program.
+#[test]
+fn so_do_definitions_that_have_nothing_to_do_with_them() {
+    let folder = TempDir::new().expect("a folder");
+    let glider = "\
+uint64 timestamp          # [us] Time since system start
+float32 speed             # [m/s] [@range 0, 60] [@invalid -1] Speed
+float32[2] flaps          # [rad] [@range -1, 1] [@invalid NaN] Left and right
+uint8 MODE_CRUISE = 0     # Straight on
+uint8 MODE_THERMAL = 7    # Circling in lift
+uint8 mode                # [@enum MODE] What it does
+uint8 num_marks           # [-] [@count marks] Entries of marks in use
+Mark[3] marks             # Places to fly to
+char[4] name              # Call sign
+bool is_landed            # Whether it stands on the ground
+";
+    fs::write(folder.path().join("Glider.msg"), glider).expect("a file");
+    let mark = "uint64 timestamp  # [us] Time of entry\nint16 height  # [m] Height\n";
+    fs::write(folder.path().join("Mark.msg"), mark).expect("a file");
+    let definitions = Definitions::load(folder.path()).expect("definitions");
+    check_conforming(&definitions);
+    let found = check_mutants(&definitions);
+    assert!(found.contains("PX-RANGE-01") && found.contains("PX-LEN-01"), "{found:?}");
+    assert!(!found.contains("PX-VER-01"), "no message has a version");
+}
+
+#[test]
+#[ignore = "takes long"]
+fn so_do_those_of_px4() {
+    let Some(corpus) = shared("corpus/px4") else { return };
+    let definitions = Definitions::load(&corpus.join("main")).expect("definitions");
+    check_conforming(&definitions);
+    check_mutants(&definitions);
+}

@@ -1,0 +1,346 @@
+//! Reports of every kind, read back as other programs read them, whatever the input holds.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+use std::sync::OnceLock;
+
+use crate::check::check_capture;
+use crate::definitions::Definitions;
+use crate::report::{Action, CheckedCapture, Kind, Outcome, Report, Settings, Subject, Verdict};
+use crate::rules::RULES;
+use html5gum::{Token, Tokenizer};
+use quick_junit::{NonSuccessKind, Report as Junit, TestCase, TestCaseStatus};
+use serde_json::{Value, json};
+
+use crate::tests::hostile::{HOSTILE, checked, tested};
+
+fn make() -> [Report; 2] {
+    let definitions = Definitions::built_in();
+    [checked(&definitions), tested(&definitions)]
+}
+
+/// A report of each command, which is made once.
+fn both() -> &'static [Report; 2] {
+    static BOTH: OnceLock<[Report; 2]> = OnceLock::new();
+    BOTH.get_or_init(make)
+}
+
+#[test]
+fn the_value_says_what_it_comes_to() {
+    let [checked, tested] = both();
+    assert_eq!(checked.conclusion.outcome, Outcome::Broken, "a file can't be read");
+    assert_eq!(checked.conclusion.text, "One file could not be read");
+    assert!(checked.conclusion.remarks[0].starts_with("Does not conform: "), "{:?}", checked.conclusion);
+    assert_eq!((tested.conclusion.outcome, tested.conclusion.status), (Outcome::Broken, 3));
+    // Every rule has its worst verdict: that of its mutants.
+    assert_eq!(checked.rules.len(), RULES.len());
+    for rule in &checked.rules {
+        assert!(rule.verdict >= Verdict::Shown && rule.verdict != Verdict::Pass, "{}", rule.id);
+        let counted: u64 = checked
+            .subjects
+            .iter()
+            .flat_map(|one| &one.rules)
+            .filter(|one| one.id == rule.id)
+            .map(|one| one.findings)
+            .sum();
+        assert_eq!(rule.findings, counted, "{}", rule.id);
+    }
+    let of_testee: Vec<Verdict> = tested.rules.iter().map(|rule| rule.verdict).collect();
+    assert!(!of_testee.is_empty() && of_testee.contains(&Verdict::Fail), "{of_testee:?}");
+}
+
+#[test]
+fn the_same_run_gives_the_same_bytes() {
+    for (one, other) in both().iter().zip(make()) {
+        for kind in [Kind::Text, Kind::Json, Kind::Junit, Kind::Sarif, Kind::Html, Kind::Markdown] {
+            assert!(one.to_text(kind) == other.to_text(kind), "{kind:?}");
+        }
+    }
+}
+
+#[test]
+fn json_keeps_to_the_published_schema_and_texts_as_they_are() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../generated/schemas/uavspec/report.schema.json");
+    let schema = fs::read_to_string(path).expect("a schema");
+    let schema: Value = serde_json::from_str(&schema).expect("JSON");
+    let validator = jsonschema::validator_for(&schema).expect("a schema");
+    for report in both() {
+        let value: Value = serde_json::from_str(&report.to_text(Kind::Json)).expect("JSON");
+        let errors: Vec<String> = validator
+            .iter_errors(&value)
+            .map(|error| format!("{}: {error}", error.instance_path()))
+            .collect();
+        assert_eq!(errors, Vec::<String>::new());
+    }
+    let [checked, tested] = both()
+        .each_ref()
+        .map(|report| -> Value { serde_json::from_str(&report.to_text(Kind::Json)).expect("JSON") });
+    let last = checked["subjects"].as_array().and_then(|all| all.last()).expect("a subject");
+    assert_eq!(last["path"], format!("{HOSTILE}.jsonl"));
+    let finding = &last["findings"][0];
+    assert_eq!((&finding["rule"], &finding["known"]["reason"]), (&"PX-ARR-01".into(), &HOSTILE.into()));
+    assert_eq!(finding["definition"]["file"], "definitions/px4/UnregisterExtComponent.msg");
+    assert!(
+        finding["definition"]["text"].as_str().is_some_and(|text| text.contains("char[25] name")),
+        "{finding}"
+    );
+    assert_eq!(finding["examples"][0]["expected"], "at most 25 bytes");
+    assert!(finding["examples"][0].get("line").is_some(), "{finding}");
+    // Cases that passed are only counted.
+    let cases = tested["subjects"][0]["cases"].as_array().expect("cases");
+    assert!(cases.iter().all(|case| case["verdict"] != "pass") && cases.len() > 10);
+    assert!(tested["subjects"][0]["counts"]["pass"].as_u64() > Some(10));
+}
+
+/// All text of a page, and its tags. What is open at the end, or closed without being open, fails.
+fn read_html(page: &str) -> (String, BTreeSet<String>) {
+    let (mut text, mut tags, mut open) = (String::new(), BTreeSet::new(), Vec::new());
+    let (mut anchors, mut targets) = (BTreeSet::new(), BTreeSet::new());
+    for token in Tokenizer::new(page) {
+        match token.expect("no input fails") {
+            Token::StartTag(tag) => {
+                let name = String::from_utf8(tag.name.to_vec()).expect("UTF-8");
+                for (attribute, value) in &tag.attributes {
+                    let value = String::from_utf8_lossy(value).into_owned();
+                    match &***attribute {
+                        b"href" => match value.strip_prefix('#') {
+                            Some(target) => _ = targets.insert(target.to_owned()),
+                            None => assert!(value.starts_with("https://uavspec.dev/"), "{value}"),
+                        },
+                        b"id" => assert!(anchors.insert(value.clone()), "{value} stands twice"),
+                        other => assert!(!other.starts_with(b"on") && *other != b"src"[..], "{name}"),
+                    }
+                }
+                if name != "meta" {
+                    open.push(name.clone());
+                }
+                tags.insert(name);
+            }
+            Token::EndTag(tag) => {
+                assert_eq!(
+                    open.pop().map(String::into_bytes),
+                    Some(tag.name.to_vec()),
+                    "the tag that is open"
+                );
+            }
+            Token::String(string) => text.push_str(&String::from_utf8_lossy(&string)),
+            Token::Error(error) => panic!("{error:?}"),
+            Token::Comment(_) | Token::Doctype(_) => {}
+        }
+    }
+    assert_eq!(open, Vec::<String>::new());
+    assert!(targets.is_subset(&anchors), "{targets:?} and not {anchors:?}");
+    (text, tags)
+}
+
+#[test]
+fn html_is_well_formed_and_nothing_of_the_input_acts() {
+    for report in both() {
+        let page = report.to_text(Kind::Html);
+        let (text, tags) = read_html(&page);
+        let unwanted = ["script", "img", "iframe", "link", "object", "form", "b"];
+        assert!(unwanted.iter().all(|tag| !tags.contains(*tag)), "{tags:?}");
+        assert!(["h1", "table", "th", "details", "dl"].iter().all(|tag| tags.contains(*tag)), "{tags:?}");
+        assert!(text.contains("<script>alert(1)</script>"), "it is shown, as text");
+        assert!(text.contains(r"\u{202e}") && text.contains(r"\u{1b}"), "what can't be seen is shown");
+        let is_invisible = |character: char| {
+            character.is_control() && character != '\n' || matches!(character, '\u{202a}'..='\u{202e}')
+        };
+        assert!(!page.contains(is_invisible));
+        assert!(
+            page.contains(&format!("<h1>{}</h1>", page_escaped(&report.conclusion.text))),
+            "the headline"
+        );
+    }
+}
+
+/// A headline as the page writes it.
+fn page_escaped(text: &str) -> String {
+    let shown = text.escape_debug().to_string().replace("\\\"", "\"").replace("\\'", "'");
+    shown.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[test]
+fn markdown_holds_the_input_as_text() {
+    use pulldown_cmark::{Event, Options, Parser, Tag};
+    for report in both() {
+        let text = report.to_text(Kind::Markdown);
+        let (mut headings, mut columns) = (0, BTreeSet::new());
+        for event in Parser::new_ext(&text, Options::ENABLE_TABLES) {
+            match event {
+                Event::Start(Tag::Heading { .. }) => headings += 1,
+                Event::Start(Tag::Link { dest_url, .. }) => {
+                    assert!(dest_url.starts_with("https://uavspec.dev/docs/rules/"), "{dest_url}");
+                }
+                Event::Start(Tag::Table(alignments)) => _ = columns.insert(alignments.len()),
+                Event::Html(html) => assert!(html.starts_with("<!-- Generated"), "{html}"),
+                Event::InlineHtml(html) => assert!(matches!(&*html, "<code>" | "</code>"), "{html}"),
+                _ => {}
+            }
+        }
+        assert!(headings > 5 && !columns.is_empty(), "{headings} {columns:?}");
+        assert!(!text.contains(['\u{202e}', '\u{1b}']));
+        assert!(text.len() < 65_536, "GitHub takes no longer comment: {}", text.len());
+    }
+}
+
+/// A report as readers of `JUnit` have it. Whatever they show tells what hides or feigns; only paths are as they are.
+fn read(report: &Report) -> Junit {
+    let text = report.to_text(Kind::Junit);
+    let junit = Junit::deserialize_from_str(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    for case in junit.test_suites.iter().flat_map(|suite| &suite.test_cases) {
+        let (message, description) = match &case.status {
+            TestCaseStatus::NonSuccess { message, description, .. }
+            | TestCaseStatus::Skipped { message, description, .. } => (message, description),
+            TestCaseStatus::Success { .. } => (&None, &None),
+        };
+        let shown = [message, description, &case.classname, &case.system_out, &case.system_err];
+        let shown: String = shown.into_iter().flatten().map(quick_junit::XmlString::as_str).collect();
+        assert!(!format!("{}{shown}", case.name.as_str()).contains('\u{202e}'), "{case:?}");
+    }
+    junit
+}
+
+#[test]
+fn junit_has_a_case_for_each_rule_or_question() {
+    let [checked, tested] = both();
+    let junit = read(checked);
+    let [.., unreadable, whole] = &junit.test_suites[..] else { panic!("{junit:?}") };
+    assert_eq!(junit.test_suites.len(), checked.subjects.len() + 2);
+    for (suite, subject) in junit.test_suites.iter().zip(&checked.subjects) {
+        assert_eq!(suite.test_cases.len(), subject.rules.len() + 1);
+        for rule in &subject.rules {
+            let case =
+                suite.test_cases.iter().find(|case| case.name.as_str().starts_with(rule.id)).expect("a case");
+            let is_right = match (&case.status, rule.verdict) {
+                (TestCaseStatus::NonSuccess { kind, description, .. }, Verdict::Fail) => {
+                    *kind == NonSuccessKind::Failure && description.is_some()
+                }
+                (TestCaseStatus::Success { .. }, Verdict::Warn | Verdict::Shown) => case.system_out.is_some(),
+                (TestCaseStatus::Success { .. }, Verdict::Pass) => case.system_out.is_none(),
+                (TestCaseStatus::Skipped { .. }, Verdict::NotExercised) => true,
+                _ => false,
+            };
+            assert!(is_right, "{} {:?}: {:?}", rule.id, rule.verdict, case.status);
+        }
+    }
+    let is = |case: &TestCase, expected: NonSuccessKind| matches!(case.status, TestCaseStatus::NonSuccess { kind, .. } if kind == expected);
+    let is_error = |case: &TestCase| is(case, NonSuccessKind::Error);
+    assert!(is_error(&unreadable.test_cases[0]), "{unreadable:?}");
+    assert!(is(&whole.test_cases[0], NonSuccessKind::Failure), "{whole:?}");
+    let junit = read(tested);
+    let [suite] = &junit.test_suites[..] else { panic!("{junit:?}") };
+    let asked = usize::try_from(tested.subjects[0].records).expect("small");
+    assert_eq!(suite.test_cases.len(), asked + 2, "the cases, their manners, and the run itself");
+    assert!(
+        suite.test_cases.iter().filter(|case| is_error(case)).count() > 2,
+        "crashes and hangs are errors"
+    );
+    let names: BTreeSet<_> =
+        suite.test_cases.iter().map(|case| (case.classname.clone(), case.name.clone())).collect();
+    assert_eq!(names.len(), suite.test_cases.len(), "readers tell cases apart by class and name");
+}
+
+#[test]
+fn sarif_has_rules_with_help_and_places_that_editors_open() {
+    let [checked, tested] = both();
+    let log: Value = serde_json::from_str(&checked.to_text(Kind::Sarif)).expect("JSON");
+    let run = &log["runs"][0];
+    let rules = run["tool"]["driver"]["rules"].as_array().expect("rules");
+    for (rule, written) in RULES.iter().zip(rules) {
+        assert_eq!(written["id"], rule.id);
+        assert_eq!(written["helpUri"], format!("https://uavspec.dev/docs/rules/{}.html", rule.id));
+        assert_eq!(written["fullDescription"]["text"], rule.statement);
+    }
+    let results = run["results"].as_array().expect("results");
+    let region = |rule: &str, path: &str| {
+        let of = |result: &&Value| {
+            let physical = &result["locations"][0]["physicalLocation"];
+            result["ruleId"] == rule
+                && physical["artifactLocation"]["uri"].as_str().is_some_and(|uri| uri.starts_with(path))
+        };
+        results.iter().find(of).map(|result| result["locations"][0]["physicalLocation"]["region"].clone())
+    };
+    let of_log = region("PX-BOOL-01", "PX-BOOL-01").expect("a result");
+    assert!(of_log["byteOffset"].as_u64() > Some(0), "{of_log}");
+    let of_lines = region("PX-ARR-01", "PX-ARR-01").expect("a result");
+    assert!(of_lines["startLine"].as_u64() > Some(0), "{of_lines}");
+    for result in results {
+        let index = usize::try_from(result["ruleIndex"].as_u64().expect("an index")).expect("small");
+        assert_eq!(rules[index]["id"], result["ruleId"]);
+        let text = result["message"]["text"].as_str().expect("a message");
+        assert!(!text.contains(['\u{1b}', '\u{202e}']) && !text.contains("](javascript"), "{text}");
+        assert!(text.chars().count() < 10_000, "{text}");
+    }
+    let log: Value = serde_json::from_str(&tested.to_text(Kind::Sarif)).expect("JSON");
+    let results = log["runs"][0]["results"].as_array().expect("results");
+    let is_of_event =
+        |result: &&Value| result["message"]["text"].as_str().is_some_and(|text| text.contains("/px4/Event/"));
+    let result = results.iter().find(is_of_event).expect("a result");
+    let place = &result["locations"][0]["physicalLocation"];
+    assert_eq!(place["artifactLocation"]["uri"], "definitions/px4/Event.msg");
+    assert!(place["region"]["startLine"].as_u64() > Some(0), "{place}");
+}
+
+/// Where in its record something is wrong, what was found there and how to see it again: each kind tells it.
+#[test]
+fn each_kind_tells_where_in_the_record_and_what_stood_there() {
+    let definitions = Definitions::built_in();
+    let of = |path: &str, bytes: &[u8]| {
+        let judgement = check_capture(bytes, None, &definitions).expect("bytes can be read");
+        let judged =
+            CheckedCapture { path: path.to_owned(), result: judgement, notes: Vec::new(), elapsed: 0 };
+        let subject = Subject::of_capture(judged, &definitions, &Settings::default());
+        Report::new(Action::Check, String::new(), &definitions, vec![subject], Vec::new(), Vec::new())
+    };
+    let line = json!({"op": "publish", "topic": "/fmu/in/unregister_ext_component", "msg": {"timestamp": 1}});
+    let report = of("-it's a \"log\".jsonl", line.to_string().as_bytes());
+    let (pointer, excerpt) = ("/msg/arming_check_id", r#"{"timestamp": 1}"#);
+    let command = r#"uavspec check "./-it's a \"log\".jsonl""#;
+    assert_eq!(
+        shlex::split(command).expect("words"),
+        ["uavspec", "check", "./-it's a \"log\".jsonl"],
+        "what a shell makes of it"
+    );
+    let json: Value = serde_json::from_str(&report.to_text(Kind::Json)).expect("JSON");
+    let finding = &json["subjects"][0]["findings"][0];
+    assert_eq!((&finding["examples"][0]["path"], &finding["reproduce"]), (&pointer.into(), &command.into()));
+    assert_eq!(finding["examples"][0]["excerpt"], excerpt);
+    let sarif: Value = serde_json::from_str(&report.to_text(Kind::Sarif)).expect("JSON");
+    let result = &sarif["runs"][0]["results"][0];
+    assert_eq!(result["locations"][0]["logicalLocations"][0]["fullyQualifiedName"], pointer);
+    assert_eq!(result["properties"]["excerpt"], excerpt);
+    assert!(result["message"]["text"].as_str().is_some_and(|text| text.contains(command)), "{result}");
+    let junit = read(&report);
+    let cases = junit.test_suites.iter().flat_map(|suite| &suite.test_cases);
+    let text: String = cases
+        .filter_map(|case| match &case.status {
+            TestCaseStatus::NonSuccess { description, .. } => description.as_ref(),
+            _ => None,
+        })
+        .map(quick_junit::XmlString::as_str)
+        .collect();
+    let (html, _) = read_html(&report.to_text(Kind::Html));
+    let markdown: String = pulldown_cmark::Parser::new(&report.to_text(Kind::Markdown))
+        .filter_map(|event| match event {
+            pulldown_cmark::Event::Text(text) | pulldown_cmark::Event::Code(text) => Some(text.into_string()),
+            _ => None,
+        })
+        .collect();
+    for text in [text, html, markdown] {
+        for wanted in [pointer, excerpt, command] {
+            assert!(text.contains(wanted), "{wanted} in {text}");
+        }
+    }
+}
+
+#[test]
+fn a_terminal_is_told_nothing_by_the_input() {
+    for report in both() {
+        let text = report.to_text(Kind::Text);
+        let text = anstream::adapter::strip_str(&text).to_string();
+        assert!(!text.contains(['\u{1b}', '\u{7}', '\u{202e}', '\r']));
+        assert!(text.contains(r"\u{202e}"));
+    }
+}

@@ -1,0 +1,344 @@
+//! Reports on UAVs that are seen at once to be sound come to the same as those that are shown to all rules.
+
+use crate::tests::support;
+
+use std::sync::LazyLock;
+
+use crate::check::FlockwaveJudge;
+use crate::definitions::Definitions;
+use crate::rules::mutants;
+use crate::rules::sample::{Flight, Session};
+use proptest::prelude::*;
+use serde_json::{Value, json};
+
+use support::{extent, shared};
+
+/// Those of this program, which many recordings are judged by.
+static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
+
+/// All that came of a recording, as text; and how many reports were seen at once.
+fn judged(mut judge: FlockwaveJudge<'_>, recording: &[u8]) -> (String, u64) {
+    let mut number = 0;
+    for line in recording.split(|byte| *byte == b'\n').filter(|line| !line.is_empty()) {
+        number += 1;
+        judge.line(line, number, false);
+    }
+    let at_once = judge.seen_at_once();
+    (format!("{:#?}", judge.finish(recording.len() as u64)), at_once)
+}
+
+/// Judges a recording in both ways, which come to the same, and says how many reports were seen at once.
+fn compare(recording: &[u8], definitions: &Definitions) -> u64 {
+    let (quick, at_once) = judged(FlockwaveJudge::of(definitions), recording);
+    let (thorough, none) = judged(FlockwaveJudge::of(definitions).thorough(), recording);
+    // The first line that differs says more than both texts.
+    let difference = quick.lines().zip(thorough.lines()).find(|(one, other)| one != other);
+    assert_eq!(difference, None, "{}", String::from_utf8_lossy(recording));
+    assert_eq!((quick.len(), none), (thorough.len(), 0));
+    at_once
+}
+
+#[test]
+fn what_breaks_rules_is_found_in_both_ways() {
+    let definitions = Definitions::built_in();
+    assert!(compare(&Session::new().to_bytes(), &definitions) > 0);
+    let flight = Flight::new(&definitions);
+    for mutant in mutants().filter(|mutant| mutant.rule.is_on_flockwave()) {
+        let (_, bytes) = mutant.captures(&flight).pop().expect("the definitions have it");
+        compare(&bytes, &definitions);
+    }
+}
+
+#[test]
+fn recordings_of_a_real_server_come_to_the_same() {
+    let Some(corpus) = shared("corpus/flockwave") else { return };
+    let definitions = Definitions::built_in();
+    for name in ["clean.jsonl", "main.jsonl"] {
+        let recording = std::fs::read(corpus.join(name)).expect("a recording");
+        assert!(compare(&recording, &definitions) > 0, "{name}");
+    }
+}
+
+#[test]
+fn definitions_with_other_states_are_judged_by_those() {
+    let folder = tempfile::TempDir::new().expect("a folder");
+    std::fs::write(folder.path().join("Glider.msg"), "uint64 timestamp # [us] Time\n").expect("a file");
+    let definitions = Definitions::load(folder.path()).expect("definitions");
+    assert!(compare(&Session::new().to_bytes(), &definitions) > 0);
+}
+
+/// A value that a field of a state may have, or one that it mustn't.
+fn value(field: &'static str) -> BoxedStrategy<Value> {
+    let sound = match field {
+        "timestamp" => (1_790_000_000_000_i64..1_790_000_009_000).prop_map(Value::from).boxed(),
+        "mode" => prop::sample::select(vec!["auto", "soaring", "", "ö"]).prop_map(Value::from).boxed(),
+        "position" => {
+            prop::collection::vec(-900_000_000_i64..900_000_000, 2..6).prop_map(Value::from).boxed()
+        }
+        "velocity" => prop::collection::vec(-9_999_i64..9_999, 3).prop_map(Value::from).boxed(),
+        "gps" => prop_oneof![Just(json!([3])), Just(json!([4, 12])), Just(json!([5, null, 800]))].boxed(),
+        "battery" => (0_i64..200, -3_i64..101).prop_map(|(volt, percent)| json!([volt, percent])).boxed(),
+        "errors" => prop::sample::select(vec![json!([]), json!([]), json!([5]), json!([64, 6])]).boxed(),
+        "debug" => prop::sample::select(vec![json!(""), json!("Z2xpZGU=")]).boxed(),
+        _ => (0_i64..3600).prop_map(Value::from).boxed(),
+    };
+    let odd = prop::sample::select(vec![
+        json!(null),
+        json!(-1),
+        json!(-0.0),
+        json!(7.0),
+        json!(7.5),
+        json!(u64::MAX),
+        json!(true),
+        json!("a\"b"),
+        json!([]),
+        json!([0]),
+        json!([188, 188]),
+        json!([[1]]),
+        json!(["]"]),
+        json!({ "a": 1 }),
+    ]);
+    prop_oneof![60 => sound, 4 => Just(json!(null)), 1 => odd].boxed()
+}
+
+const FIELDS: [&str; 11] = [
+    "timestamp",
+    "mode",
+    "position",
+    "velocity",
+    "heading",
+    "gps",
+    "battery",
+    "light",
+    "errors",
+    "debug",
+    "flaps",
+];
+
+/// A UAV and its state, the id of which is mostly that of the UAV.
+fn state() -> impl Strategy<Value = (String, Value)> {
+    let uav = prop_oneof![20 => prop::sample::select(vec!["kite", "owl", "swift", "möwe"]).prop_map(str::to_owned),
+                          1 => "[a-z/\\\\\"]{0,3}", 1 => "[x]{63,70}"];
+    // Fields that are left out, of which `flaps` is no field at all.
+    let fields = FIELDS.map(|field| {
+        let weight = match field {
+            "timestamp" => 60,
+            "flaps" => 1,
+            _ => 8,
+        };
+        prop_oneof![weight => value(field).prop_map(Some), 4 => Just(None)]
+    });
+    let is_itself = prop::bool::weighted(0.98);
+    (uav, Vec::from(fields), is_itself, any::<bool>()).prop_map(|(uav, values, is_itself, is_turned)| {
+        let mut members: Vec<(String, Value)> = FIELDS
+            .iter()
+            .zip(values)
+            .filter_map(|(field, value)| Some(((*field).to_owned(), value?)))
+            .collect();
+        members.push(("id".to_owned(), if is_itself { uav.clone().into() } else { "hawk".into() }));
+        if is_turned {
+            members.reverse();
+        }
+        (uav, Value::Object(members.into_iter().collect()))
+    })
+}
+
+/// The body of what is sent, whether the server sends it, and what it answers.
+type Content = (Value, bool, Option<&'static str>);
+
+/// Mostly a report.
+fn content() -> impl Strategy<Value = Content> {
+    let report = prop::collection::vec(state(), 0..4).prop_map(|states| {
+        let status: serde_json::Map<String, Value> = states.into_iter().collect();
+        (json!({ "type": "UAV-INF", "status": status }), true, None)
+    });
+    let request = prop::sample::select(vec![
+        json!({ "type": "UAV-RTH", "ids": ["kite"] }),
+        json!({ "type": "UAV-INF", "ids": ["kite", "owl"] }),
+        json!({ "type": "SYS-TIME" }),
+        json!({ "type": "ASYNC-CANCEL", "ids": ["rcpt-1"] }),
+        json!({ "type": "UAV-LIST" }),
+    ]);
+    let answer = prop::sample::select(vec![
+        json!({ "type": "UAV-RTH", "receipt": { "kite": "rcpt-1" } }),
+        json!({ "type": "SYS-TIME", "timestamp": 1_790_000_000_500_u64 }),
+        json!({ "type": "ASYNC-CANCEL", "success": ["rcpt-1"] }),
+        json!({ "type": "UAV-LIST", "ids": ["kite", "owl"] }),
+        json!({ "type": "UAV-INF", "status": { "kite": { "id": "kite", "timestamp": 1_790_000_003_000_u64 } } }),
+    ]);
+    let notice = prop::sample::select(vec![
+        json!({ "type": "OBJ-DEL", "ids": ["owl"] }),
+        json!({ "type": "ASYNC-ST", "id": "rcpt-1", "progress": {} }),
+        json!({ "type": "ASYNC-RESP", "id": "rcpt-1", "result": true }),
+        json!({ "type": "SYS-CLOSE" }),
+        json!({ "type": "CONN-INF", "status": {} }),
+    ]);
+    let refs = prop::sample::select(vec!["ask-1", "ask-2", "say-3"]);
+    prop_oneof![
+        20 => report,
+        2 => request.prop_map(|body| (body, false, None)),
+        2 => (answer, refs).prop_map(|(body, refs)| (body, true, Some(refs))),
+        2 => notice.prop_map(|body| (body, true, None)),
+    ]
+}
+
+/// How a line is written: the order of its members, with spaces or without, on which connection, after how much time.
+#[derive(Clone, Debug)]
+struct Style {
+    is_type_first: bool,
+    is_body_first: bool,
+    is_wide: bool,
+    connection: &'static str,
+    after: f64,
+    /// Its id; none where it gets the next one.
+    id: Option<String>,
+    version: &'static str,
+    event: Option<&'static str>,
+    damage: Option<(prop::sample::Index, u8)>,
+}
+
+fn style() -> impl Strategy<Value = Style> {
+    let connection =
+        prop::sample::select(vec!["tcp#1", "tcp#1", "tcp#1", "tcp#2", "udp#1", "http", "tcp \"3\""]);
+    let after = prop_oneof![20 => 0.0..0.2, 1 => 5.0..25.0, 1 => -2.0..0.0];
+    let id = prop_oneof![20 => Just(None), 1 => prop::sample::select(vec!["ask-1", "say-3", "", "a\nb"])
+        .prop_map(|id| Some(id.to_owned())), 1 => "[xä]{30,40}".prop_map(Some)];
+    let version = prop_oneof![20 => Just("1.0"), 1 => Just("2"), 1 => Just("first")];
+    let event = prop_oneof![40 => Just(None), 1 => Just(Some("connect")), 1 => Just(Some("closed"))];
+    let damage = (any::<prop::sample::Index>(), prop::sample::select(b"\"\\{}[],:0-.eE \x07\xffaN".to_vec()));
+    let damage = prop_oneof![20 => Just(None), 1 => damage.prop_map(Some)];
+    (any::<[bool; 3]>(), connection, after, id, version, event, damage).prop_map(
+        |([is_type_first, is_body_first, is_wide], connection, after, id, version, event, damage)| Style {
+            is_type_first,
+            is_body_first,
+            is_wide,
+            connection,
+            after,
+            id,
+            version,
+            event,
+            damage,
+        },
+    )
+}
+
+/// What a recording begins with: the server tells its time, so that it is known when a state is ahead of it, and begins an
+/// operation, which is cancelled.
+fn beginning() -> Vec<u8> {
+    let asked = [
+        (json!({ "type": "SYS-TIME" }), json!({ "type": "SYS-TIME", "timestamp": 1_790_000_000_000_u64 })),
+        (
+            json!({ "type": "UAV-RTH", "ids": ["kite"] }),
+            json!({ "type": "UAV-RTH", "receipt": { "kite": "rcpt-1" } }),
+        ),
+        (
+            json!({ "type": "ASYNC-CANCEL", "ids": ["rcpt-1"] }),
+            json!({ "type": "ASYNC-CANCEL", "success": ["rcpt-1"] }),
+        ),
+    ];
+    let line = |direction: &str, key: &str, value: Value| {
+        let mut line = json!({ "t": 1_790_000_000.0, "conn": "tcp#1", "dir": direction });
+        line[key] = value;
+        format!("{line}\n")
+    };
+    let mut text = line("event", "event", "connect".into());
+    for (number, (request, answer)) in asked.into_iter().enumerate() {
+        let (ask, say) = (format!("first-{number}"), format!("then-{number}"));
+        text += &line("out", "msg", json!({ "$fw.version": "1.0", "id": ask, "body": request }));
+        text += &line("in", "msg", json!({ "$fw.version": "1.0", "id": say, "refs": ask, "body": answer }));
+    }
+    text.into_bytes()
+}
+
+/// A recording, line by line.
+fn recording(lines: Vec<(Content, Style)>) -> Vec<u8> {
+    let mut recording = beginning();
+    let mut time = 1_790_000_000.0;
+    for (number, ((mut body, is_of_server, refs), style)) in lines.into_iter().enumerate() {
+        time += style.after;
+        if let Some(event) = style.event {
+            let line = json!({ "t": time, "conn": style.connection, "dir": "event", "event": event });
+            recording.extend(format!("{line}\n").into_bytes());
+            continue;
+        }
+        if !style.is_type_first
+            && let Some(body) = body.as_object_mut()
+            && let Some(of) = body.shift_remove("type")
+        {
+            body.insert("type".to_owned(), of);
+        }
+        let id = style.id.unwrap_or_else(|| format!("{}-{number}", if is_of_server { "say" } else { "ask" }));
+        let mut message = json!({ "$fw.version": style.version });
+        if style.is_body_first {
+            message["body"] = body;
+            message["id"] = id.into();
+        } else {
+            message["id"] = id.into();
+            message["body"] = body;
+        }
+        if let Some(refs) = refs {
+            message["refs"] = refs.into();
+        }
+        let direction = if is_of_server { "in" } else { "out" };
+        let line = json!({ "t": time, "conn": style.connection, "dir": direction, "msg": message });
+        let mut line = line.to_string().into_bytes();
+        if style.is_wide {
+            line = String::from_utf8_lossy(&line).replace("\":", "\": ").replace(",\"", ", \"").into_bytes();
+        }
+        if let Some((at, byte)) = style.damage {
+            let at = at.index(line.len());
+            line[at] = byte;
+        }
+        recording.extend(line);
+        recording.push(b'\n');
+    }
+    recording
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(extent(256, 64)))]
+
+    #[test]
+    fn random_recordings_come_to_the_same(lines in prop::collection::vec((content(), style()), 1..40)) {
+        compare(&recording(lines), &DEFINITIONS);
+    }
+}
+
+/// Keys that a tree of `serde_json` can't repeat.
+#[test]
+fn what_stands_twice_is_found() {
+    let definitions = Definitions::built_in();
+    let line = |message: &str| format!(r#"{{"t":1790000000,"conn":"tcp#1","dir":"in","msg":{message}}}"#);
+    let state = r#"{"id":"kite","timestamp":1790000000000}"#;
+    let report = |states: &str| {
+        line(&format!(
+            r#"{{"$fw.version":"1.0","id":"say-1","body":{{"type":"UAV-INF","status":{{{states}}}}}}}"#
+        ))
+    };
+    let twice = r#""kite":{"id":"kite","id":"kite","timestamp":1790000000000}"#;
+    assert_eq!(compare(report(&format!(r#""kite":{state}"#)).as_bytes(), &definitions), 1);
+    assert_eq!(compare(report("").as_bytes(), &definitions), 1);
+    assert_eq!(compare(report(twice).as_bytes(), &definitions), 0);
+    assert_eq!(compare(report(&format!(r#""kite":{state},"kite":{state}"#)).as_bytes(), &definitions), 0);
+    let doubled = line(
+        r#"{"$fw.version":"1.0","$fw.version":"1.0","id":"say-1","body":{"type":"UAV-INF","status":{}}}"#,
+    );
+    assert_eq!(compare(doubled.as_bytes(), &definitions), 0);
+    assert_eq!(compare(format!("{} 7", report("")).as_bytes(), &definitions), 0);
+}
+
+/// Beyond what is kept of kinds, states are still judged.
+#[test]
+fn any_number_of_kinds_comes_to_the_same() {
+    let definitions = Definitions::built_in();
+    let mut text = String::new();
+    for code in 1..=600 {
+        let status = json!({ "kite": { "id": "kite", "timestamp": 1_790_000_000_000_u64, "errors": [code % 300 + 1] } });
+        let body = json!({ "type": "UAV-INF", "status": status });
+        let message =
+            json!({ "$fw.version": format!("1.{}", code / 2), "id": format!("say-{code}"), "body": body });
+        let line = json!({ "t": 1_790_000_000.5, "conn": "tcp#1", "dir": "in", "msg": message });
+        text.extend([line.to_string().as_str(), "\n"]);
+    }
+    assert!(compare(text.as_bytes(), &definitions) > 0);
+}

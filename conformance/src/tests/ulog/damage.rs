@@ -1,0 +1,242 @@
+//! Damaged logs: what was before the damage is read, what comes after it is found again.
+
+use std::collections::HashSet;
+use std::fs;
+use std::time::{Duration, Instant};
+
+use crate::capture::ulog::{Problem, Resync};
+
+use super::seen::{Seen, problems, read};
+use crate::tests::support::{Random, Writer, shared as corpus, typical};
+
+/// The messages of a log.
+fn messages(bytes: &[u8]) -> Vec<Seen> {
+    read(bytes).into_iter().filter(Seen::is_message).collect()
+}
+
+/// Where messages end, one after the other.
+fn ends(bytes: &[u8], messages: &[Seen]) -> Vec<u64> {
+    messages.iter().skip(1).map(|message| message.offset).chain([bytes.len() as u64]).collect()
+}
+
+/// The messages that both have; those of `after` lie `shift` bytes later.
+fn shared(before: &[Seen], after: &[Seen], shift: u64) -> usize {
+    let after: HashSet<(u64, u64)> = after.iter().map(|seen| (seen.offset, seen.digest)).collect();
+    before.iter().filter(|seen| after.contains(&(seen.offset + shift, seen.digest))).count()
+}
+
+#[test]
+fn a_log_that_was_cut_is_read_up_to_the_cut() {
+    let log = typical(20);
+    let whole = messages(&log);
+    let ends = ends(&log, &whole);
+    for cut in (16..log.len()).step_by(97) {
+        let seen = read(&log[..cut]);
+        let complete = ends.iter().take_while(|end| **end <= cut as u64).count();
+        let position = complete.checked_sub(1).map_or(16, |last| ends[last]);
+        let left = cut as u64 - position;
+        let found: Vec<&Seen> = seen.iter().filter(|seen| seen.is_message()).collect();
+        assert_eq!(found, whole[..complete].iter().collect::<Vec<_>>(), "cut at {cut}");
+        let last = seen.last().expect("an item");
+        match (&last.problem, left) {
+            (None, 0) => {}
+            (Some(Problem::EndsInHeader { found }), 1..3) => assert_eq!(*found as u64, left),
+            (Some(Problem::EndsInPayload { found, .. }), _) => assert_eq!(*found as u64 + 3, left),
+            // Without flag bits there is no other message that says where the first one starts.
+            (Some(Problem::NoFlagBits { .. }), _) if complete == 0 => {}
+            other => panic!("cut at {cut}: {other:?}"),
+        }
+        assert!(left == 0 || last.offset == position, "cut at {cut}: {last:?}");
+    }
+}
+
+#[test]
+fn after_a_flipped_bit_all_but_few_messages_are_found() {
+    let log = typical(12);
+    let whole = messages(&log);
+    let ends = ends(&log, &whole);
+    let mut random = Random(20);
+    let mut lost = 0;
+    for _ in 0..1_000 {
+        let at = 16 + random.index(log.len() - 16);
+        let mut damaged = log.clone();
+        damaged[at] ^= 1 << random.below(8);
+        let found = messages(&damaged);
+        let before = ends.iter().take_while(|end| **end <= at as u64).count();
+        // The message before the damage may be doubted, but no other.
+        let sure = before.saturating_sub(1);
+        assert_eq!(found[..sure], whole[..sure], "flipped at {at}");
+        let missing = whole.len() - shared(&whole, &found, 0);
+        assert!(missing >= 1, "flipped at {at}");
+        assert!(missing <= 12, "flipped at {at}: {missing} messages are missing");
+        lost += missing;
+        problems(&damaged);
+    }
+    assert!(lost < 1_200, "{lost} messages were lost by a thousand flipped bits");
+}
+
+#[test]
+fn after_flipped_bits_all_but_few_messages_of_real_logs_are_found() {
+    let Some(logs) = corpus("corpus/ulog") else { return };
+    let mut random = Random(25);
+    for name in ["sample", "sample_log_small", "sample_logging_tagged_and_default_params"] {
+        let log = fs::read(logs.join(format!("{name}.ulg"))).expect("a log");
+        let whole = messages(&log);
+        // Forty places in each of which bytes are wrong, the first behind the definitions; each touches one
+        // message or two.
+        let first = log.len() / 8;
+        let step = (log.len() - first) / 40;
+        for round in 0..4 {
+            let mut damaged = log.clone();
+            for part in 0..40 {
+                let at = first + part * step + random.index(step - 40);
+                let noise = if round == 3 { vec![0; 25] } else { random.bytes(4 + 13 * round) };
+                damaged[at..at + noise.len()].copy_from_slice(&noise);
+            }
+            let missing = whole.len() - shared(&whole, &messages(&damaged), 0);
+            assert!((30..=70).contains(&missing), "{name}: {missing} of {} are missing", whole.len());
+        }
+    }
+}
+
+#[test]
+fn after_inserted_bytes_all_but_few_messages_are_found() {
+    let log = typical(12);
+    let whole = messages(&log);
+    let mut random = Random(21);
+    let mut lost = 0;
+    for round in 0..300 {
+        let at = 16 + random.index(log.len() - 16);
+        let size = 1 + random.index(if round % 10 == 0 { 200_000 } else { 2_000 });
+        let mut damaged = log[..at].to_vec();
+        damaged.extend(random.bytes(size));
+        damaged.extend(&log[at..]);
+        let found = messages(&damaged);
+        let before = whole.partition_point(|message| message.offset < at as u64);
+        let kept = shared(&whole[..before], &found, 0) + shared(&whole[before..], &found, size as u64);
+        assert!(whole.len() - kept <= 12, "{size} bytes at {at}: {} messages", whole.len() - kept);
+        lost += whole.len() - kept;
+        problems(&damaged);
+    }
+    // Few insertions are between messages; all others tear one apart, which can't be found.
+    assert!((280..330).contains(&lost), "{lost} messages were lost by 300 insertions");
+}
+
+#[test]
+fn after_removed_bytes_all_but_few_messages_are_found() {
+    let log = typical(12);
+    let whole = messages(&log);
+    let mut random = Random(22);
+    for _ in 0..300 {
+        let from = 16 + random.index(log.len() - 3_000);
+        let size = 1 + random.index(2_500);
+        let damaged = [&log[..from], &log[from + size..]].concat();
+        let found = messages(&damaged);
+        let before = whole.partition_point(|message| message.offset < from as u64);
+        let after = whole.partition_point(|message| message.offset < (from + size) as u64);
+        let kept = shared(&whole[..before], &found, 0);
+        let moved: Vec<Seen> =
+            found.into_iter().map(|seen| Seen { offset: seen.offset + size as u64, ..seen }).collect();
+        let kept = kept + shared(&whole[after..], &moved, 0);
+        let missing = before + whole.len() - after - kept;
+        assert!(missing <= 12, "{size} bytes from {from}: {missing} messages");
+    }
+}
+
+#[test]
+fn sections_in_the_wrong_order_are_read() {
+    let log = typical(6);
+    let whole = messages(&log);
+    let first_data = whole.iter().find(|message| message.kind == "data").expect("data").offset;
+    let middle = usize::try_from(first_data).expect("an offset");
+    let swapped = [&log[..16], &log[middle..], &log[16..middle]].concat();
+    let seen = read(&swapped);
+    // All but the flag bits, which are of no use there, are read as they are.
+    assert_eq!(seen.iter().filter(|seen| seen.is_message()).count(), whole.len());
+    let odd: Vec<_> = seen.iter().filter_map(|seen| seen.problem.as_ref()).collect();
+    assert_eq!(odd, [&Problem::NoFlagBits { version: 1 }, &Problem::FlagBitsNotFirst]);
+    let (found, records) = problems(&swapped);
+    assert_eq!(records, 0);
+    assert_eq!(found.iter().filter(|found| found.contains("which isn't subscribed")).count(), 120);
+    assert_eq!(found.iter().filter(|found| found.contains("6 messages of id")).count(), 20);
+}
+
+#[test]
+fn a_log_in_the_midst_of_noise_is_found() {
+    let log = typical(10);
+    let mut random = Random(23);
+    for (name, noise) in
+        [("random", random.bytes(3_000_000)), ("zeros", vec![0; 3_000_000]), ("ones", vec![0xff; 3_000_000])]
+    {
+        let mut bytes = Writer::with_flags().bytes;
+        let start = bytes.len();
+        bytes.extend(&noise);
+        bytes.extend(&log[start..]);
+        bytes.extend(&noise);
+        let found = messages(&bytes);
+        let whole = messages(&log);
+        let kept = shared(&whole[1..], &found, noise.len() as u64);
+        assert!(whole.len() - 1 - kept <= 2, "{name}: {kept} of {}", whole.len() - 1);
+    }
+}
+
+/// Bytes that make a search look at as much as it can, or that make messages doubtful.
+#[test]
+fn hostile_bytes_take_linear_time() {
+    const SIZE: usize = 1_000_000;
+    let mut doubtful = Writer { bytes: Vec::new() };
+    doubtful.message(b'D', &[&vec![b'F'; 60_000]]);
+    doubtful.bytes.push(0);
+    let mut unknown = Writer { bytes: Vec::new() };
+    unknown.message(b'x', &[]);
+    let mut broken = Writer { bytes: Vec::new() };
+    for _ in 0..3 {
+        broken.message(b'O', &[&[0; 2]]);
+    }
+    broken.bytes.push(0xff);
+    let patterns: [(&str, Vec<u8>); 9] = [
+        ("random", Random(24).bytes(10 * SIZE)),
+        ("zeros", vec![0; 10 * SIZE]),
+        ("headers of formats in each other", vec![b'F']),
+        ("headers of data in each other", vec![b'D']),
+        ("headers of lines in each other", b"L0".to_vec()),
+        ("small headers in each other", b"\x00\x00D".to_vec()),
+        ("doubtful sizes", doubtful.bytes),
+        ("unknown kinds", unknown.bytes),
+        ("runs that are too short", broken.bytes),
+    ];
+    for (name, pattern) in patterns {
+        let mut bytes = Writer::with_flags().bytes;
+        bytes.extend(pattern.iter().cycle().take(pattern.len().max(SIZE)));
+        let start = Instant::now();
+        let seen = read(&bytes);
+        let time = start.elapsed();
+        eprintln!("{name}: {} items in {time:?}", seen.len());
+        // Debug builds on a busy machine take up to some seconds; a quadratic search would take hours.
+        assert!(time < Duration::from_secs(60), "{name}: {time:?}");
+    }
+}
+
+#[test]
+fn ways_back_are_told_apart() {
+    let mut log = Writer::with_flags();
+    let noise = log.offset();
+    log.bytes.extend([0xff; 50]);
+    let sync = log.sync();
+    let more_noise = log.offset();
+    log.bytes.extend([0xff; 70]);
+    let run = log.format("a:uint8_t a;");
+    for _ in 0..3 {
+        log.dropout(1);
+    }
+    let last_noise = log.offset();
+    log.bytes.extend([0xff; 90]);
+    let seen = read(&log.bytes);
+    let skipped: Vec<_> = seen.iter().filter_map(|seen| Some((seen.offset, seen.problem.clone()?))).collect();
+    let expected = [
+        (noise, Problem::Skipped { to: sync, resync: Resync::Synchronisation }),
+        (more_noise, Problem::Skipped { to: run, resync: Resync::Messages }),
+        (last_noise, Problem::Skipped { to: log.offset(), resync: Resync::End }),
+    ];
+    assert_eq!(skipped, expected);
+}

@@ -1,0 +1,119 @@
+//! Each problem with formats, subscriptions and data.
+
+use super::problems::{check, definitions};
+use super::seen::problems;
+use crate::tests::support::Writer;
+
+#[test]
+fn data_that_has_no_type_is_told() {
+    let mut log = definitions();
+    let early = log.data(2, &[0; 16]);
+    let again = log.data(2, &[0; 16]);
+    let late = log.subscribe(2, 0, "wind");
+    log.data(2, &[0; 16]);
+    log.subscribe(3, 0, "nothing");
+    let missing = log.data(3, &[0; 16]);
+    log.unsubscribe(1);
+    let gone = log.data(1, &[0; 16]);
+    let twice = log.unsubscribe(1);
+    log.subscribe(1, 0, "wind");
+    log.data(1, &[0; 16]);
+    let same = log.subscribe(1, 0, "wind");
+    let other = log.subscribe(1, 1, "wind");
+    let short = log.data(1, &[0; 11]);
+    let between = log.data(1, &[0; 14]);
+    let longer = log.data(1, &[0; 17]);
+    log.data(1, &[0; 12]);
+    let size = |found| format!("expected 16 or 12 bytes of data of id 1, found {found}");
+    check(
+        &log.bytes,
+        &[
+            (early, "data of id 2, which isn't subscribed"),
+            (again, "data of id 2, which isn't subscribed"),
+            (late, &format!("2 messages of id 2 came before its subscription, from {early} on")),
+            (missing, "data of id 3, whose topic has no format"),
+            (gone, "data of id 1, which was unsubscribed"),
+            (twice, "id 1 is unsubscribed, but wasn't subscribed"),
+            (same, "id 1 is subscribed again"),
+            (other, "id 1 was `wind` 0 and is `wind` 1 from here on"),
+            (short, &size(11)),
+            (between, &size(14)),
+            (longer, &size(17)),
+        ],
+    );
+    assert_eq!(problems(&log.bytes).1, 3);
+}
+
+#[test]
+fn formats_that_are_unusable_or_late_are_told() {
+    let mut log = Writer::with_flags();
+    let own = log.format("self:self a;");
+    let waits = log.format("waits:later a;");
+    log.format("good:uint8_t a;");
+    let changed = log.format("good:uint16_t a;");
+    log.format("good:uint8_t a;");
+    log.subscribe(1, 0, "self");
+    log.subscribe(2, 0, "waits");
+    log.subscribe(3, 0, "good");
+    let recursive = log.data(1, &[0; 4]);
+    let waiting = log.data(2, &[0; 4]);
+    log.data(3, &[0]);
+    let later = log.format("later:uint32_t a;");
+    log.data(2, &[0; 4]);
+    log.data(3, &[0]);
+    let more = log.format("more:uint8_t[9] a;");
+    log.subscribe(4, 0, "more");
+    log.data(4, &[0; 9]);
+    let recursive_still = log.data(1, &[0; 4]);
+    let unused = log.format("unused:what is it;");
+    check(
+        &log.bytes,
+        &[
+            (changed, "format `good` came before with other fields; the first one is used"),
+            (own, "format `self` holds itself"),
+            (waits, "format `waits` has a field `a` of type `later`, which has no format"),
+            (recursive, "data of id 1, whose format can't be used"),
+            (waiting, "data of id 2, whose format can't be used"),
+            (later, "format `later` comes after the definitions"),
+            (more, "format `more` comes after the definitions"),
+            (recursive_still, "data of id 1, whose format can't be used"),
+            (unused, "format `unused` comes after the definitions"),
+            (unused, "format `unused` has `what is it` where a type and a name are expected"),
+        ],
+    );
+    assert_eq!(problems(&log.bytes).1, 4);
+}
+
+#[test]
+fn what_is_kept_of_formats_is_bounded() {
+    let mut log = Writer::with_flags();
+    for index in 0..8_192 {
+        log.format(&format!("f{index}:uint8_t a;"));
+    }
+    let more = log.format("more:uint8_t a;");
+    check(&log.bytes, &[(more, "there are more than 8192 formats; the others aren't used")]);
+
+    let mut log = Writer::with_flags();
+    let text = "x".repeat(60_000);
+    for index in 0..17 {
+        log.format(&format!("f{index}:uint8_t {text}"));
+    }
+    let more = log.format(&format!("more:uint8_t {text}"));
+    let topic = log.subscribe(1, 0, &text);
+    let problem = "formats and topics take more than 1048576 bytes; this one isn't used";
+    check(&log.bytes, &[(more, problem), (topic, problem)]);
+
+    let mut log = Writer::with_flags();
+    for index in 0..15 {
+        log.format(&format!("f{index}:uint8_t {text}"));
+    }
+    for id in 0..30 {
+        log.format(&format!("late{id}:uint8_t a"));
+        log.subscribe(id, 0, &format!("late{id}"));
+        log.data(id, &[0]);
+    }
+    let found = problems(&log.bytes).0;
+    let problem = "formats come late too often; those from here on aren't used";
+    assert_eq!(found.iter().filter(|found| found.ends_with(problem)).count(), 1, "{found:?}");
+    assert!(found.last().is_some_and(|last| last.ends_with("data of id 29, whose format can't be used")));
+}

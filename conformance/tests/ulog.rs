@@ -1,9 +1,0 @@
-//! The reader of `ULog`: against what another tool reads, on each kind of damage, and on whatever bytes there
-//! may be.
-
-mod damage;
-mod log;
-mod memory;
-mod oracle;
-mod problems;
-mod properties;
