@@ -95,8 +95,8 @@ pub fn check_json(input: impl Read, of: Option<MessageId>, definitions: &Definit
     check_with(input, of, JsonJudge::new(of, definitions))
 }
 
-/// Like [`check_json`], but compares no message with those before it. It takes several times as long and comes to the
-/// same, which tests and benchmarks see by it.
+/// Like [`check_json`], but compares no message with those before it. It is several times slower and has the same result:
+/// tests and benchmarks hold the two to each other.
 pub fn check_json_thoroughly(
     input: impl Read,
     of: Option<MessageId>,

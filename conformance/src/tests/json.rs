@@ -377,11 +377,9 @@ fn templates_come_to_the_same_as_reading_each_message() {
     let definitions = Definitions::built_in();
     let flight = Flight::new(&definitions);
     let mut compared = 0;
-    let captures = rules::mutants()
-        .filter(|mutant| !mutant.rule.is_on_flockwave())
-        .flat_map(|mutant| mutant.captures(&flight))
-        .filter(|(_, bytes)| bytes.first() == Some(&b'{'));
-    for (title, bytes) in captures {
+    let mutants = rules::mutants().filter(|mutant| !mutant.rule.is_on_flockwave());
+    let captures = mutants.flat_map(|mutant| mutant.captures(&flight));
+    for (title, bytes) in captures.filter(|(_, bytes)| bytes.first() == Some(&b'{')) {
         compared += 1;
         let quick = format!("{:#?}", check_json(&bytes[..], None, &definitions));
         let thorough = format!("{:#?}", check_json_thoroughly(&bytes[..], None, &definitions));

@@ -21,13 +21,7 @@ pub(crate) struct Clean {
 }
 
 impl Plans {
-    /// True if a text is a message, and nothing is wrong with it. `is_rosbridge` allows what rosbridge writes.
-    #[cfg(test)]
-    pub(crate) fn is_clean(&self, id: MessageId, text: &str, is_rosbridge: bool) -> bool {
-        self.read_text(id, text, is_rosbridge, &mut []).is_ok()
-    }
-
-    /// Reads a text that is a clean message, as [`Plans::read`] does.
+    /// Reads a text that is a clean message, as [`Plans::read`] does. An error says only that something is wrong.
     pub(crate) fn read_text(
         &self,
         id: MessageId,
