@@ -6,7 +6,7 @@
 
 use std::borrow::Cow;
 
-use super::SyntaxError;
+use super::error::SyntaxError;
 
 /// The maximum nesting depth, equal to that of `serde_json`.
 const MAX_DEPTH: usize = 127;

@@ -4,6 +4,7 @@
 use std::borrow::Cow;
 use std::fmt::{self, Write as _};
 
+use super::error::SyntaxError;
 use super::tokens::{Token, Tokens};
 
 /// How many values a tree has at most: each takes some dozen times the room of its text.
@@ -37,23 +38,6 @@ pub enum Tree<'t> {
     /// An object; keys may be repeated.
     Object(Vec<(Cow<'t, str>, Tree<'t>)>),
 }
-
-/// Why a text is no JSON.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SyntaxError {
-    /// The byte, from 0.
-    pub at: usize,
-    /// What is wrong there.
-    pub what: &'static str,
-}
-
-impl fmt::Display for SyntaxError {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "no JSON: {} at byte {}", self.what, self.at)
-    }
-}
-
-impl std::error::Error for SyntaxError {}
 
 impl<'t> From<Token<'t>> for Tree<'t> {
     fn from(token: Token<'t>) -> Self {

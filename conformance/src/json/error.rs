@@ -1,0 +1,20 @@
+//! Syntax errors.
+
+use std::fmt;
+
+/// The error of a text that is not JSON.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SyntaxError {
+    /// The offset of the byte.
+    pub at: usize,
+    /// The problem at that byte.
+    pub what: &'static str,
+}
+
+impl fmt::Display for SyntaxError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "no JSON: {} at byte {}", self.what, self.at)
+    }
+}
+
+impl std::error::Error for SyntaxError {}
