@@ -62,6 +62,8 @@ enum Content {
 #[derive(Debug)]
 struct Values {
     element: Element,
+    /// The number of bytes of a value.
+    width: usize,
     restriction: Option<Box<Restriction>>,
     healthy: Healthy,
     definition: Option<Span>,
@@ -176,10 +178,10 @@ impl Compiler<'_> {
         within: Within<'_>,
         steps: &mut Vec<Step>,
     ) {
-        let (path, subject) = within.names(placed.name);
         let offset = within.base + placed.offset;
         let PlacedElement::Message(nested) = placed.element else {
             let Some(values) = Values::of(placed, of, field) else { return };
+            let (path, subject) = within.names(placed.name);
             let count = if matches!(values.element, Element::Text(_)) { 1 } else { count(placed.shape) };
             for rule in values.constraint().rules(Encoding::Memory, self.rules) {
                 self.coverage.add(rule, count as u64);
@@ -197,6 +199,7 @@ impl Compiler<'_> {
             });
             return;
         };
+        let (path, subject) = within.names(placed.name);
         for index in 0..count(placed.shape) {
             let path = if placed.shape == Shape::Single { path.clone() } else { format!("{path}[{index}]") };
             let before = steps.len();
@@ -340,22 +343,18 @@ impl Values {
             }
             PlacedElement::String | PlacedElement::Message(_) => return None,
         };
-        let mut values = Self { element, restriction, healthy: Healthy::Unknown, definition };
+        let width = match element {
+            Element::Scalar(scalar) => scalar.size(),
+            Element::Text(room) => room as usize,
+            Element::String { .. } | Element::Message(_) => return None,
+        };
+        let mut values = Self { element, width, restriction, healthy: Healthy::Unknown, definition };
         values.healthy = Healthy::of(values.constraint())?;
         Some(values)
     }
 
     fn constraint(&self) -> Constraint<'_> {
         Constraint { element: self.element, shape: Shape::Single, restriction: self.restriction.as_deref() }
-    }
-
-    /// The number of bytes of a value.
-    fn width(&self) -> usize {
-        match self.element {
-            Element::Scalar(scalar) => scalar.size(),
-            Element::Text(room) => room as usize,
-            Element::String { .. } | Element::Message(_) => 0,
-        }
     }
 }
 
@@ -388,13 +387,15 @@ impl Run<'_> {
     }
 
     fn values(&mut self, step: &Step, values: &Values, base: usize, trail: Option<&Trail<'_>>) {
-        let width = values.width();
+        let (payload, mut start) = (self.payload, base + step.offset);
         for index in 0..step.count {
-            let start = base + step.offset + index * step.stride;
-            let Some(bytes) = self.payload.get(start..start + width) else { continue };
-            if !values.healthy.holds(bytes) && step.is_in_use(index, values, base, self.payload) {
+            if let Some(bytes) = payload.get(start..start + values.width)
+                && !values.healthy.holds(bytes)
+                && step.is_in_use(index, values, base, payload)
+            {
                 self.explain(step, values, bytes, index, trail);
             }
+            start += step.stride;
         }
     }
 

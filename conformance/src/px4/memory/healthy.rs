@@ -84,6 +84,7 @@ impl Healthy {
     }
 
     /// True if a value surely violates nothing.
+    #[inline]
     pub(super) fn holds(&self, value: &[u8]) -> bool {
         match self {
             Self::Bool => value[0] < 2,
