@@ -5,7 +5,7 @@
 //! messages bring, and gives data its type.
 //!
 //! ```
-//! use uavspec_conformance::source::ulog::{Event, Log, Reader};
+//! use uavspec_conformance::capture::ulog::{Event, Log, Reader};
 //!
 //! let mut bytes = b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0".to_vec();
 //! for (kind, payload) in [(b'F', &b"wind:uint64_t timestamp;float speed;"[..]), (b'A', b"\0\x05\0wind")]
