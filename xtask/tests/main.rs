@@ -1,5 +1,6 @@
 //! The tests of the chores, in one program; each file is a module.
 
+mod api;
 mod breaking;
 mod cli;
 mod compile;
