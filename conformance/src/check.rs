@@ -5,6 +5,7 @@ mod json;
 pub(crate) mod known;
 mod log;
 mod mcap;
+#[doc(hidden)]
 pub mod parallel;
 mod summary;
 mod topic;
@@ -19,12 +20,18 @@ use uavspec_codegen::schema::{MessageId, Shape};
 use uavspec_codegen::source::Span;
 use uavspec_runtime::Scalar;
 
+#[doc(hidden)]
+pub use self::flockwave::FlockwaveJudge;
 use self::flockwave::Listeners;
-pub use self::flockwave::{FlockwaveJudge, FlockwaveSummary, TypeCount};
-pub use self::json::{JsonSummary, check_json, check_json_thoroughly};
-pub use self::log::{LogSummary, check_ulog};
-pub use self::mcap::{Basis, McapChannel, McapSummary, Standing, check_mcap};
-pub use self::summary::{Describe, Line, List, MAX_LISTED, Totals};
+pub use self::flockwave::{FlockwaveSummary, TypeCount};
+pub use self::json::JsonSummary;
+#[doc(hidden)]
+pub use self::json::check_json_thoroughly;
+pub use self::log::LogSummary;
+pub use self::mcap::{Basis, McapChannel, McapSummary, Standing};
+pub(crate) use self::summary::{Describe, Line, List, MAX_LISTED, Totals};
+#[cfg(test)]
+pub(crate) use self::{json::check_json, log::check_ulog, mcap::check_mcap};
 use crate::capture::MCAP_MAGIC;
 use crate::definitions::Definitions;
 use crate::flockwave::record::{Connection, Direction, SessionRecord};
@@ -74,7 +81,7 @@ pub enum Summary {
 
 impl Summary {
     /// The parts that reports for people print.
-    pub fn describe(&self) -> &dyn Describe {
+    pub(crate) fn describe(&self) -> &dyn Describe {
         match self {
             Self::Log(summary) => summary,
             Self::Json(summary) => summary,

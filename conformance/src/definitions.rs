@@ -31,7 +31,7 @@ pub struct Definitions {
 
 /// A line of a definition; shown as `file:number`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Line<'d> {
+pub(crate) struct Line<'d> {
     /// The file.
     pub file: &'d str,
     /// Which line, from 1.
@@ -90,7 +90,7 @@ impl Definitions {
     }
 
     /// The message that a topic of PX4 carries. A versioned one may have its version behind its name.
-    pub fn message_of_topic(&self, topic: &str) -> Option<MessageId> {
+    pub(crate) fn message_of_topic(&self, topic: &str) -> Option<MessageId> {
         let unversioned = || {
             let (name, version) = topic.rsplit_once("_v")?;
             let is_version = !version.is_empty() && version.bytes().all(|byte| byte.is_ascii_digit());
@@ -129,12 +129,12 @@ impl Definitions {
     }
 
     /// The body schemas of the messages of Flockwave.
-    pub fn body_schemas(&self) -> BodySchemas<'_> {
+    pub(crate) fn body_schemas(&self) -> BodySchemas<'_> {
         BodySchemas { shapes: self.shapes(), schemas: &self.schemas }
     }
 
     /// Where something is defined.
-    pub fn line(&self, span: Span) -> Line<'_> {
+    pub(crate) fn line(&self, span: Span) -> Line<'_> {
         let id = self.sources.source_of(span);
         let number = self.sources.position(span).line;
         let text = self.sources.text(id).lines().nth(number - 1).unwrap_or_default();

@@ -1,6 +1,6 @@
 //! JSON: one tokenizer, and the tree that is made with it.
 
-pub mod base64;
+pub(crate) mod base64;
 mod error;
 mod frame;
 mod pointer;
@@ -9,7 +9,7 @@ mod tree;
 
 pub(crate) use self::error::SyntaxError;
 pub(crate) use self::frame::Frame;
-pub use self::pointer::pointer;
+pub(crate) use self::pointer::pointer;
 pub(crate) use self::tokens::{CUT_OFF, Token, Tokens, Unclear};
 pub use self::tree::Tree;
 pub(crate) use self::tree::shortened;

@@ -1,6 +1,6 @@
 //! Judges outputs of implementations by the definitions that `uavspec-codegen` reads: logs of PX4 (`ULog`), MCAP,
 //! messages as JSON, recorded conversations of Flockwave, codecs ([`testee`]) and live servers ([`probe`]). For these there
-//! is a reference ([`serve`]), and their fleets can be watched ([`watch`]).
+//! is a reference ([`serve`]), and `uavspec watch` shows their fleets.
 //!
 //! ```text
 //!  bytes ──capture──▶ records ──check (with the rules)──▶ findings ──▶ verdicts ──report──▶ terminal, JSON, HTML, SARIF, JUnit

@@ -14,5 +14,6 @@ pub(crate) use self::detail::hexadecimal;
 pub use self::excuse::{Excuse, ExcuseKind};
 pub use self::finding::{Findings, Group, Verdict};
 pub use self::reason::Reason;
-pub use self::record::{Channel, Extent, Message, Place};
+pub(crate) use self::record::{Channel, Message};
+pub use self::record::{Extent, Place};
 pub use self::rule::{Level, Rule, Status};

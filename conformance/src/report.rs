@@ -28,7 +28,7 @@ use serde::Serialize;
 pub use self::capture::{CheckedCapture, Settings};
 pub use self::conclusion::{Conclusion, Outcome};
 pub use self::kind::Kind;
-pub use self::text::subject as subject_text;
+pub(crate) use self::text::subject as subject_text;
 use crate::check::{Summary, Totals};
 use crate::definitions::Definitions;
 use crate::model::{Excuse, Extent, Level, Place, Reason, Rule, Status};
@@ -455,7 +455,7 @@ impl Report {
     /// The same, where these entries of lists of known failures don't hold true any more; that weighs less than what
     /// fails.
     #[must_use]
-    pub fn with_stale(mut self, entries: Vec<Reason>) -> Self {
+    pub(crate) fn with_stale(mut self, entries: Vec<Reason>) -> Self {
         if entries.is_empty() {
             return self;
         }
@@ -570,7 +570,7 @@ impl Subject {
     }
 
     /// How many places of damage there are.
-    pub fn damages(&self) -> u64 {
+    pub(crate) fn damages(&self) -> u64 {
         self.damage.len() as u64 + self.more_damage
     }
 }
@@ -584,12 +584,12 @@ impl Report {
 
 impl Example {
     /// Where in the record, unless the words begin with that.
-    pub fn at(&self) -> &str {
+    pub(crate) fn at(&self) -> &str {
         if self.path == self.part { "" } else { &self.path }
     }
 
     /// What is the matter, and with what part.
-    pub fn told(&self) -> String {
+    pub(crate) fn told(&self) -> String {
         if self.part.is_empty() { self.message.clone() } else { format!("{}: {}", self.part, self.message) }
     }
 }

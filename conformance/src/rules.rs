@@ -1,7 +1,7 @@
 //! The rules, a file each, by family.
 //!
 //! A rule is a statement with a permanent id. Rules on single values are checked by a plan that is made once for each format
-//! ([`crate::px4`]); rules on the course of things keep a state of their own.
+//! (`px4`); rules on the course of things keep a state of their own.
 
 pub mod flockwave;
 pub(crate) mod px4;

@@ -5,18 +5,28 @@
 //!                              └────────dump──▶ file ──▶ … ──▶ file ──replay──┘
 //! ```
 //!
-//! [`protocol`] says what goes over the pipes, [`wire`] how values look there.
+//! `protocol.rs` defines the lines on the pipes, `wire.rs` the form of the values in them.
 
-pub mod case;
-pub mod compare;
-pub mod file;
-pub mod known;
+pub(crate) mod case;
+pub(crate) mod compare;
+pub(crate) mod file;
+pub(crate) mod known;
 mod link;
-pub mod lint;
-pub mod options;
-pub mod outcome;
+pub(crate) mod lint;
+pub(crate) mod options;
+pub(crate) mod outcome;
 mod process;
-pub mod protocol;
-pub mod run;
-pub mod target;
-pub mod wire;
+pub(crate) mod protocol;
+pub(crate) mod run;
+pub(crate) mod target;
+pub(crate) mod wire;
+
+pub use self::case::{Case, Expected, Input, Want, cases};
+pub use self::compare::Difference;
+pub use self::lint::{CHECKS, Check, Found, Manner, check, lint};
+pub use self::options::Options;
+pub use self::outcome::{Counts, Manners, Outcome, Verdict};
+pub use self::protocol::{Format, Hello, Op, PROTOCOL};
+pub use self::run::run;
+pub use self::target::Target;
+pub use self::wire::{from_base64, from_wire, to_base64, to_wire};

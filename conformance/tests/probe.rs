@@ -16,7 +16,7 @@ use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::probe::{Options, Probed, probe};
 use uavspec_conformance::rules::flockwave;
 use uavspec_conformance::serve::{self, Server, Transport};
-use uavspec_conformance::transport::endpoint::Endpoint;
+use uavspec_conformance::transport::Endpoint;
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 

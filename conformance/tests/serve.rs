@@ -14,8 +14,7 @@ use proptest::test_runner::TestRunner;
 use serde_json::{Value, json};
 use uavspec_conformance::rules::flockwave;
 use uavspec_conformance::serve::{Options, Server, Transport};
-use uavspec_conformance::transport::MESSAGE_LIMIT;
-use uavspec_conformance::transport::client::{Client, Heard, connect};
+use uavspec_conformance::transport::{Client, Heard, MESSAGE_LIMIT, connect};
 
 /// How long something may take that has to happen.
 const PATIENCE: Duration = Duration::from_secs(60);

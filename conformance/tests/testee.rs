@@ -15,11 +15,7 @@ use std::time::Duration;
 use serde_json::Value;
 use uavspec_codegen::dynamic::{PlacedElement, Types};
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::testee::case::{Case, Want, cases};
-use uavspec_conformance::testee::outcome::{Outcome, Verdict};
-use uavspec_conformance::testee::protocol::{Format, Op};
-use uavspec_conformance::testee::target::Target;
-use uavspec_conformance::testee::{options::Options, run::run};
+use uavspec_conformance::testee::{Case, Format, Op, Options, Outcome, Target, Verdict, Want, cases, run};
 use uavspec_runtime::Scalar;
 
 struct Suite {

@@ -17,8 +17,6 @@ use codec::Codec;
 use evil::Evil;
 use rude::Rude;
 use serde_json::{Value, json};
-use uavspec_codegen::dynamic::Types;
-use uavspec_conformance::body_schema::Shapes;
 use uavspec_conformance::definitions::Definitions;
 
 fn main() -> io::Result<ExitCode> {
@@ -32,9 +30,8 @@ fn main() -> io::Result<ExitCode> {
         }
         _ => Definitions::built_in(),
     };
-    let types = Types::new(&definitions.schema);
-    let codec =
-        Codec { schema: &definitions.schema, types: &types, shapes: &Shapes::new(&definitions.schema) };
+    let types = definitions.types();
+    let codec = Codec { schema: &definitions.schema, types, shapes: definitions.shapes() };
     let mut input = BufReader::with_capacity(1 << 16, io::stdin().lock());
     let mut output = io::stdout().lock();
     let mut count = 0;
@@ -57,7 +54,7 @@ fn main() -> io::Result<ExitCode> {
         if is_hello {
             writeln!(output, "{reply}")?;
         } else {
-            evil.spoil(&types, &question, &mut reply);
+            evil.spoil(types, &question, &mut reply);
             evil.write(&reply, &mut output)?;
         }
         output.flush()?;

@@ -115,8 +115,9 @@ impl<'d> FlockwaveJudge<'d> {
         Self { reports: Reports::none(self.course.definitions), ..self }
     }
 
-    /// How many lines were seen at once to be reports on UAVs of which there is nothing new to be told.
-    pub fn seen_at_once(&self) -> u64 {
+    /// The number of lines that were recognised as status reports without new findings.
+    #[cfg(test)]
+    pub(crate) fn seen_at_once(&self) -> u64 {
         self.reports.seen()
     }
 

@@ -91,11 +91,15 @@ impl Describe for JsonSummary {
 
 /// Checks messages as JSON: JSON Lines, an array, or a single one. They are all of one type where `of` says so;
 /// otherwise each says its type or its topic. They are checked as far as they can be read.
-pub fn check_json(input: impl Read, of: Option<MessageId>, definitions: &Definitions) -> CaptureResult {
+pub(crate) fn check_json(
+    input: impl Read,
+    of: Option<MessageId>,
+    definitions: &Definitions,
+) -> CaptureResult {
     check_with(input, of, JsonJudge::new(of, definitions))
 }
 
-/// Like [`check_json`], but compares no message with those before it. It is several times slower and has the same result:
+/// Like `check_json`, but compares no message with those before it. It is several times slower and has the same result:
 /// tests and benchmarks hold the two to each other.
 pub fn check_json_thoroughly(
     input: impl Read,

@@ -89,7 +89,7 @@ struct Place {
 
 /// The lists of a run.
 #[derive(Debug, Default)]
-pub struct Lists {
+pub(crate) struct Lists {
     sources: SourceMap,
     ids: Vec<SourceId>,
     entries: Vec<Entry>,
@@ -99,7 +99,7 @@ pub struct Lists {
 
 /// Why lists can't be read.
 #[derive(Debug)]
-pub enum ListError {
+pub(crate) enum ListError {
     /// There is no such file, or the like.
     Unreadable(PathBuf, io::Error),
     /// What stands in them is no list: every mistake in all of them.
@@ -121,7 +121,7 @@ impl fmt::Display for ListError {
 
 impl Lists {
     /// Reads the lists in files. A file that is named twice is read once.
-    pub fn read(paths: &[PathBuf]) -> Result<Self, ListError> {
+    pub(crate) fn read(paths: &[PathBuf]) -> Result<Self, ListError> {
         let mut texts = Vec::new();
         let mut files: Vec<PathBuf> = Vec::new();
         for path in paths {
@@ -139,7 +139,7 @@ impl Lists {
     }
 
     /// Reads lists, each under the path that is shown for it.
-    pub fn parse(texts: impl IntoIterator<Item = (String, Vec<u8>)>) -> Result<Self, ListError> {
+    pub(crate) fn parse(texts: impl IntoIterator<Item = (String, Vec<u8>)>) -> Result<Self, ListError> {
         let mut lists = Self::default();
         let mut mistakes = Vec::new();
         for (path, bytes) in texts {
@@ -157,18 +157,18 @@ impl Lists {
     }
 
     /// Whether nothing is listed.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
 
     /// What is said of stale entries, with colours where `is_styled`: errors, or notes on what was mended.
-    pub fn render(&self, stale: &[Stale], level: Level, is_styled: bool) -> String {
+    pub(crate) fn render(&self, stale: &[Stale], level: Level, is_styled: bool) -> String {
         let findings: Vec<Finding> = stale.iter().filter_map(|stale| self.finding(stale, level)).collect();
         render::findings(&findings, &self.sources, is_styled)
     }
 
     /// The same for reports: each with its place.
-    pub fn reasons(&self, stale: &[Stale]) -> Vec<Reason> {
+    pub(crate) fn reasons(&self, stale: &[Stale]) -> Vec<Reason> {
         let findings = stale.iter().filter_map(|stale| self.finding(stale, Level::Error));
         let reason = |finding: Finding| Reason {
             message: finding.message,
@@ -183,7 +183,7 @@ impl Lists {
     /// Entries go that pass, name nothing or are over. Those that pass in part name only the rest, and those that
     /// fail otherwise get the beginning of the new message, but where messages have none in common: the entry stays.
     /// All else stays as it is, byte for byte. None is added: only a person knows a reason.
-    pub fn fixed(&self, stale: &[Stale]) -> Result<Self, ListError> {
+    pub(crate) fn fixed(&self, stale: &[Stale]) -> Result<Self, ListError> {
         let texts = fix::texts(self, stale);
         let text =
             |source: SourceId| texts.get(&source).map_or_else(|| self.sources.text(source), String::as_str);
@@ -195,12 +195,13 @@ impl Lists {
     }
 
     /// The text of each list.
-    pub fn texts(&self) -> impl Iterator<Item = &str> {
+    #[cfg(test)]
+    pub(crate) fn texts(&self) -> impl Iterator<Item = &str> {
         self.ids.iter().map(|source| self.sources.text(*source))
     }
 
     /// Writes to their files the texts that differ from those of `old`, all or none.
-    pub fn write(&self, old: &Self) -> Result<(), Failure> {
+    pub(crate) fn write(&self, old: &Self) -> Result<(), Failure> {
         let changes =
             self.paths.iter().filter(|(source, _)| self.sources.text(**source) != old.sources.text(**source));
         let change = |(source, path): (&SourceId, &PathBuf)| Change {

@@ -120,7 +120,7 @@ impl Describe for LogSummary {
 }
 
 /// Checks a log of PX4, as far as it can be read.
-pub fn check_ulog(input: impl Read, definitions: &Definitions) -> CaptureResult {
+pub(crate) fn check_ulog(input: impl Read, definitions: &Definitions) -> CaptureResult {
     let mut judge = LogJudge::new(definitions);
     let mut reader = Reader::new(input);
     let mut log = Log::default();

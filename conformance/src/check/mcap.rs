@@ -52,7 +52,7 @@ pub(super) const KIND: Kind = Kind {
 };
 
 /// Checks MCAP, as far as it can be read.
-pub fn check_mcap(input: impl Read, definitions: &Definitions) -> CaptureResult {
+pub(crate) fn check_mcap(input: impl Read, definitions: &Definitions) -> CaptureResult {
     let mut judge = McapJudge::new(definitions);
     let mut reader = Reader::new(input);
     loop {

@@ -5,10 +5,10 @@ use uavspec_codegen::emit::docs::markdown::plural;
 use crate::text::{Grouped, shown};
 
 /// The number of names that a line lists.
-pub const MAX_LISTED: usize = 8;
+pub(crate) const MAX_LISTED: usize = 8;
 
 /// The parts of a summary that reports for people print. All texts are safe to print on one line.
-pub trait Describe {
+pub(crate) trait Describe {
     /// The facts of the first line, in order.
     fn facts(&self, totals: Totals) -> Vec<String>;
 
@@ -28,7 +28,7 @@ pub trait Describe {
 
 /// The counts that all captures have in common.
 #[derive(Clone, Copy, Debug)]
-pub struct Totals {
+pub(crate) struct Totals {
     /// The number of its messages.
     pub records: u64,
     /// The time from its first to its last timestamp, in µs.
@@ -37,7 +37,7 @@ pub struct Totals {
 
 /// A line of a summary.
 #[derive(Clone, Debug)]
-pub struct Line {
+pub(crate) struct Line {
     /// A word for the content.
     pub label: &'static str,
     /// The content, in short.
@@ -50,7 +50,7 @@ pub struct Line {
 
 /// A list that belongs to a line.
 #[derive(Clone, Debug)]
-pub struct List {
+pub(crate) struct List {
     /// A word for each item.
     pub label: &'static str,
     /// The items.
@@ -59,7 +59,7 @@ pub struct List {
 
 impl Totals {
     /// The duration in words.
-    pub fn duration(self) -> String {
+    pub(crate) fn duration(self) -> String {
         let seconds = self.duration_us / 1_000_000;
         match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
             (0, 0, seconds) => format!("{seconds} s"),
@@ -69,20 +69,20 @@ impl Totals {
     }
 
     /// The number of messages, in words.
-    pub fn messages(self) -> String {
+    pub(crate) fn messages(self) -> String {
         plural(self.records, "message")
     }
 }
 
 impl Line {
     /// A line without lists.
-    pub fn new(label: &'static str, text: impl Into<String>) -> Self {
+    pub(crate) fn new(label: &'static str, text: impl Into<String>) -> Self {
         Self { label, text: text.into(), lists: Vec::new(), details: Vec::new() }
     }
 
     /// Adds a list. An item is a subject and what there is to say about it.
     #[must_use]
-    pub fn list<'i>(
+    pub(crate) fn list<'i>(
         mut self,
         label: &'static str,
         items: impl IntoIterator<Item = (&'i str, String)>,

@@ -2,7 +2,7 @@
 //!
 //! Shapes are data. Whole bodies have those that the definitions give them for each direction ([`Shapes`]), or, where
 //! the definitions don't have their type, JSON Schemas of a user ([`Schemas`]); rules on single fields bring along their
-//! own ([`Shape`]), which may be wider than the definition.
+//! own (`Shape`), which may be wider than the definition.
 
 mod bodies;
 mod check;
@@ -21,7 +21,7 @@ use crate::json::{Tree, pointer};
 
 /// The body schemas of all types: those of the definitions, and those of the user for other types.
 #[derive(Clone, Copy, Debug)]
-pub struct BodySchemas<'s> {
+pub(crate) struct BodySchemas<'s> {
     /// Those of the definitions.
     pub shapes: &'s Shapes,
     /// Those of the user.
@@ -30,12 +30,12 @@ pub struct BodySchemas<'s> {
 
 impl BodySchemas<'_> {
     /// True if there is a body schema of this type.
-    pub fn has(&self, type_name: &str) -> bool {
+    pub(crate) fn has(&self, type_name: &str) -> bool {
         self.shapes.has(type_name) || self.schemas.has(type_name)
     }
 
     /// The violations of the schema of a body's type for its direction; none if there is no such schema.
-    pub fn deviations(
+    pub(crate) fn deviations(
         &self,
         type_name: &str,
         direction: Direction,
@@ -51,7 +51,7 @@ impl BodySchemas<'_> {
 
 /// What a value has to be.
 #[derive(Clone, Copy, Debug)]
-pub enum Shape {
+pub(crate) enum Shape {
     /// An integer from the first to the second, however it is written: `5.0` is one.
     Integer(i128, i128),
     /// `true` or `false`.
@@ -75,7 +75,7 @@ pub enum Shape {
 }
 
 /// Any integer.
-pub const INTEGER: Shape = Shape::Integer(i128::MIN, i128::MAX);
+pub(crate) const INTEGER: Shape = Shape::Integer(i128::MIN, i128::MAX);
 
 /// A deviation.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -90,7 +90,7 @@ pub struct Mismatch {
 
 /// What is wrong with a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fault {
+pub(crate) enum Fault {
     /// It isn't there, and has to be.
     Absent,
     /// It is null.
@@ -105,7 +105,7 @@ pub enum Fault {
 
 /// A step into a body.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Step {
+pub(crate) enum Step {
     /// Into a field that the definition has.
     Field(String),
     /// Into an element, or a value of a map.
@@ -114,7 +114,7 @@ pub enum Step {
 
 /// Something in a body that hasn't the shape that it should have.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Deviation {
+pub(crate) struct Deviation {
     /// The steps that lead to it.
     pub steps: Vec<Step>,
     /// The kind of violation; none if the body schema is one of the user.
@@ -129,7 +129,7 @@ pub struct Deviation {
 
 impl Shape {
     /// The first deviation of a value.
-    pub fn mismatch(&self, value: &Tree<'_>) -> Option<Mismatch> {
+    pub(crate) fn mismatch(&self, value: &Tree<'_>) -> Option<Mismatch> {
         let wrong = || Some(Mismatch::new(self.to_string(), value.to_string()));
         match (self, value) {
             (Self::Nullable(_), Tree::Null)
@@ -186,19 +186,19 @@ impl std::fmt::Display for Shape {
 
 impl Mismatch {
     /// At the value itself.
-    pub fn new(expected: impl Into<String>, actual: impl Into<String>) -> Self {
+    pub(crate) fn new(expected: impl Into<String>, actual: impl Into<String>) -> Self {
         Self { path: String::new(), expected: expected.into(), actual: actual.into() }
     }
 
     /// The same, seen from the value that holds it under a key.
     #[must_use]
-    pub fn below(self, key: &str) -> Self {
+    pub(crate) fn below(self, key: &str) -> Self {
         Self { path: pointer(&[key]) + &self.path, ..self }
     }
 }
 
 /// An integer, however it is written. Those beyond 2^53 that have a fraction or an exponent are taken as they round.
-pub fn integer(value: &Tree<'_>) -> Option<i128> {
+pub(crate) fn integer(value: &Tree<'_>) -> Option<i128> {
     match value {
         Tree::Int(value) => Some(*value),
         #[allow(clippy::cast_possible_truncation)] // within bounds

@@ -2,19 +2,23 @@
 //!
 //! | transport | a message is | client | server |
 //! |---|---|---|---|
-//! | TCP | a line | [`client`] | `serve` |
-//! | UDP | a datagram | [`client`] | `serve` |
-//! | HTTP | the body of a POST, or of its answer | [`client`] | [`http`] |
-//! | Socket.IO | the argument of an event `fw` | [`client`] | [`engine`], [`socketio`] |
+//! | TCP | a line | `client` | `serve` |
+//! | UDP | a datagram | `client` | `serve` |
+//! | HTTP | the body of a POST, or of its answer | `client` | `http` |
+//! | Socket.IO | the argument of an event `fw` | `client` | `engine`, `socketio` |
 //!
 //! Nothing here waits without a time limit, and nothing keeps more than [`MESSAGE_LIMIT`] of what comes in.
 
-pub mod client;
-pub mod endpoint;
-pub mod engine;
-pub mod http;
-pub mod lines;
-pub mod socketio;
+pub(crate) mod client;
+pub(crate) mod endpoint;
+pub(crate) mod engine;
+pub(crate) mod http;
+pub(crate) mod lines;
+pub(crate) mod socketio;
+
+pub use self::client::{Client, Heard, connect};
+pub use self::endpoint::{Carrier, Endpoint};
+pub use self::engine::Revision;
 
 /// The longest message that is taken, in bytes. The specification has no limit; what is longer than this was hardly
 /// meant as a message, and has to be kept whole to be read.
@@ -22,7 +26,7 @@ pub const MESSAGE_LIMIT: usize = 16 << 20;
 
 /// Where the messages of HTTP one-shots go: the path that the reference server of the protocol has. The
 /// specification doesn't know this transport.
-pub const ONE_SHOT_PATH: &str = "/api/v1";
+pub(crate) const ONE_SHOT_PATH: &str = "/api/v1";
 
 /// Where Socket.IO is served: the path that its clients take where nothing else is said.
-pub const SOCKET_IO_PATH: &str = "/socket.io/";
+pub(crate) const SOCKET_IO_PATH: &str = "/socket.io/";

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 const MAX_KEY: usize = 64;
 
 /// A JSON pointer (RFC 6901); keys that are very long are cut short.
-pub fn pointer(keys: &[&str]) -> String {
+pub(crate) fn pointer(keys: &[&str]) -> String {
     let mut pointer = String::new();
     for key in keys {
         let escaped = key.chars().take(MAX_KEY).collect::<String>().replace('~', "~0").replace('/', "~1");

@@ -29,7 +29,7 @@ pub struct Date {
 
 impl Date {
     /// Today; an error says what is wrong with the environment variable `SOURCE_DATE_EPOCH`.
-    pub fn today() -> Result<Self, String> {
+    pub(crate) fn today() -> Result<Self, String> {
         if let Some(value) = env::var_os(EPOCH_VARIABLE) {
             let seconds = value.to_str().and_then(|value| value.parse().ok()).and_then(Self::at);
             return seconds.ok_or_else(|| {
@@ -42,7 +42,7 @@ impl Date {
     }
 
     /// The day of a time in seconds since 1970; none after the year 9999.
-    pub fn at(seconds: u64) -> Option<Self> {
+    pub(crate) fn at(seconds: u64) -> Option<Self> {
         if seconds >= END {
             return None;
         }

@@ -31,44 +31,44 @@ pub struct Detail {
 
 impl Detail {
     /// What is the matter, in words.
-    pub fn new(message: impl Into<String>) -> Self {
+    pub(crate) fn new(message: impl Into<String>) -> Self {
         Self { message: message.into(), ..Self::default() }
     }
 
     /// One was found in the place of the other.
-    pub fn differs(expected: impl fmt::Display, actual: impl fmt::Display) -> Self {
+    pub(crate) fn differs(expected: impl fmt::Display, actual: impl fmt::Display) -> Self {
         let (expected, actual) = (expected.to_string(), actual.to_string());
         Self::new(format!("expected {expected}, found {actual}")).expected(expected).actual(actual)
     }
 
     /// With what should have been.
     #[must_use]
-    pub fn expected(self, expected: impl Into<String>) -> Self {
+    pub(crate) fn expected(self, expected: impl Into<String>) -> Self {
         Self { expected: expected.into(), ..self }
     }
 
     /// With what was found.
     #[must_use]
-    pub fn actual(self, actual: impl Into<String>) -> Self {
+    pub(crate) fn actual(self, actual: impl Into<String>) -> Self {
         Self { actual: actual.into(), ..self }
     }
 
     /// With the part of the subject that it is about, which its path names.
     #[must_use]
-    pub fn at(self, path: impl Into<String>) -> Self {
+    pub(crate) fn at(self, path: impl Into<String>) -> Self {
         let path = path.into();
         Self { part: path.clone(), path, ..self }
     }
 
     /// With its place in the record, where the subject says that in other words, or the part does.
     #[must_use]
-    pub fn located(self, path: impl Into<String>) -> Self {
+    pub(crate) fn located(self, path: impl Into<String>) -> Self {
         Self { path: path.into(), ..self }
     }
 
     /// With what was judged.
     #[must_use]
-    pub fn excerpt(self, excerpt: impl Into<String>) -> Self {
+    pub(crate) fn excerpt(self, excerpt: impl Into<String>) -> Self {
         Self { excerpt: excerpt.into(), ..self }
     }
 }
@@ -93,7 +93,7 @@ pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
 
 impl Detail {
     /// A number breaks a rule.
-    pub fn of_number(rule: Rule, found: Number, restriction: &Restriction) -> Self {
+    pub(crate) fn of_number(rule: Rule, found: Number, restriction: &Restriction) -> Self {
         let Restriction { low, high, count, known, is_flags, .. } = restriction;
         let expected = match (rule, low, high) {
             (Rule::Range, Some(low), Some(high)) => format!("{low} to {high}"),

@@ -38,7 +38,7 @@ pub enum ExcuseKind {
 
 impl ExcuseKind {
     /// Its name, in lists and reports.
-    pub const fn name(self) -> &'static str {
+    pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Known => "known",
             Self::Flaky => "flaky",

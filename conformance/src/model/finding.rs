@@ -91,12 +91,12 @@ struct Counts {
 
 impl Findings {
     /// A rule was exercised so often.
-    pub fn exercise(&mut self, rule: &'static Rule, times: u64) {
+    pub(crate) fn exercise(&mut self, rule: &'static Rule, times: u64) {
         self.counts_of(rule).exercised += times;
     }
 
     /// Something in `subject` breaks a rule.
-    pub fn report(
+    pub(crate) fn report(
         &mut self,
         rule: &'static Rule,
         subject: &str,
@@ -189,7 +189,7 @@ impl Findings {
     }
 
     /// Notes at each group why it is let stand, where `excuse` says so.
-    pub fn excuse(&mut self, mut excuse: impl FnMut(&Group) -> Option<Excuse>) {
+    pub(crate) fn excuse(&mut self, mut excuse: impl FnMut(&Group) -> Option<Excuse>) {
         self.groups.values_mut().for_each(|group| group.known = excuse(group));
     }
 

@@ -49,7 +49,7 @@ pub enum Extent {
 
 /// A stream of messages of one type: a subscription of a log, a topic of a capture.
 #[derive(Clone, Copy, Debug)]
-pub struct Channel<'c> {
+pub(crate) struct Channel<'c> {
     /// Its number in its source. A channel that is opened anew in the place of another has that one's.
     pub index: usize,
     /// The topic.
@@ -66,7 +66,7 @@ pub struct Channel<'c> {
 
 /// A message on a channel.
 #[derive(Clone, Copy, Debug)]
-pub struct Message<'m> {
+pub(crate) struct Message<'m> {
     /// Its field `timestamp`, in µs since system start.
     pub timestamp: Option<u64>,
     /// Its fields, where a rule wants them (`Interest::Values`) and they can be read.

@@ -67,7 +67,7 @@ pub struct Rule {
 
 impl Rule {
     /// True if the rule applies to Flockwave sessions only.
-    pub fn is_on_flockwave(&self) -> bool {
+    pub(crate) fn is_on_flockwave(&self) -> bool {
         self.id.starts_with("FW-")
     }
 }

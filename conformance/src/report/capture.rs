@@ -105,7 +105,7 @@ impl Subject {
     }
 
     /// Says of a source what its verdicts come to.
-    pub fn conclude(&mut self) {
+    pub(crate) fn conclude(&mut self) {
         let remarks = match self.damages() {
             0 => Vec::new(),
             1 => vec!["One place of the file can't be read".to_owned()],

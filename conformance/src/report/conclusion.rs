@@ -54,7 +54,7 @@ impl Outcome {
 
 impl Conclusion {
     /// One without remarks.
-    pub fn new(outcome: Outcome, text: impl Into<String>) -> Self {
+    pub(crate) fn new(outcome: Outcome, text: impl Into<String>) -> Self {
         Self { outcome, status: outcome.status(), text: text.into(), remarks: Vec::new() }
     }
 

@@ -37,7 +37,7 @@ pub(super) fn write(report: &Report) -> String {
 }
 
 /// What came of a subject, with colours.
-pub fn subject(subject: &Subject) -> String {
+pub(crate) fn subject(subject: &Subject) -> String {
     let mut text = String::new();
     let _ = match &subject.about {
         About::Capture(summary) => capture(subject, summary.describe(), &mut text),

@@ -82,7 +82,7 @@ impl Case {
     }
 
     /// The line that asks.
-    pub fn request(&self, id: u64) -> Value {
+    pub(crate) fn request(&self, id: u64) -> Value {
         let mut request = Map::new();
         request.insert("id".to_owned(), id.into());
         request.insert("op".to_owned(), self.op.name().into());
@@ -103,7 +103,7 @@ impl Case {
     }
 
     /// Whether a testee said that it knows what this asks.
-    pub fn is_for(&self, hello: &Hello) -> bool {
+    pub(crate) fn is_for(&self, hello: &Hello) -> bool {
         hello.ops.contains(&self.op)
             && hello.types.contains(&self.type_name)
             && self.format.is_none_or(|format| hello.formats.contains(&format))

@@ -42,7 +42,7 @@ impl fmt::Display for Difference {
 }
 
 /// Compares an answer with what is expected.
-pub fn compare(case: &Case, answer: &Answer, types: &Types) -> Result<(), Difference> {
+pub(crate) fn compare(case: &Case, answer: &Answer, types: &Types) -> Result<(), Difference> {
     let expected = &case.expected;
     match (answer, &expected.ok) {
         (Answer::Rejected(_), _) if expected.rejection => Ok(()),

@@ -13,7 +13,12 @@ use super::run::judge;
 use super::wire::{to_base64, to_wire};
 
 /// Writes the selected cases, a line each: what is sent, and beside it the name, the description and what is right.
-pub fn dump(cases: &[Case], selected: &[usize], types: &Types, output: &mut dyn Write) -> io::Result<()> {
+pub(crate) fn dump(
+    cases: &[Case],
+    selected: &[usize],
+    types: &Types,
+    output: &mut dyn Write,
+) -> io::Result<()> {
     for (id, case) in selected.iter().filter_map(|id| Some((*id, cases.get(*id)?))) {
         let mut line = case.request(id as u64);
         line["case"] = case.name().into();
@@ -43,7 +48,7 @@ fn expected(case: &Case, types: &Types) -> Value {
 
 /// Judges answers that stand in a file, a line each, of no more bytes than a process may write. Where a hello stands among them, what it promises and the file
 /// doesn't answer is not run; without one, all that has no answer is unsupported.
-pub fn replay<'c>(
+pub(crate) fn replay<'c>(
     cases: &'c [Case],
     selected: &[usize],
     types: &Types,

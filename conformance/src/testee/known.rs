@@ -9,7 +9,7 @@ use crate::check::known::{Checked, Lists, Name, Outcome};
 
 /// What came of cases: of those that were asked, as `answers` says, and of all others, which were not. `names` are
 /// the names of all cases.
-pub fn of_cases<'r>(names: &'r [(&'r Case, String)], answers: &Answers<'r>) -> Vec<Checked<'r>> {
+pub(crate) fn of_cases<'r>(names: &'r [(&'r Case, String)], answers: &Answers<'r>) -> Vec<Checked<'r>> {
     let asked: BTreeMap<*const Case, &Verdict> =
         answers.verdicts.iter().map(|(case, verdict)| (ptr::from_ref(*case), verdict)).collect();
     let checked = names.iter().map(|(case, name)| {
@@ -25,7 +25,7 @@ pub fn of_cases<'r>(names: &'r [(&'r Case, String)], answers: &Answers<'r>) -> V
 }
 
 /// Makes each failure that an entry excuses a known one.
-pub fn excuse_cases(lists: &Lists, answers: &mut Answers<'_>) {
+pub(crate) fn excuse_cases(lists: &Lists, answers: &mut Answers<'_>) {
     for (case, verdict) in answers.verdicts.iter_mut().filter(|(_, verdict)| verdict.is_failure()) {
         let messages = [verdict.to_string()];
         if let Some(excuse) = lists.excuse(Name::Case(&case.name()), &messages) {

@@ -7,7 +7,7 @@ mod damage;
 mod introduction;
 mod leaving;
 mod numbers;
-pub mod report;
+pub(crate) mod report;
 mod session;
 mod unknown;
 

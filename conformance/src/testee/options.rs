@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::target::Target;
 
 /// The longest line that is read, in bytes, unless something else is said.
-pub const LINE_LIMIT: usize = 16 << 20;
+pub(crate) const LINE_LIMIT: usize = 16 << 20;
 
 /// How a testee is run.
 #[derive(Clone, Debug)]

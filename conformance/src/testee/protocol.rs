@@ -114,12 +114,12 @@ pub struct Hello {
 
 impl Hello {
     /// The line that asks for it.
-    pub fn request() -> String {
+    pub(crate) fn request() -> String {
         json!({ "op": "hello", "protocol": PROTOCOL }).to_string()
     }
 
     /// Reads the answer; what is wrong with it, otherwise.
-    pub fn read(line: &[u8]) -> Result<Self, String> {
+    pub(crate) fn read(line: &[u8]) -> Result<Self, String> {
         let value: Value = serde_json::from_slice(line).map_err(|error| format!("no JSON: {error}"))?;
         if value["op"] != "hello" {
             return Err("no member \"op\" with the value \"hello\"".to_owned());
@@ -156,7 +156,7 @@ impl fmt::Display for Hello {
 
 /// What a testee says to a case.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Answer {
+pub(crate) enum Answer {
     /// What came of it.
     Ok(Value),
     /// The input is wrong, and why.
@@ -169,7 +169,7 @@ pub enum Answer {
 
 impl Answer {
     /// Reads a line: the id, and the answer or what is wrong with it.
-    pub fn read(line: &[u8]) -> Result<(i64, Self), String> {
+    pub(crate) fn read(line: &[u8]) -> Result<(i64, Self), String> {
         let value = json(line)?;
         let id = Some(&value["id"]).filter(|id| id.is_number()).and_then(integer);
         let id = id.and_then(|id| i64::try_from(id).ok()).ok_or("no member \"id\" with an integer")?;
@@ -194,7 +194,7 @@ impl Answer {
 
     /// The same; of a line that can't be read the answer is that, where its id stands at its beginning. Many libraries
     /// write NaN by its name, and nobody has to wait for an answer that has come.
-    pub fn read_or_blame(line: &[u8]) -> Result<(i64, Self), String> {
+    pub(crate) fn read_or_blame(line: &[u8]) -> Result<(i64, Self), String> {
         Self::read(line).or_else(|wrong| match leading_id(line) {
             Some(id) => Ok((id, Self::Error(wrong))),
             None => Err(wrong),

@@ -8,9 +8,7 @@ use std::sync::{Arc, Barrier, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use uavspec_conformance::testee::lint::check;
-use uavspec_conformance::testee::outcome::Verdict;
-use uavspec_conformance::testee::{options::Options, run::run};
+use uavspec_conformance::testee::{Options, Verdict, check, run};
 
 use super::lint::{assert_good, caught, manners};
 use super::{Target, ask, culprit, everything, failures, impatient, options, some, suite, testee};

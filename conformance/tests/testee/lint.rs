@@ -7,8 +7,7 @@ use std::time::Duration;
 
 use serde_json::Value;
 use uavspec_conformance::check::parallel;
-use uavspec_conformance::testee::lint::{CHECKS, Check, Found, check, lint};
-use uavspec_conformance::testee::options::Options;
+use uavspec_conformance::testee::{CHECKS, Check, Found, Options, check, lint};
 
 use super::{impatient, options, suite, testee};
 

@@ -145,6 +145,7 @@ impl<'d> Reports<'d> {
     }
 
     /// How many reports were counted.
+    #[cfg(test)]
     pub(super) fn seen(&self) -> u64 {
         self.known.seen()
     }

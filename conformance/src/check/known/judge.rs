@@ -14,7 +14,7 @@ const MAX_MARKED: u32 = 200;
 
 /// Something that a run looked at, and what came of it.
 #[derive(Clone, Debug)]
-pub struct Checked<'r> {
+pub(crate) struct Checked<'r> {
     /// What it is called.
     pub name: Name<'r>,
     /// What came of it.
@@ -23,7 +23,7 @@ pub struct Checked<'r> {
 
 /// What entries name.
 #[derive(Clone, Copy, Debug)]
-pub enum Name<'r> {
+pub(crate) enum Name<'r> {
     /// A rule, on something in a file.
     Rule {
         /// The rule.
@@ -39,7 +39,7 @@ pub enum Name<'r> {
 
 /// What came of something.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Outcome {
+pub(crate) enum Outcome {
     /// It is as it should be. Of a rule: it was judged, and all that breaks it in this file stands beside this.
     Passed,
     /// It isn't; what is said of it, which may be several things.
@@ -52,7 +52,7 @@ pub enum Outcome {
 
 /// Which entries a run decides on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scope {
+pub(crate) enum Scope {
     /// Those that name rules.
     Rules,
     /// Those that name cases.
@@ -61,7 +61,7 @@ pub enum Scope {
 
 /// An entry that doesn't hold true.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Stale {
+pub(crate) struct Stale {
     /// Its number among all entries.
     pub(super) entry: usize,
     /// Why.
@@ -71,14 +71,14 @@ pub struct Stale {
 impl Stale {
     /// Whether the list can be mended without a person. Messages that have nothing in common at their beginning can't
     /// be named by one entry: an empty beginning would excuse whatever comes.
-    pub fn is_mendable(&self) -> bool {
+    pub(crate) fn is_mendable(&self) -> bool {
         !matches!(&self.why, Why::FailsOtherwise { common, .. } if common.is_empty())
     }
 }
 
 /// Why an entry doesn't hold true.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Why {
+pub(crate) enum Why {
     /// Nothing that it names fails any more.
     Passes,
     /// Some of the cases that it names pass.
@@ -123,7 +123,7 @@ struct Sum<'c> {
 
 impl Lists {
     /// The reason why a failure doesn't count; none where no entry names it with its messages.
-    pub fn excuse(&self, name: Name<'_>, messages: &[String]) -> Option<&Excuse> {
+    pub(crate) fn excuse(&self, name: Name<'_>, messages: &[String]) -> Option<&Excuse> {
         let excuses = |entry: &&Entry| {
             entry.names.is_match(name, true) && messages.iter().all(|message| entry.expects(message))
         };
@@ -134,7 +134,7 @@ impl Lists {
     }
 
     /// The entries that don't hold true on the day `today`, in their order.
-    pub fn judge(&self, scope: Scope, checked: &[Checked<'_>], today: Date) -> Vec<Stale> {
+    pub(crate) fn judge(&self, scope: Scope, checked: &[Checked<'_>], today: Date) -> Vec<Stale> {
         let mut stale = Vec::new();
         let by_rule = by_rule(checked);
         for (at, entry) in self.entries.iter().enumerate() {

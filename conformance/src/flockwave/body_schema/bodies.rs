@@ -35,17 +35,17 @@ pub(super) struct Body {
 impl Shapes {
     /// The same, for a use beside other definitions: where they are defined isn't told.
     #[must_use]
-    pub fn foreign(self) -> Self {
+    pub(crate) fn foreign(self) -> Self {
         Self { is_foreign: true, ..self }
     }
 
     /// Whether there are messages of this type.
-    pub fn has(&self, type_name: &str) -> bool {
+    pub(crate) fn has(&self, type_name: &str) -> bool {
         self.messages.contains_key(type_name)
     }
 
     /// Whether messages of this type go this way.
-    pub fn goes(&self, type_name: &str, direction: Direction) -> bool {
+    pub(crate) fn goes(&self, type_name: &str, direction: Direction) -> bool {
         self.body(type_name, direction).is_some()
     }
 

@@ -45,7 +45,12 @@ pub(super) enum At<'c> {
 impl Shapes {
     /// What of a body deviates from the shape that its type has for its direction, the first ten thousand places at
     /// most; none where there is no such shape.
-    pub fn check(&self, type_name: &str, direction: Direction, body: &Tree<'_>) -> Option<Vec<Deviation>> {
+    pub(crate) fn check(
+        &self,
+        type_name: &str,
+        direction: Direction,
+        body: &Tree<'_>,
+    ) -> Option<Vec<Deviation>> {
         Some(check(self, self.body(type_name, direction)?, body))
     }
 

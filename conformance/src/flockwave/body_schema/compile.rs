@@ -17,7 +17,7 @@ const BASE64: &str = "base64";
 
 impl Shapes {
     /// The shapes of all messages of some definitions. Of two packages with the same message the first has it.
-    pub fn new(schema: &Schema) -> Self {
+    pub(crate) fn new(schema: &Schema) -> Self {
         let mut compiler = Compiler { schema, shapes: Shapes::default(), known: HashMap::new() };
         for message in &schema.json_messages {
             let mut bodies = [None, None, None];

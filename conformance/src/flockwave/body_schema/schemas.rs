@@ -120,13 +120,18 @@ impl Schemas {
     }
 
     /// Whether there is a schema for messages of this type.
-    pub fn has(&self, type_name: &str) -> bool {
+    pub(crate) fn has(&self, type_name: &str) -> bool {
         self.by_type.contains_key(type_name)
     }
 
     /// What of a body its schema doesn't allow; none where there is no schema, or where the body isn't JSON such as
     /// schemas are about: that is another rule's matter.
-    pub fn check(&self, type_name: &str, direction: Direction, body: &Tree<'_>) -> Option<Vec<Deviation>> {
+    pub(crate) fn check(
+        &self,
+        type_name: &str,
+        direction: Direction,
+        body: &Tree<'_>,
+    ) -> Option<Vec<Deviation>> {
         let schemas = self.by_type.get(type_name)?;
         let of = |wanted| schemas.iter().find(|schema| schema.direction == wanted);
         let schema = of(Some(direction)).or_else(|| of(None))?;

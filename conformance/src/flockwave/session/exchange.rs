@@ -18,7 +18,7 @@ const MAX_NAME: usize = 40;
 
 /// What something is in its session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
+pub(crate) enum Role {
     /// Something happened to the connection.
     Event,
     /// No Flockwave message at all: no JSON, or no object.

@@ -55,7 +55,7 @@ impl Endpoint {
 
     /// The same server, with packets of Socket.IO that travel in this way.
     #[must_use]
-    pub fn by(&self, carrier: Carrier) -> Self {
+    pub(crate) fn by(&self, carrier: Carrier) -> Self {
         match self {
             Self::SocketIo { address, revision, .. } => {
                 Self::SocketIo { address: address.clone(), revision: *revision, carrier }

@@ -17,7 +17,7 @@ pub enum Revision {
 
 impl Revision {
     /// The revision with a number of Engine.IO's.
-    pub fn of(number: &str) -> Option<Self> {
+    pub(crate) fn of(number: &str) -> Option<Self> {
         match number {
             "3" => Some(Self::Three),
             "4" => Some(Self::Four),
@@ -26,7 +26,7 @@ impl Revision {
     }
 
     /// The number that Engine.IO gives it.
-    pub fn engine_io(self) -> u8 {
+    pub(crate) fn engine_io(self) -> u8 {
         match self {
             Self::Three => 3,
             Self::Four => 4,
@@ -34,7 +34,7 @@ impl Revision {
     }
 
     /// The number that Socket.IO gives the revision above it.
-    pub fn socket_io(self) -> u8 {
+    pub(crate) fn socket_io(self) -> u8 {
         self.engine_io() + 1
     }
 }
@@ -42,7 +42,7 @@ impl Revision {
 /// What a packet is for. The numbers are those that it begins with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Kind {
+pub(crate) enum Kind {
     /// The server has opened a session.
     Open = b'0',
     /// The session ends.
@@ -61,7 +61,7 @@ pub enum Kind {
 
 /// A packet. Only text is known: Flockwave has no binary messages.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Packet {
+pub(crate) struct Packet {
     /// What it is for.
     pub kind: Kind,
     /// What it carries.
@@ -70,12 +70,12 @@ pub struct Packet {
 
 impl Packet {
     /// A packet.
-    pub fn new(kind: Kind, data: impl Into<String>) -> Self {
+    pub(crate) fn new(kind: Kind, data: impl Into<String>) -> Self {
         Self { kind, data: data.into() }
     }
 
     /// Reads a packet; nothing where it isn't one, or is binary.
-    pub fn parse(text: &str) -> Option<Self> {
+    pub(crate) fn parse(text: &str) -> Option<Self> {
         let kind = match text.as_bytes().first()? {
             b'0' => Kind::Open,
             b'1' => Kind::Close,
@@ -90,13 +90,13 @@ impl Packet {
     }
 
     /// The packet as it travels over a WebSocket.
-    pub fn to_text(&self) -> String {
+    pub(crate) fn to_text(&self) -> String {
         format!("{}{}", char::from(self.kind as u8), self.data)
     }
 }
 
 /// Several packets as long polling carries them.
-pub fn encode(revision: Revision, packets: &[Packet]) -> String {
+pub(crate) fn encode(revision: Revision, packets: &[Packet]) -> String {
     let mut payload = String::new();
     for (at, packet) in packets.iter().enumerate() {
         match revision {
@@ -116,7 +116,7 @@ pub fn encode(revision: Revision, packets: &[Packet]) -> String {
 }
 
 /// The packets of what long polling carried. An error says what is wrong, and then none of them counts.
-pub fn decode(revision: Revision, payload: &[u8]) -> Result<Vec<Packet>, String> {
+pub(crate) fn decode(revision: Revision, payload: &[u8]) -> Result<Vec<Packet>, String> {
     let texts = match revision {
         Revision::Three if payload.first().is_some_and(|first| *first <= 1) => binary_lengths(payload)?,
         Revision::Three => {

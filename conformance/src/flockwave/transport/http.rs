@@ -23,7 +23,7 @@ const LOOK: Duration = Duration::from_millis(100);
 
 /// A request.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Request {
+pub(crate) struct Request {
     /// The method: `GET`, `POST`.
     pub method: String,
     /// The path, without the query.
@@ -38,12 +38,12 @@ pub struct Request {
 
 impl Request {
     /// A header, by its name in small letters.
-    pub fn header(&self, name: &str) -> Option<&str> {
+    pub(crate) fn header(&self, name: &str) -> Option<&str> {
         self.headers.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
     }
 
     /// A field of the query. Nothing is unescaped: the values that are asked for need no escapes.
-    pub fn field(&self, name: &str) -> Option<&str> {
+    pub(crate) fn field(&self, name: &str) -> Option<&str> {
         self.query
             .split('&')
             .filter_map(|pair| pair.split_once('='))
@@ -52,7 +52,7 @@ impl Request {
     }
 
     /// Whether a header that lists words has this one.
-    pub fn has_word(&self, header: &str, word: &str) -> bool {
+    pub(crate) fn has_word(&self, header: &str, word: &str) -> bool {
         let words = self.header(header).unwrap_or_default().split(',');
         words.map(str::trim).any(|known| known.eq_ignore_ascii_case(word))
     }
@@ -60,43 +60,35 @@ impl Request {
 
 /// What is sent back.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Response {
+pub(crate) struct Response {
     status: &'static str,
     headers: Vec<(&'static str, String)>,
     body: Vec<u8>,
-    is_last: bool,
 }
 
 impl Response {
     /// A response with a body.
-    pub fn new(status: &'static str, content_type: &str, body: impl Into<Vec<u8>>) -> Self {
+    pub(crate) fn new(status: &'static str, content_type: &str, body: impl Into<Vec<u8>>) -> Self {
         let headers = vec![("Content-Type", content_type.to_owned())];
-        Self { status, headers, body: body.into(), is_last: false }
+        Self { status, headers, body: body.into() }
     }
 
     /// A response that says in words what is wrong.
-    pub fn refusal(status: &'static str, reason: impl Into<String>) -> Self {
+    pub(crate) fn refusal(status: &'static str, reason: impl Into<String>) -> Self {
         Self::new(status, "text/plain; charset=utf-8", format!("{}\n", reason.into()))
     }
 
     /// Adds a header.
     #[must_use]
-    pub fn with(mut self, name: &'static str, value: impl Into<String>) -> Self {
+    pub(crate) fn with(mut self, name: &'static str, value: impl Into<String>) -> Self {
         self.headers.push((name, value.into()));
-        self
-    }
-
-    /// Lets the connection end with it.
-    #[must_use]
-    pub fn as_last(mut self) -> Self {
-        self.is_last = true;
         self
     }
 }
 
 /// What came over a connection.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Came {
+pub(crate) enum Came {
     /// A request.
     Request(Request),
     /// Something that can't be served: the answer to it. The connection is to end then, since nobody knows where the
@@ -108,21 +100,21 @@ pub enum Came {
 
 /// The server's end of a connection.
 #[derive(Debug)]
-pub struct Connection {
+pub(crate) struct Connection {
     stream: TcpStream,
     buffer: Vec<u8>,
 }
 
 impl Connection {
     /// Takes over a connection that has just been accepted.
-    pub fn new(stream: TcpStream) -> io::Result<Self> {
+    pub(crate) fn new(stream: TcpStream) -> io::Result<Self> {
         stream.set_nodelay(true)?;
         stream.set_write_timeout(Some(REQUEST_LIMIT))?;
         Ok(Self { stream, buffer: Vec::new() })
     }
 
     /// Waits for the next request while `is_wanted`.
-    pub fn next(&mut self, is_wanted: &dyn Fn() -> bool) -> io::Result<Came> {
+    pub(crate) fn next(&mut self, is_wanted: &dyn Fn() -> bool) -> io::Result<Came> {
         let mut until = Instant::now() + IDLE_LIMIT;
         if self.buffer.is_empty() && !self.read_more(until, is_wanted)? {
             return Ok(Came::Nothing);
@@ -156,8 +148,8 @@ impl Connection {
     }
 
     /// Sends the answer to a request; whether the connection goes on.
-    pub fn respond(&mut self, request: Option<&Request>, response: &Response) -> io::Result<bool> {
-        let is_last = response.is_last || request.is_none_or(|request| request.is_last);
+    pub(crate) fn respond(&mut self, request: Option<&Request>, response: &Response) -> io::Result<bool> {
+        let is_last = request.is_none_or(|request| request.is_last);
         let mut text = format!("HTTP/1.1 {}\r\n", response.status).into_bytes();
         for (name, value) in &response.headers {
             text.extend(format!("{name}: {value}\r\n").into_bytes());
@@ -176,7 +168,7 @@ impl Connection {
     }
 
     /// The stream, and what came after the last request: for another protocol.
-    pub fn into_stream(self) -> (TcpStream, Vec<u8>) {
+    pub(crate) fn into_stream(self) -> (TcpStream, Vec<u8>) {
         (self.stream, self.buffer)
     }
 

@@ -6,7 +6,7 @@ use super::MESSAGE_LIMIT;
 
 /// What stands between two line ends.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Line {
+pub(crate) enum Line {
     /// A line without its end. A carriage return before the end isn't part of it.
     Whole(Vec<u8>),
     /// A line over [`MESSAGE_LIMIT`], of which nothing is kept.
@@ -15,7 +15,7 @@ pub enum Line {
 
 /// Collects the pieces, wherever they were cut.
 #[derive(Debug, Default)]
-pub struct Lines {
+pub(crate) struct Lines {
     buffer: Vec<u8>,
     /// Where the first line that wasn't taken begins.
     start: usize,
@@ -27,7 +27,7 @@ pub struct Lines {
 
 impl Lines {
     /// Adds what came in.
-    pub fn feed(&mut self, bytes: &[u8]) {
+    pub(crate) fn feed(&mut self, bytes: &[u8]) {
         if self.start > 0 {
             self.buffer.drain(..self.start);
             self.searched -= self.start;
@@ -37,7 +37,7 @@ impl Lines {
     }
 
     /// The next line, where one has come to its end.
-    pub fn take(&mut self) -> Option<Line> {
+    pub(crate) fn take(&mut self) -> Option<Line> {
         let Some(found) = memchr(b'\n', &self.buffer[self.searched..]) else {
             self.searched = self.buffer.len();
             return self.drop_excess();
@@ -54,17 +54,18 @@ impl Lines {
     }
 
     /// All lines that have come to their end.
-    pub fn taken(&mut self) -> Vec<Line> {
+    pub(crate) fn taken(&mut self) -> Vec<Line> {
         std::iter::from_fn(|| self.take()).collect()
     }
 
     /// Whether something has come of a line that hasn't ended.
-    pub fn has_rest(&self) -> bool {
+    #[cfg(test)]
+    pub(crate) fn has_rest(&self) -> bool {
         self.is_skipping || self.start < self.buffer.len()
     }
 
     /// Forgets what has come of a line that hasn't ended.
-    pub fn drop_rest(&mut self) {
+    pub(crate) fn drop_rest(&mut self) {
         *self = Self::default();
     }
 

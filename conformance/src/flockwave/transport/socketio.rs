@@ -3,11 +3,11 @@
 use serde_json::value::RawValue;
 
 /// The event that messages travel as.
-pub const EVENT: &str = "fw";
+pub(crate) const EVENT: &str = "fw";
 
 /// A packet, as one side reads it from the other.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Packet {
+pub(crate) enum Packet {
     /// A side joins a namespace; the server answers so, too.
     Connect {
         /// The namespace; `/` is the one that is always there.
@@ -30,7 +30,7 @@ pub enum Packet {
 
 impl Packet {
     /// Reads a packet; nothing where it isn't one.
-    pub fn parse(text: &str) -> Option<Self> {
+    pub(crate) fn parse(text: &str) -> Option<Self> {
         let (kind, rest) = text.split_at_checked(1)?;
         let (namespace, rest) = namespace(rest);
         match kind {
@@ -45,17 +45,17 @@ impl Packet {
 }
 
 /// The packet that carries a message.
-pub fn message(text: &str) -> String {
+pub(crate) fn message(text: &str) -> String {
     message_as(EVENT, text)
 }
 
 /// The packet that carries a message as some event.
-pub fn message_as(event: &str, text: &str) -> String {
+pub(crate) fn message_as(event: &str, text: &str) -> String {
     format!("2[\"{event}\",{text}]")
 }
 
 /// The packet that says that an event has arrived.
-pub fn receipt(number: u64) -> String {
+pub(crate) fn receipt(number: u64) -> String {
     format!("3{number}[]")
 }
 

@@ -68,7 +68,7 @@ impl FlockwaveRule {
 }
 
 /// The rule that reports a violation of the body schema of a type; none if it is left to `FW-ENV-18`.
-pub fn attributed(type_name: &str, deviation: &Deviation) -> Option<&'static Rule> {
+pub(crate) fn attributed(type_name: &str, deviation: &Deviation) -> Option<&'static Rule> {
     let found = RULES.iter().find(|of| of.covers(type_name, deviation));
     found.map(|of| &of.rule)
 }

@@ -24,7 +24,7 @@ pub(crate) struct Bug {
 
 /// What a bug needs to show, in addition to a probe over TCP.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Needs {
+pub(crate) enum Needs {
     /// Nothing.
     Nothing,
     /// A client that connects over UDP.

@@ -13,7 +13,7 @@ const STATUS: &str = "UAV-INF";
 
 /// A message of the server alone: its content, and neither its time, connection and location nor what precedes it.
 #[derive(Debug)]
-pub struct Message<'t> {
+pub(crate) struct Message<'t> {
     /// Its part in an exchange.
     pub role: Role,
     /// The whole message, an object.
@@ -76,7 +76,7 @@ impl<'t> Message<'t> {
 
 /// A status report in its session: a notification about UAVs. Of its states it has the ids and timestamps only.
 #[derive(Debug)]
-pub struct StatusReport<'t>(&'t Exchange<'t>);
+pub(crate) struct StatusReport<'t>(&'t Exchange<'t>);
 
 impl<'t> StatusReport<'t> {
     /// The status report of a record, if it is one.

@@ -15,7 +15,7 @@ const PASS: Style = AnsiColor::Green.on_default().bold();
 const PALE: Style = Style::new().dimmed();
 
 /// For people, with colours; a stream that knows drops them where they would not be shown.
-pub fn to_text(found: &Found) -> String {
+pub(crate) fn to_text(found: &Found) -> String {
     let mut text = String::new();
     // Writing to a string can't fail.
     let _ = write_text(found, &mut text);
@@ -58,7 +58,7 @@ fn shown(line: &str) -> String {
 }
 
 /// For programs.
-pub fn to_json(found: &Found) -> String {
+pub(crate) fn to_json(found: &Found) -> String {
     let checks = found.manners.iter().map(|(check, manner)| {
         json!({
             "id": check.id, "statement": check.statement, "verdict": manner.name(),

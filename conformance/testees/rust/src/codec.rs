@@ -5,8 +5,7 @@ use uavspec_codegen::dynamic::{DynamicMessage, Error, MessageType, Types};
 use uavspec_codegen::schema::{Message, Schema};
 use uavspec_conformance::body_schema::Shapes;
 use uavspec_conformance::json::Tree;
-use uavspec_conformance::testee::protocol::PROTOCOL;
-use uavspec_conformance::testee::wire::{from_base64, from_wire, to_base64, to_wire};
+use uavspec_conformance::testee::{PROTOCOL, from_base64, from_wire, to_base64, to_wire};
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_runtime::{ErrorClass, Severity};
 

@@ -14,8 +14,6 @@ use std::io::{self, BufRead as _, Write as _};
 use std::path::Path;
 
 use codec::Codec;
-use uavspec_codegen::dynamic::Types;
-use uavspec_conformance::body_schema::Shapes;
 use uavspec_conformance::definitions::Definitions;
 
 fn main() -> io::Result<()> {
@@ -27,9 +25,8 @@ fn main() -> io::Result<()> {
         }
         _ => return Err(io::Error::other("usage: uavspec-testee [--definitions PATH]")),
     };
-    let types = Types::new(&definitions.schema);
-    let codec =
-        Codec { schema: &definitions.schema, types: &types, shapes: &Shapes::new(&definitions.schema) };
+    let types = definitions.types();
+    let codec = Codec { schema: &definitions.schema, types, shapes: definitions.shapes() };
     let mut output = io::stdout().lock();
     // As bytes: a line that is no UTF-8 must not be the end.
     for line in io::stdin().lock().split(b'\n') {

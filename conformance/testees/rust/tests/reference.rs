@@ -4,11 +4,7 @@ use std::collections::BTreeSet;
 use std::time::Duration;
 
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::testee::case::{Case, cases};
-use uavspec_conformance::testee::lint::lint;
-use uavspec_conformance::testee::options::Options;
-use uavspec_conformance::testee::run::run;
-use uavspec_conformance::testee::target::Target;
+use uavspec_conformance::testee::{Case, Options, Target, cases, lint, run};
 
 fn options() -> Options {
     let command = Target::Command(vec![env!("CARGO_BIN_EXE_uavspec-testee").into()]);

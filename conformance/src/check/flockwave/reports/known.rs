@@ -183,6 +183,7 @@ impl<'d> Known<'d> {
     }
 
     /// How many reports were counted.
+    #[cfg(test)]
     pub(super) fn seen(&self) -> u64 {
         self.versions.iter().map(|known| known.times).sum()
     }
