@@ -3,6 +3,10 @@
 //! Exit status: 0 conforms; 1 doesn't; 2 wrong usage, or definitions or lists that can't be read; 3 a source that
 //! can't be read to its end, a report that can't be written, or a testee or server that broke; 4 a list of known failures no longer holds
 //! true; 5 nothing was checked. Where several apply, 2 goes before 3, 1, 4 and 5.
+//!
+//! ```no_run
+//! let status: std::process::ExitCode = uavspec_conformance::app::main();
+//! ```
 
 mod check;
 mod known;

@@ -1,4 +1,20 @@
 //! Checks a capture: its records go to the plans of their formats and to the rules.
+//!
+//! ```
+//! use uavspec_conformance::check::check_capture;
+//! use uavspec_conformance::definitions::Definitions;
+//!
+//! let definitions = Definitions::built_in();
+//! let of = definitions.message_of_type("px4/ArmingCheckRequest");
+//! let record = r#"{"timestamp": 7, "request_id": 300, "valid_registrations_mask": 1}"#;
+//! let result = check_capture(record.as_bytes(), of, &definitions)?;
+//! assert_eq!((result.records, result.judged), (1, 1));
+//! let group = result.findings.groups().next().unwrap();
+//! assert_eq!((group.rule.id, group.subject.as_str()), ("PX-JSON-02", "ArmingCheckRequest.request_id"));
+//! let (place, detail) = &group.examples[0];
+//! assert_eq!((place.to_string(), detail.actual.as_str()), ("line 1".to_owned(), "300"));
+//! # Ok::<(), std::io::Error>(())
+//! ```
 
 mod flockwave;
 mod json;

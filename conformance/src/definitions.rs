@@ -1,4 +1,13 @@
 //! What implementations are judged by.
+//!
+//! ```
+//! use uavspec_conformance::definitions::Definitions;
+//!
+//! let definitions = Definitions::built_in();
+//! let id = definitions.message_of_type("px4_msgs/msg/FailsafeFlags");
+//! assert_eq!(id, definitions.message_of_type("px4/FailsafeFlags"));
+//! assert_eq!(definitions.schema.message(id.unwrap()).topics, ["failsafe_flags"]);
+//! ```
 
 use std::collections::HashMap;
 use std::fmt;

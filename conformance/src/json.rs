@@ -1,4 +1,15 @@
 //! JSON: one tokenizer, and the tree that is made with it.
+//!
+//! ```
+//! use uavspec_conformance::json::Tree;
+//!
+//! let tree = Tree::read(r#"{"id": "first", "id": "second", "voltage": NaN}"#).unwrap();
+//! assert_eq!(tree.get("id").and_then(Tree::as_str), Some("first"));
+//! assert_eq!(tree.get("voltage"), Some(&Tree::Token("NaN")));
+//!
+//! let error = Tree::read(r#"{"id": "#).unwrap_err();
+//! assert_eq!(error.at, 7);
+//! ```
 
 pub(crate) mod base64;
 mod error;

@@ -1,4 +1,21 @@
 //! The words that all rooms share: rules, the records that they look at, and what they find.
+//!
+//! ```
+//! use uavspec_conformance::check::check_capture;
+//! use uavspec_conformance::definitions::Definitions;
+//! use uavspec_conformance::model::{Extent, Level, Verdict};
+//! use uavspec_conformance::rules::rule;
+//!
+//! let definitions = Definitions::built_in();
+//! let of = definitions.message_of_type("px4/ArmingCheckRequest");
+//! let record = r#"{"timestamp": 7, "request_id": 300, "valid_registrations_mask": 1}"#;
+//! let result = check_capture(record.as_bytes(), of, &definitions)?;
+//! assert_eq!(result.extent, Extent::Whole);
+//! let rule = rule("PX-JSON-02").unwrap();
+//! assert_eq!(rule.level, Level::Must);
+//! assert_eq!(result.findings.verdict(rule), Verdict::Fail);
+//! # Ok::<(), std::io::Error>(())
+//! ```
 
 mod date;
 mod detail;

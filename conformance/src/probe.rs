@@ -12,6 +12,23 @@
 //! and judged as that: [`check`](crate::check) finds the same in the recording later on.
 //!
 //! Nothing here waits without a limit; a server that is silent, floods, or dies is told of in the findings and notes.
+//!
+//! ```
+//! use std::time::Duration;
+//!
+//! use uavspec_conformance::definitions::Definitions;
+//! use uavspec_conformance::probe::{Options, probe};
+//! use uavspec_conformance::serve::{self, Server, Transport};
+//!
+//! let address = "127.0.0.1:0".parse().unwrap();
+//! let server = Server::start(serve::Options::default(), &[(Transport::Tcp, address)])?;
+//! let endpoint = server.listening()[0].to_string().parse().unwrap();
+//! let options = Options::new(Duration::from_millis(100), None, Vec::new());
+//! let probed = probe(&endpoint, &options, &Definitions::built_in(), None, &|_, _| {});
+//! assert_eq!(probed.failure, None);
+//! assert_eq!(probed.result.findings.groups().count(), 0);
+//! # Ok::<(), std::io::Error>(())
+//! ```
 
 mod commands;
 mod session;

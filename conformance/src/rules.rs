@@ -2,6 +2,14 @@
 //!
 //! A rule is a statement with a permanent id. Rules on single values are checked by a plan that is made once for each format
 //! (`px4`); rules on the course of things keep a state of their own.
+//!
+//! ```
+//! use uavspec_conformance::rules::{RULES, rule};
+//!
+//! let rule = rule("FW-SYS-VER-02").unwrap();
+//! println!("{} ({}): {}", rule.id, rule.level, rule.statement);
+//! assert!(RULES.iter().any(|other| other.id == rule.id));
+//! ```
 
 pub mod flockwave;
 pub(crate) mod px4;

@@ -10,6 +10,23 @@
 //! program can be tried on it: without a bug nothing is to be found, and with the bug of a rule that rule.
 //!
 //! The hub knows neither sockets nor the time of day: the same calls give the same messages.
+//!
+//! ```
+//! use std::io::{BufRead, BufReader, Write};
+//! use std::net::TcpStream;
+//!
+//! use uavspec_conformance::serve::{Options, Server, Transport};
+//!
+//! let address = "127.0.0.1:0".parse().unwrap();
+//! let server = Server::start(Options::default(), &[(Transport::Tcp, address)])?;
+//! let mut stream = TcpStream::connect(server.listening()[0].address)?;
+//! stream.write_all(b"{\"$fw.version\": \"1.0\", \"id\": \"42\", \"body\": {\"type\": \"SYS-PING\"}}\n")?;
+//! // Notifications may come first.
+//! let lines = BufReader::new(stream).lines().map_while(Result::ok);
+//! let answer = lines.into_iter().find(|line| line.contains(r#""refs":"42""#)).unwrap();
+//! assert!(answer.contains("ACK-ACK"));
+//! # Ok::<(), std::io::Error>(())
+//! ```
 
 mod error_code;
 mod family;

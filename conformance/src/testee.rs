@@ -6,6 +6,21 @@
 //! ```
 //!
 //! `protocol.rs` defines the lines on the pipes, `wire.rs` the form of the values in them.
+//!
+//! ```
+//! use uavspec_conformance::definitions::Definitions;
+//! use uavspec_conformance::testee::{Op, Options, Target, cases, run};
+//!
+//! let definitions = Definitions::built_in();
+//! let types = definitions.types();
+//! let cases = cases(&definitions, types);
+//! let hashes: Vec<usize> = (0..cases.len()).filter(|id| cases[*id].op == Op::Hash).collect();
+//! assert!(!hashes.is_empty());
+//!
+//! // A testee that doesn't start is an error, not a verdict.
+//! let options = Options::new(Target::Command(vec!["./no-such-codec".into()]));
+//! assert!(run(&cases, &hashes, types, &options, &|_, _| {}).is_err());
+//! ```
 
 pub(crate) mod case;
 pub(crate) mod compare;

@@ -3,6 +3,16 @@
 //! Shapes are data. Whole bodies have those that the definitions give them for each direction ([`Shapes`]), or, where
 //! the definitions don't have their type, JSON Schemas of a user ([`Schemas`]); rules on single fields bring along their
 //! own (`Shape`), which may be wider than the definition.
+//!
+//! ```
+//! use uavspec_conformance::definitions::Definitions;
+//! use uavspec_conformance::json::Tree;
+//!
+//! let definitions = Definitions::built_in();
+//! let value = Tree::read(r#"{"percentage": 120}"#).unwrap();
+//! let mismatch = definitions.shapes().mismatch("flockwave/Progress", &value).flatten().unwrap();
+//! assert_eq!((mismatch.path.as_str(), mismatch.actual.as_str()), ("/body/percentage", "120"));
+//! ```
 
 mod bodies;
 mod check;

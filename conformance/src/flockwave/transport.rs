@@ -8,6 +8,21 @@
 //! | Socket.IO | the argument of an event `fw` | `client` | `engine`, `socketio` |
 //!
 //! Nothing here waits without a time limit, and nothing keeps more than [`MESSAGE_LIMIT`] of what comes in.
+//!
+//! ```
+//! use std::time::{Duration, Instant};
+//!
+//! use uavspec_conformance::serve::{Options, Server, Transport};
+//! use uavspec_conformance::transport::{Endpoint, Heard, connect};
+//!
+//! let server = Server::start(Options::default(), &[(Transport::SocketIo, "127.0.0.1:0".parse().unwrap())])?;
+//! let endpoint: Endpoint = server.listening()[0].to_string().parse().unwrap();
+//! let until = Instant::now() + Duration::from_secs(60);
+//! let mut client = connect(&endpoint, until)?;
+//! client.send(br#"{"$fw.version": "1.0", "id": "42", "body": {"type": "SYS-VER"}}"#)?;
+//! assert!(matches!(client.hear(until)?, Heard::Message(_)));
+//! # Ok::<(), std::io::Error>(())
+//! ```
 
 pub(crate) mod client;
 pub(crate) mod endpoint;
