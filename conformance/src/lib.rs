@@ -12,6 +12,9 @@
 //!
 //! Each of these rooms uses only those below it.
 
+#[cfg(test)]
+extern crate self as uavspec_conformance;
+
 pub mod app;
 pub mod capture;
 pub mod check;

@@ -16,6 +16,6 @@ mod reports;
 mod shapes;
 #[allow(dead_code, reason = "the tests of the program use the rest of it")]
 #[path = "../tests/support/mod.rs"]
-mod support;
+pub(crate) mod support;
 mod trials;
 mod ulog;

@@ -1,45 +1,12 @@
 //! The command `watch` as scripts use it.
 
-use std::io::{BufRead as _, BufReader, Write as _};
-use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::io::{BufRead as _, BufReader};
 use std::process::Command;
-use std::thread;
 
-use serde_json::{Value, json};
-use uavspec_conformance::serve::{Options, Server, Transport, error};
+use serde_json::json;
+use uavspec_conformance::serve::{Options, Transport, error};
 
-fn place() -> SocketAddr {
-    ([127, 0, 0, 1], 0).into()
-}
-
-fn serve(options: Options, transport: Transport) -> (Server, SocketAddr) {
-    let server = Server::start(options, &[(transport, place())]).expect("it starts");
-    let address = server.listening()[0].address;
-    (server, address)
-}
-
-/// Lets a server of another kind serve each of its clients by a function.
-fn strange(serve: impl Fn(TcpStream) + Send + 'static) -> SocketAddr {
-    let listener = TcpListener::bind(place()).expect("a port");
-    let address = listener.local_addr().expect("an address");
-    thread::spawn(move || listener.incoming().flatten().for_each(serve));
-    address
-}
-
-/// Answers each request by its type with a body, as far as there is one.
-fn answering(mut stream: TcpStream, body: impl Fn(&str, &Value) -> Option<Value>) {
-    let reader = BufReader::new(stream.try_clone().expect("a second handle"));
-    for line in reader.lines().map_while(Result::ok) {
-        let request: Value = serde_json::from_str(&line).expect("a request");
-        let kind = request["body"]["type"].as_str().expect("a type");
-        let Some(mut body) = body(kind, &request["body"]) else { continue };
-        body["type"] = json!(kind);
-        let answer = json!({ "$fw.version": "1.0", "id": "a", "refs": request["id"], "body": body });
-        if writeln!(stream, "{answer}").is_err() {
-            return;
-        }
-    }
-}
+use crate::support::server::{answering, serve, strange};
 
 /// Status, what was printed, and what was said.
 ///

@@ -2,14 +2,15 @@
 //!
 //! Nothing here depends on something being fast: whoever waits for something has plenty of time.
 
-use std::io::{self, BufRead as _, BufReader, BufWriter, Write as _};
-use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::io::{self, BufWriter, Write as _};
+use std::net::TcpListener;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use super::roster::UAV_LIMIT;
 use crate::serve::{Options, Server, Transport, error};
+use crate::tests::support::server::{answering, place, serve, strange};
 use crate::watch::fleet::{Fleet, Link};
 use crate::watch::message::News;
 use crate::watch::session::{Event, Session};
@@ -26,16 +27,6 @@ const WAYS: [(Transport, &str); 5] = [
     (Transport::SocketIo, ""),
     (Transport::SocketIo, "?protocol=4&transport=polling"),
 ];
-
-fn place() -> SocketAddr {
-    ([127, 0, 0, 1], 0).into()
-}
-
-fn serve(options: Options, transport: Transport) -> (Server, SocketAddr) {
-    let server = Server::start(options, &[(transport, place())]).expect("it starts");
-    let address = server.listening()[0].address;
-    (server, address)
-}
 
 /// A fleet that is watched.
 struct Watched {
@@ -134,29 +125,6 @@ fn nobody_who_is_there_is_said() {
         let mut watched = Watched::new(&format!("{transport}://{address}"));
         watched.until("nobody is there", |watched| matches!(watched.fleet.link, Link::Lost { .. }));
         assert!(watched.fleet.is_empty());
-    }
-}
-
-/// Lets a server of another kind serve each of its clients by a function.
-fn strange(serve: impl Fn(TcpStream) + Send + 'static) -> SocketAddr {
-    let listener = TcpListener::bind(place()).expect("a port");
-    let address = listener.local_addr().expect("an address");
-    thread::spawn(move || listener.incoming().flatten().for_each(serve));
-    address
-}
-
-/// Answers each request by its type with a body, as far as there is one.
-fn answering(mut stream: TcpStream, body: impl Fn(&str, &Value) -> Option<Value>) {
-    let reader = BufReader::new(stream.try_clone().expect("a second handle"));
-    for line in reader.lines().map_while(Result::ok) {
-        let request: Value = serde_json::from_str(&line).expect("a request");
-        let kind = request["body"]["type"].as_str().expect("a type");
-        let Some(mut body) = body(kind, &request["body"]) else { continue };
-        body["type"] = json!(kind);
-        let answer = json!({ "$fw.version": "1.0", "id": "a", "refs": request["id"], "body": body });
-        if writeln!(stream, "{answer}").is_err() {
-            return;
-        }
     }
 }
 

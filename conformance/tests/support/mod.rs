@@ -1,5 +1,7 @@
 //! What several tests need: the corpus, and logs of our own.
 
+pub(crate) mod server;
+
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 

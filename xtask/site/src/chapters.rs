@@ -35,6 +35,7 @@ pub(crate) const CHAPTERS: [(&str, &[Chapter]); 2] = [
         "Project",
         &[
             chapter("Changes", "CHANGELOG.md", "project/changes.md"),
+            chapter("Architecture", "ARCHITECTURE.md", "project/architecture.md"),
             chapter("Contributing", "CONTRIBUTING.md", "project/contributing.md"),
         ],
     ),
