@@ -1,6 +1,6 @@
 //! Two sets of definitions compared: what changed, and whom that breaks.
 //!
-//! Messages, fields and constants are matched first, renamed ones too ([`Comparison`], [`Pair`]); then each
+//! Messages, fields and constants are matched first, renamed ones too (`Comparison`, `Pair`); then each
 //! rule looks at what was matched, or was not. A rule is one kind of change. It breaks programs by
 //! [`Category`], and there is one finding for each of those.
 //!

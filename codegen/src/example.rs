@@ -11,7 +11,7 @@ use crate::source::{SourceId, SourceMap};
 #[derive(Clone, Copy, Debug)]
 pub struct Example {
     /// Its file name: the extension says what it is. A `.msg` file is of PX4, in a folder of ROS 2; a `.po` file
-    /// translates [`TRANSLATED`].
+    /// translates `TRANSLATED`.
     pub path: &'static str,
     /// What it says.
     pub text: &'static str,

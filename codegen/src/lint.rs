@@ -2,7 +2,7 @@
 //!
 //! A rule stands in a file of its own, with its purpose, its examples and its check, and in the list
 //! [`RULES`]. What the readers report themselves is a rule too where it is no error, so that its level can be
-//! chosen, that it can be let stand and that it may be mended ([`Check::Reader`]). Errors of the readers are
+//! chosen, that it can be let stand and that it may be mended (`Check::Reader`). Errors of the readers are
 //! always reported.
 //!
 //! A finding is let stand by a comment `# uavspec:ignore RULE reason`: behind a declaration or above one for

@@ -54,7 +54,7 @@ impl Enum {
 pub struct EnumRef {
     /// The message whose constants it holds.
     pub message: MessageId,
-    /// Its index in [`Message::enums`].
+    /// Its index in `Message::enums`.
     pub index: usize,
 }
 

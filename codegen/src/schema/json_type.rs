@@ -17,11 +17,11 @@ pub(crate) const ERROR_CODE: &str = "ErrorCode";
 /// The name that stands for a list of such codes.
 pub(crate) const ERROR_LIST: &str = "ErrorList";
 
-/// Names a type of a [`Schema`].
+/// Names a type of a `Schema`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct JsonTypeId(pub u32);
 
-/// Names a message of a [`Schema`].
+/// Names a message of a `Schema`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct JsonMessageId(pub u32);
 
@@ -90,7 +90,7 @@ pub struct Typed {
 /// within lists and maps; lengths are those of lists or, where there is none, of strings.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Limits {
-    /// The unit: one of [`crate::unit::UNITS`], or as written.
+    /// The unit: one of `crate::unit::UNITS`, or as written.
     pub unit: Option<String>,
     /// Bounds of numbers.
     pub range: Option<Range>,
@@ -102,7 +102,7 @@ pub struct Limits {
     pub is_unique: bool,
     /// A regular expression that strings satisfy.
     pub pattern: Option<String>,
-    /// What strings encode: one of [`crate::msg::annotation::FORMATS`].
+    /// What strings encode: one of `crate::msg::annotation::FORMATS`.
     pub format: Option<String>,
 }
 

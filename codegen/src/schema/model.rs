@@ -235,7 +235,7 @@ pub struct Field {
     pub description: String,
     /// Index of its group in [`Message::groups`].
     pub group: Option<usize>,
-    /// Its unit: one of [`crate::unit::UNITS`], or as written.
+    /// Its unit: one of `crate::unit::UNITS`, or as written.
     pub unit: Option<String>,
     /// Its bounds.
     pub range: Option<Range>,

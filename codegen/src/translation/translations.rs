@@ -67,7 +67,7 @@ impl Language {
             .map(|(key, entry)| (key.as_str(), entry.source.as_str(), entry.translation.as_str()))
     }
 
-    /// Whether anything of a message, service, action or set of error codes is translated; see [`Text::unit`].
+    /// Whether anything of a message, service, action or set of error codes is translated; see `Text::unit`.
     pub fn covers(&self, unit: &str) -> bool {
         self.units.contains(unit)
     }
