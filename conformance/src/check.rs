@@ -165,7 +165,7 @@ struct Course<'d> {
     definitions: &'d Definitions,
     findings: Findings,
     /// The rules on messages.
-    followers: Vec<Follower<dyn px4::Checker>>,
+    followers: Vec<Follower>,
     /// The checks of the rules on sessions.
     listeners: Listeners<'d>,
     /// By the index of a channel.
@@ -189,9 +189,9 @@ struct Told {
 }
 
 /// A rule that follows the records.
-struct Follower<C: ?Sized> {
+struct Follower {
     rule: &'static Rule,
-    checker: Box<C>,
+    checker: Box<dyn px4::Checker>,
     coverage: u64,
 }
 
@@ -204,12 +204,12 @@ struct Followed {
     interest: Interest,
 }
 
-impl<C: ?Sized> Follower<C> {
+impl Follower {
     fn judge<T>(
         &mut self,
         definitions: &Definitions,
         findings: &mut Findings,
-        what: impl FnOnce(&mut C, &mut RuleContext<'_>) -> T,
+        what: impl FnOnce(&mut dyn px4::Checker, &mut RuleContext<'_>) -> T,
     ) -> T {
         let Self { rule, checker, coverage } = self;
         what(&mut **checker, &mut RuleContext { rule, definitions, findings, coverage })
@@ -248,7 +248,7 @@ impl<'d> Course<'d> {
     fn opened(&mut self, channel: &Channel<'_>) {
         let mut followed = Followed::default();
         for (at, follower) in self.followers.iter_mut().enumerate() {
-            let opened = |checker: &mut (dyn px4::Checker + 'static), context: &mut RuleContext<'_>| {
+            let opened = |checker: &mut dyn px4::Checker, context: &mut RuleContext<'_>| {
                 checker.opened(channel, context)
             };
             let interest = follower.judge(self.definitions, &mut self.findings, opened);
@@ -279,7 +279,7 @@ impl<'d> Course<'d> {
         self.judged += 1;
         self.pass(message.timestamp);
         for at in &self.channels[channel.index].by {
-            let message = |checker: &mut (dyn px4::Checker + 'static), context: &mut RuleContext<'_>| {
+            let message = |checker: &mut dyn px4::Checker, context: &mut RuleContext<'_>| {
                 checker.message(channel, message, context);
             };
             self.followers[*at].judge(self.definitions, &mut self.findings, message);
@@ -385,7 +385,7 @@ impl<'d> Course<'d> {
 
     fn finish(mut self, bytes: u64, summary: Summary) -> CaptureResult {
         for follower in &mut self.followers {
-            follower.judge(self.definitions, &mut self.findings, px4::Checker::end);
+            follower.judge(self.definitions, &mut self.findings, |checker, context| checker.end(context));
             self.findings.exercise(follower.rule, follower.coverage);
         }
         self.listeners.end(&mut self.findings);
