@@ -113,14 +113,14 @@ pub struct Probed {
     pub unrecorded: Option<io::Error>,
 }
 
-/// Probes a server. What goes over the wire is also written to `record`; `told` hears how many of how many steps are
+/// Probes a server. What goes over the wire is also written to `record`; `on_progress` hears how many of how many steps are
 /// done.
 pub fn probe<'d>(
     endpoint: &Endpoint,
     options: &Options,
     definitions: &'d Definitions,
     record: Option<Box<dyn Write + 'd>>,
-    told: &dyn Fn(usize, usize),
+    on_progress: &dyn Fn(usize, usize),
 ) -> Probed {
     let attempts = trial::attempts(endpoint);
     let commands = if options.uavs.is_empty() { 0 } else { commands::STEPS };
@@ -139,7 +139,7 @@ pub fn probe<'d>(
         failure: None,
         is_bare: false,
         steps: (0, survey::STEPS + commands + attempts.len()),
-        told,
+        on_progress,
     };
     if probe.begin() {
         probe.survey();
@@ -175,7 +175,7 @@ struct Probe<'p, 'd> {
     /// Whether answers come without an envelope.
     is_bare: bool,
     steps: (usize, usize),
-    told: &'p dyn Fn(usize, usize),
+    on_progress: &'p dyn Fn(usize, usize),
 }
 
 impl Probe<'_, '_> {
@@ -212,8 +212,8 @@ impl Probe<'_, '_> {
 
     fn finish(mut self) -> Probed {
         self.leave();
-        let (judgement, unrecorded) = self.tape.finish();
-        Probed { result: judgement, notes: self.notes, failure: self.failure, unrecorded }
+        let (result, unrecorded) = self.tape.finish();
+        Probed { result: result, notes: self.notes, failure: self.failure, unrecorded }
     }
 
     /// A new connection.
@@ -229,7 +229,7 @@ impl Probe<'_, '_> {
     }
 
     /// The connection of the survey, made anew where the server closed it.
-    fn standing(&mut self) -> bool {
+    fn ensure_connected(&mut self) -> bool {
         if self.session.as_ref().is_some_and(|session| !session.is_over()) {
             return true;
         }
@@ -285,20 +285,20 @@ impl Probe<'_, '_> {
 
     /// Asks on the connection of the survey, and waits for the answer. That it comes at all is judged as well.
     #[allow(clippy::needless_pass_by_value)] // bodies are written where they are passed
-    fn ask(&mut self, body: Value) -> Option<Value> {
-        self.ask_trying(&env_07::RULE, body)
+    fn query(&mut self, body: Value) -> Option<Value> {
+        self.query_for_trial(&env_07::RULE, body)
     }
 
     /// Asks on the connection of the survey to try a rule, and waits for the answer.
     #[allow(clippy::needless_pass_by_value)] // as above
-    fn ask_trying(&mut self, of: &'static FlockwaveRule, body: Value) -> Option<Value> {
+    fn query_for_trial(&mut self, of: &'static FlockwaveRule, body: Value) -> Option<Value> {
         self.request(&of.rule, Request::new("", body))
     }
 
     /// Makes a request that tries a rule, and waits for the answer.
     fn request(&mut self, rule: &'static Rule, request: Request) -> Option<Value> {
         self.step();
-        if self.is_late() || !self.standing() {
+        if self.is_late() || !self.ensure_connected() {
             return None;
         }
         let Request { how, body, member, is_repeated } = request;
@@ -407,7 +407,7 @@ impl Probe<'_, '_> {
         let last = steps.last().and_then(Step::id);
         let mut until = Instant::now() + self.patience();
         let mut is_last_answered = false;
-        while session.is_waiting() && session.hear(&mut self.tape, until).is_some() {
+        while session.is_waiting() && session.receive(&mut self.tape, until).is_some() {
             if !is_last_answered && last.is_some_and(|id| !session.waits_for(id)) {
                 is_last_answered = true;
                 until = until.min(Instant::now() + grace);
@@ -448,7 +448,7 @@ impl Probe<'_, '_> {
 
     fn step(&mut self) {
         self.steps.0 = (self.steps.0 + 1).min(self.steps.1);
-        (self.told)(self.steps.0, self.steps.1);
+        (self.on_progress)(self.steps.0, self.steps.1);
     }
 
     /// So many steps are done, whether or not there was something to do in each.

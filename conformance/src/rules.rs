@@ -20,7 +20,7 @@ use uavspec_codegen::source::Span;
 
 use self::sample::Flight;
 use crate::definitions::Definitions;
-use crate::model::{Detail, Findings, Place, Rule};
+use crate::model::{Detail, Findings, Location, Rule};
 
 /// Every rule, by id.
 pub static RULES: [&Rule; flockwave::RULES.len() + px4::RULES.len()] = {
@@ -143,19 +143,19 @@ impl RuleContext<'_> {
     }
 
     /// Reports a violation of the rule.
-    pub(crate) fn violation(&mut self, subject: &str, place: Place, detail: impl FnOnce() -> Detail) {
-        self.violation_of(subject, place, None, detail);
+    pub(crate) fn violation(&mut self, subject: &str, location: Location, detail: impl FnOnce() -> Detail) {
+        self.violation_of(subject, location, None, detail);
     }
 
     /// Reports a violation of what a definition says at this line.
     pub(crate) fn violation_of(
         &mut self,
         subject: &str,
-        place: Place,
+        location: Location,
         definition: Option<Span>,
         detail: impl FnOnce() -> Detail,
     ) {
-        self.findings.report(self.rule, subject, place, definition, detail);
+        self.findings.report(self.rule, subject, location, definition, detail);
     }
 }
 

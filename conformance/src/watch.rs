@@ -22,9 +22,9 @@ pub(crate) mod state;
 mod tests;
 pub(crate) mod view;
 
-mod asker;
 mod format;
 mod order;
+mod poller;
 mod rate;
 mod roster;
 mod words;

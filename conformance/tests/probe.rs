@@ -56,7 +56,7 @@ fn probed(url: &str, options: &Options) -> Probed {
         judgement.findings.groups().map(|group| format!("{group:?}")).collect()
     };
     assert_eq!(of(&replayed), of(&probed.result));
-    assert_eq!(probed.result.damage, vec![], "the recording is what recordings are");
+    assert_eq!(probed.result.corruption, vec![], "the recording is what recordings are");
     probed
 }
 
@@ -119,7 +119,7 @@ fn nobody_at_home_is_told() {
     let free = TcpListener::bind("127.0.0.1:0").expect("a free port").local_addr().expect("an address");
     let probed = probed(&format!("tcp://{free}"), &brief());
     assert!(probed.failure.expect("a reason").starts_with("no connection"));
-    assert_eq!(probed.result.judged, 0);
+    assert_eq!(probed.result.checked, 0);
 }
 
 #[test]
@@ -294,10 +294,10 @@ fn uavspec(arguments: &[&str]) -> (Option<i32>, String, String) {
 
 #[test]
 fn the_command_says_what_came_of_it_and_records_it() {
-    let place = SocketAddr::from(([127, 0, 0, 1], 0));
+    let location = SocketAddr::from(([127, 0, 0, 1], 0));
     let bug = flockwave::rule("FW-SYS-VER-02");
     let options = serve::Options { bug, ..serve::Options::default() };
-    let server = Server::start(options, &[(Transport::Tcp, place)]).expect("it starts");
+    let server = Server::start(options, &[(Transport::Tcp, location)]).expect("it starts");
     let url = server.listening()[0].to_string();
     let folder = tempfile::tempdir().expect("a folder");
     let (record, report) = (folder.path().join("run.jsonl"), folder.path().join("report.json"));

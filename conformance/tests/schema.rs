@@ -182,14 +182,14 @@ fn what_is_wrong_with_a_schema_is_told_with_its_place() {
         (&[("s/a.json", good()), ("s/b.json", good())], "b.json: ", "says already what the body of SOAR-INF"),
         (&[("t/a.json", good())], "s: can't be read", ""),
     ];
-    for (files, place, what) in cases {
+    for (files, location, what) in cases {
         let folder = folder(files);
         recording(folder.path(), &[], &[]);
         let (status, _, said) = check(folder.path(), &["--schema", "s", "hill.jsonl"]);
         assert_eq!(status, Some(2), "{said}");
         assert!(
-            said.starts_with("error: ") && said.contains(place) && said.contains(what),
-            "{place}: {said}"
+            said.starts_with("error: ") && said.contains(location) && said.contains(what),
+            "{location}: {said}"
         );
     }
     let folder = folder(&[]);

@@ -31,7 +31,7 @@ fn main() -> io::Result<ExitCode> {
         _ => Definitions::built_in(),
     };
     let types = definitions.types();
-    let codec = Codec { schema: &definitions.schema, types, shapes: definitions.shapes() };
+    let codec = Codec { schema: &definitions.schema, types, body_schemas: definitions.defined_schemas() };
     let mut input = BufReader::with_capacity(1 << 16, io::stdin().lock());
     let mut output = io::stdout().lock();
     let mut count = 0;

@@ -146,7 +146,7 @@ fn watch_live(
     .map_err(io::Error::other)?;
     let _restore = Restore;
     let mut terminal = ratatui::try_init()?;
-    thread::spawn(move || hear_terminal(&sender));
+    thread::spawn(move || forward_terminal_events(&sender));
     let url = args.endpoint.to_string();
     let is_coloured = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     let (mut fleet, mut screen) = (Fleet::default(), Screen::default());
@@ -190,7 +190,7 @@ fn take_all(
 }
 
 /// Hands on what somebody does to the terminal.
-fn hear_terminal(sender: &SyncSender<Input>) {
+fn forward_terminal_events(sender: &SyncSender<Input>) {
     loop {
         let event = event::read();
         let is_end = event.is_err();

@@ -31,7 +31,7 @@ pub(crate) mod http;
 pub(crate) mod lines;
 pub(crate) mod socketio;
 
-pub use self::client::{Client, Heard, connect};
+pub use self::client::{Client, Received, connect};
 pub use self::endpoint::{Carrier, Endpoint};
 pub use self::engine::Revision;
 

@@ -71,11 +71,11 @@ pub(crate) struct Row {
     /// How it was.
     pub case: Case,
     /// The rules that were broken.
-    pub broken: BTreeSet<&'static str>,
+    pub violated: BTreeSet<&'static str>,
     /// The rules that are broken by the recording.
     pub replayed: BTreeSet<&'static str>,
     /// The rules that were exercised.
-    pub exercised: BTreeSet<&'static str>,
+    pub covered: BTreeSet<&'static str>,
     /// Why not all could be asked.
     pub failure: Option<String>,
 }
@@ -98,10 +98,10 @@ impl Row {
     }
 
     /// What should have been found, and what was.
-    pub(crate) fn told(&self) -> String {
-        let (expected, found) = (list(&self.expected()), list(&self.broken));
+    pub(crate) fn mismatch_text(&self) -> String {
+        let (expected, found) = (list(&self.expected()), list(&self.violated));
         let recorded = match &self.replayed {
-            same if *same == self.broken => String::new(),
+            same if *same == self.violated => String::new(),
             other => format!(", and {} in the recording", list(other)),
         };
         let failure = self.failure.as_ref().map_or_else(String::new, |failure| format!("; {failure}"));
@@ -110,7 +110,7 @@ impl Row {
 
     /// Whether it broke what it should, and nothing else, live and recorded.
     pub(crate) fn is_right(&self) -> bool {
-        self.broken == self.expected() && self.replayed == self.broken
+        self.violated == self.expected() && self.replayed == self.violated
     }
 }
 
@@ -150,10 +150,10 @@ fn row(case: &Case, definitions: &Definitions) -> io::Result<Row> {
     };
     let free = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
     let server = Server::start(options, &[(case.transport, free)])?;
-    let Some(place) = server.listening().first() else {
+    let Some(listening) = server.listening().first() else {
         return Err(io::Error::other("it listens nowhere"));
     };
-    let endpoint: Endpoint = format!("{place}{}", case.rest).parse().map_err(io::Error::other)?;
+    let endpoint: Endpoint = format!("{listening}{}", case.rest).parse().map_err(io::Error::other)?;
     // Over HTTP nobody hears what comes of a command.
     let uavs = if case.transport == Transport::Http { &[][..] } else { &UAVS[..] };
     let login = case.has_login.then(|| (LOGIN.0.to_owned(), LOGIN.1.to_owned()));
@@ -165,19 +165,19 @@ fn row(case: &Case, definitions: &Definitions) -> io::Result<Row> {
     let replayed = check_capture(&**recording, None, definitions)?;
     Ok(Row {
         case: *case,
-        broken: broken(&probed.result),
-        replayed: broken(&replayed),
-        exercised: exercised(&probed.result),
+        violated: violated(&probed.result),
+        replayed: violated(&replayed),
+        covered: covered(&probed.result),
         failure: probed.failure,
     })
 }
 
-fn broken(judgement: &CaptureResult) -> BTreeSet<&'static str> {
-    judgement.findings.groups().map(|group| group.rule.id).collect()
+fn violated(result: &CaptureResult) -> BTreeSet<&'static str> {
+    result.findings.groups().map(|group| group.rule.id).collect()
 }
 
-fn exercised(judgement: &CaptureResult) -> BTreeSet<&'static str> {
-    let is_exercised = |rule: &&&'static crate::model::Rule| judgement.findings.exercised(rule) > 0;
+fn covered(result: &CaptureResult) -> BTreeSet<&'static str> {
+    let is_exercised = |rule: &&&'static crate::model::Rule| result.findings.covered(rule) > 0;
     crate::rules::RULES.iter().filter(is_exercised).map(|rule| rule.id).collect()
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use uavspec_codegen::source::Span;
 
-use crate::model::{Detail, Excuse, Level, Place, Rule};
+use crate::model::{Detail, Excuse, Level, Location, Rule};
 
 /// How many places of equal findings are kept.
 const MAX_EXAMPLES: usize = 3;
@@ -22,7 +22,7 @@ pub struct Group {
     /// How often.
     pub count: u64,
     /// The first of them: where, and what was found there.
-    pub examples: Vec<(Place, Detail)>,
+    pub examples: Vec<(Location, Detail)>,
     /// The message that has the least in common with the first one, at their beginnings; none where all are as that.
     pub farthest: Option<String>,
     /// How much all messages have in common at their beginnings, in bytes.
@@ -67,7 +67,7 @@ pub enum Verdict {
     /// It is broken, or rather shown: it judges nothing.
     Shown,
     /// Nothing was there that it could have judged.
-    NotExercised,
+    NotCovered,
 }
 
 /// All findings of a run.
@@ -84,15 +84,15 @@ struct Counts {
     /// How many groups it has.
     kept: usize,
     /// How often it was exercised.
-    exercised: u64,
+    covered: u64,
     /// How many findings belong to no group, as there are too many.
     dropped: u64,
 }
 
 impl Findings {
     /// A rule was exercised so often.
-    pub(crate) fn exercise(&mut self, rule: &'static Rule, times: u64) {
-        self.counts_of(rule).exercised += times;
+    pub(crate) fn cover(&mut self, rule: &'static Rule, times: u64) {
+        self.counts_of(rule).covered += times;
     }
 
     /// Something in `subject` breaks a rule.
@@ -100,7 +100,7 @@ impl Findings {
         &mut self,
         rule: &'static Rule,
         subject: &str,
-        place: Place,
+        location: Location,
         definition: Option<Span>,
         detail: impl FnOnce() -> Detail,
     ) {
@@ -132,7 +132,7 @@ impl Findings {
         let detail = detail();
         group.compare(detail.to_string());
         if !has_examples {
-            group.examples.push((place, detail));
+            group.examples.push((location, detail));
         }
     }
 
@@ -166,9 +166,9 @@ impl Findings {
     }
 
     /// How often a rule was exercised.
-    pub fn exercised(&self, rule: &Rule) -> u64 {
+    pub fn covered(&self, rule: &Rule) -> u64 {
         // A finding says that there was something to judge.
-        self.known_counts_of(rule).map_or(0, |counts| counts.exercised.max(u64::from(counts.kept > 0)))
+        self.known_counts_of(rule).map_or(0, |counts| counts.covered.max(u64::from(counts.kept > 0)))
     }
 
     /// The counts of a rule that was exercised or violated. They are looked up with each message, and an address is
@@ -201,7 +201,7 @@ impl Findings {
             (true, Level::Must) => Verdict::Fail,
             (true, Level::Should) => Verdict::Warn,
             (true, Level::Info) => Verdict::Shown,
-            (false, _) if self.exercised(rule) == 0 => Verdict::NotExercised,
+            (false, _) if self.covered(rule) == 0 => Verdict::NotCovered,
             (false, _) => Verdict::Pass,
         }
     }
@@ -216,7 +216,7 @@ mod tests {
         let mut findings = Findings::default();
         for (line, message) in (1..).zip(messages) {
             let rule = rule("PX-BOOL-01").expect("a rule");
-            findings.report(rule, "glider.is_landed", Place::Line(line), None, || Detail::new(*message));
+            findings.report(rule, "glider.is_landed", Location::Line(line), None, || Detail::new(*message));
         }
         findings
     }

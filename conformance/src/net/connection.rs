@@ -54,7 +54,7 @@ impl Connection {
     }
 
     /// Ends it, both ways.
-    pub(crate) fn cut(&self) {
+    pub(crate) fn shut_down(&self) {
         // It may have ended by itself.
         let _ = self.0.shutdown(Shutdown::Both);
     }
@@ -62,7 +62,7 @@ impl Connection {
 
 impl Drop for Connection {
     fn drop(&mut self) {
-        self.cut();
+        self.shut_down();
     }
 }
 

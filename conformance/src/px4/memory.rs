@@ -17,7 +17,7 @@ use uavspec_runtime::Scalar;
 use self::healthy::{Healthy, integer};
 use super::ValueRules;
 use super::values::{Constraint, Coverage, Element, Encoding, FieldPlan, MessagePlan};
-use crate::model::{Findings, Place, hexadecimal};
+use crate::model::{Findings, Location, hexadecimal};
 
 /// Most steps of a plan: nested arrays of nested arrays could have any number.
 const MAX_STEPS: usize = 4_096;
@@ -127,8 +127,8 @@ impl Plan {
     }
 
     /// Checks a payload that has all fields of its format.
-    pub(crate) fn check(&self, payload: &[u8], place: Place, findings: &mut Findings) {
-        Run { payload, place, rules: self.rules, findings }.steps(&self.steps, 0, None);
+    pub(crate) fn check(&self, payload: &[u8], location: Location, findings: &mut Findings) {
+        Run { payload, location, rules: self.rules, findings }.steps(&self.steps, 0, None);
     }
 
     /// Counts what so many messages cover.
@@ -370,7 +370,7 @@ fn most(array: &str, of: MessageType<'_>) -> Option<u32> {
 /// The check of one payload.
 struct Run<'r> {
     payload: &'r [u8],
-    place: Place,
+    location: Location,
     rules: &'static ValueRules,
     findings: &'r mut Findings,
 }
@@ -390,7 +390,7 @@ impl Run<'_> {
         let (payload, mut start) = (self.payload, base + step.offset);
         for index in 0..step.count {
             if let Some(bytes) = payload.get(start..start + values.width)
-                && !values.healthy.holds(bytes)
+                && !values.healthy.accepts(bytes)
                 && step.is_in_use(index, values, base, payload)
             {
                 self.explain(step, values, bytes, index, trail);
@@ -429,7 +429,7 @@ impl Run<'_> {
         // Without an index the subject says it all.
         let detail = if path.contains('[') { detail.at(path) } else { detail.located(path) };
         let rule = violation.rule(self.rules);
-        self.findings.report(rule, &step.subject, self.place, values.definition, || {
+        self.findings.report(rule, &step.subject, self.location, values.definition, || {
             detail.excerpt(hexadecimal(bytes))
         });
     }

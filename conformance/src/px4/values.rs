@@ -143,7 +143,7 @@ impl Coverage {
     /// Counts what so many messages cover.
     pub(super) fn count(&self, messages: u64, findings: &mut Findings) {
         for (rule, values) in &self.0 {
-            findings.exercise(rule, values.saturating_mul(messages));
+            findings.cover(rule, values.saturating_mul(messages));
         }
     }
 }
@@ -338,7 +338,7 @@ impl FieldPlan {
     }
 
     /// True if it holds bytes, which rosbridge writes as base64.
-    pub(super) fn holds_bytes(&self) -> bool {
+    pub(super) fn is_byte_array(&self) -> bool {
         let is_byte = matches!(self.element, Element::Scalar(Scalar::UInt8 | Scalar::Byte | Scalar::Char));
         is_byte && self.shape != Shape::Single
     }

@@ -9,7 +9,7 @@ mod testee;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::{About, Action, Conclusion, Counts, Outcome, Report, RuleReport, Subject, Verdict};
+use super::{About, Action, Counts, Outcome, OutcomeKind, Report, RuleReport, Subject, Verdict};
 use crate::text::Grouped;
 use crate::text::shown;
 
@@ -23,10 +23,10 @@ const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'n
 const MAX_SUBJECTS: usize = 100;
 
 pub(super) fn write(report: &Report) -> String {
-    let Report { conclusion, subjects, .. } = report;
+    let Report { outcome, subjects, .. } = report;
     // Those that need no more words stand in the list above only.
-    let is_told = |subject: &&Subject| subjects.len() == 1 || subject::has_more_to_tell(subject);
-    let told: Vec<&Subject> = subjects.iter().filter(is_told).collect();
+    let has_own_section = |subject: &&Subject| subjects.len() == 1 || subject::has_details(subject);
+    let told: Vec<&Subject> = subjects.iter().filter(has_own_section).collect();
     let shown_first = &told[..told.len().min(MAX_SUBJECTS)];
     let page = html! {
         (DOCTYPE)
@@ -37,7 +37,7 @@ pub(super) fn write(report: &Report) -> String {
                 meta name="color-scheme" content="light dark";
                 meta http-equiv="Content-Security-Policy" content=(POLICY);
                 meta name="generator" content={ "uavspec " (report.uavspec) };
-                title { (shown(&conclusion.text)) " – uavspec" }
+                title { (shown(&outcome.text)) " – uavspec" }
                 style { (PreEscaped(STYLE)) }
             }
             body {
@@ -62,7 +62,7 @@ pub(super) fn write(report: &Report) -> String {
 
 /// What it comes to, and the figures that say how much that is worth.
 fn head(report: &Report) -> Markup {
-    let Conclusion { outcome, text, remarks, .. } = &report.conclusion;
+    let Outcome { kind: outcome, text, remarks, .. } = &report.outcome;
     let what = match report.action {
         Action::Check => "Conformance of recorded data",
         Action::Test => "Conformance of a codec",
@@ -103,13 +103,13 @@ fn figures(report: &Report) -> Markup {
             Part { class: "info", what: "shown, not judged", count: of(Verdict::Shown) },
             Part { class: "info", what: "known breaches", count: of(Verdict::Known) },
             Part { class: "pass", what: "rules hold", count: of(Verdict::Pass) },
-            Part { class: "none", what: "not exercised", count: of(Verdict::NotExercised) },
+            Part { class: "none", what: "not exercised", count: of(Verdict::NotCovered) },
         ],
     };
     // What nobody listed needs no figure.
     let parts: Vec<Part> =
         parts.into_iter().filter(|part| part.count > 0 || !part.what.starts_with("known")).collect();
-    let judged: u64 = report.subjects.iter().map(|subject| subject.judged).sum();
+    let checked: u64 = report.subjects.iter().map(|subject| subject.checked).sum();
     let records: u64 = report.subjects.iter().map(|subject| subject.records).sum();
     html! {
         div.bar aria-hidden="true" {
@@ -126,8 +126,8 @@ fn figures(report: &Report) -> Markup {
             }
             @if counts(report).is_none() {
                 div {
-                    dt { "messages judged" @if records > judged { ", of " (Grouped(records)) } }
-                    dd { (Grouped(judged)) }
+                    dt { "messages judged" @if records > checked { ", of " (Grouped(records)) } }
+                    dd { (Grouped(checked)) }
                 }
             }
         }
@@ -196,10 +196,10 @@ fn of_rule(rule: &RuleReport, subjects: &[&Subject]) -> Markup {
             td.number role="cell" {
                 @match first {
                     Some(anchor) => a href={ "#" (anchor) } { (Grouped(rule.findings)) },
-                    None if rule.exercised == 0 => span.aside title="nothing was there to judge" { "–" },
+                    None if rule.covered == 0 => span.aside title="nothing was there to judge" { "–" },
                     None => (Grouped(rule.findings)),
                 }
-                @if rule.exercised > 0 { span.aside { " in " (Grouped(rule.exercised)) " judged" } }
+                @if rule.covered > 0 { span.aside { " in " (Grouped(rule.covered)) " judged" } }
             }
         }
     }
@@ -212,16 +212,16 @@ fn badge(verdict: Verdict) -> Markup {
         Verdict::Warn | Verdict::Inconclusive => "warn",
         Verdict::Pass => "pass",
         Verdict::Shown | Verdict::Known => "info",
-        Verdict::Unsupported | Verdict::NotExercised => "none",
+        Verdict::Unsupported | Verdict::NotCovered => "none",
     };
     html! { span.badge.(class) { (verdict.name()) } }
 }
 
-fn class(outcome: Outcome) -> &'static str {
+fn class(outcome: OutcomeKind) -> &'static str {
     match outcome {
-        Outcome::Conforms => "pass",
-        Outcome::Nothing | Outcome::Stale => "warn",
-        Outcome::Breaks | Outcome::Broken => "fail",
+        OutcomeKind::Conforms => "pass",
+        OutcomeKind::Nothing | OutcomeKind::Stale => "warn",
+        OutcomeKind::DoesNotConform | OutcomeKind::Incomplete => "fail",
     }
 }
 

@@ -38,9 +38,9 @@ pub(super) fn write(report: &Report) -> String {
 
 /// What fails the run, and belongs to no source.
 fn whole(name: &str, reasons: &[crate::model::Reason]) -> Option<Suite> {
-    let told: Vec<String> = reasons.iter().map(|reason| shown(&reason.to_string())).collect();
-    let (kind, message) = ("run".to_owned(), told.first()?.clone());
-    let outcome = Outcome::Failed(Reason { kind, message, text: told.join("\n") });
+    let findings_text: Vec<String> = reasons.iter().map(|reason| shown(&reason.to_string())).collect();
+    let (kind, message) = ("run".to_owned(), findings_text.first()?.clone());
+    let outcome = Outcome::Failed(Reason { kind, message, text: findings_text.join("\n") });
     let case = junit::Case { outcome, ..junit::Case::passed(name, "as a whole") };
     Some(Suite { name: name.to_owned(), cases: vec![case] })
 }
@@ -67,23 +67,23 @@ fn suite(subject: &Subject, rules: &[RuleReport]) -> Suite {
 /// is an error.
 fn readable(subject: &Subject) -> junit::Case {
     let mut case = junit::Case::passed(shown(&subject.path), READABLE);
-    let mut damage = String::new();
-    for found in &subject.damage {
+    let mut corruption = String::new();
+    for found in &subject.corruption {
         // Writing to a string can't fail.
-        let _ = writeln!(damage, "{}: {}", found.place, shown(&found.message));
+        let _ = writeln!(corruption, "{}: {}", found.location, shown(&found.message));
     }
-    if subject.more_damage > 0 {
-        let _ = writeln!(damage, "… and {} more", subject.more_damage);
+    if subject.more_corruption > 0 {
+        let _ = writeln!(corruption, "… and {} more", subject.more_corruption);
     }
     let (kind, message) = match subject.extent {
         Extent::Whole | Extent::EndsEarly => ("", ""),
         Extent::WithGaps => ("damaged", "parts of it can't be read, and were passed over"),
-        Extent::BrokenOff => ("unreadable", "it can't be read to its end"),
+        Extent::Unreadable => ("unreadable", "it can't be read to its end"),
     };
     if message.is_empty() {
-        case.output = damage;
+        case.output = corruption;
     } else {
-        let text = damage.trim_end().to_owned();
+        let text = corruption.trim_end().to_owned();
         case.outcome = Outcome::Error(Reason { kind: kind.to_owned(), message: message.to_owned(), text });
     }
     for note in &subject.notes {
@@ -95,11 +95,11 @@ fn readable(subject: &Subject) -> junit::Case {
 fn of_rule(subject: &Subject, rule: &RuleReport, found: &RuleVerdict) -> junit::Case {
     let mut case = junit::Case::passed(shown(&subject.path), format!("{} {}", rule.id, rule.statement));
     let findings: Vec<&Finding> = subject.findings.iter().filter(|finding| finding.rule == rule.id).collect();
-    let text = told(&findings, found.findings);
+    let text = findings_text(&findings, found.findings);
     match found.verdict {
         Verdict::Pass => {}
         Verdict::Warn | Verdict::Shown | Verdict::Known => case.output = text,
-        Verdict::NotExercised => {
+        Verdict::NotCovered => {
             case.outcome = Outcome::Skipped("nothing was there that it could have judged".to_owned());
         }
         Verdict::Unsupported | Verdict::Inconclusive => {
@@ -107,7 +107,7 @@ fn of_rule(subject: &Subject, rule: &RuleReport, found: &RuleVerdict) -> junit::
         }
         Verdict::Fail => {
             let message = findings.first().and_then(|finding| {
-                Some(shown(&format!("{}: {}", finding.subject, finding.examples.first()?.told())))
+                Some(shown(&format!("{}: {}", finding.subject, finding.examples.first()?.text())))
             });
             let message = message.unwrap_or_else(|| rule.statement.to_owned());
             case.outcome = Outcome::Failed(Reason { kind: rule.id.to_owned(), message, text });
@@ -115,9 +115,9 @@ fn of_rule(subject: &Subject, rule: &RuleReport, found: &RuleVerdict) -> junit::
     }
     if found.findings > 0 {
         let first = findings.first().and_then(|finding| finding.examples.first());
-        let region = match first.map(|example| example.place) {
-            Some(crate::model::Place::Line(line)) => Region::Line(line),
-            Some(crate::model::Place::Byte(offset)) => Region::Byte(offset),
+        let region = match first.map(|example| example.location) {
+            Some(crate::model::Location::Line(line)) => Region::Line(line),
+            Some(crate::model::Location::Byte(offset)) => Region::Byte(offset),
             None => Region::Whole,
         };
         case.place = Some(Place { path: subject.path.clone(), region });
@@ -126,7 +126,7 @@ fn of_rule(subject: &Subject, rule: &RuleReport, found: &RuleVerdict) -> junit::
 }
 
 /// All that is known of the findings of a rule.
-fn told(findings: &[&Finding], count: u64) -> String {
+fn findings_text(findings: &[&Finding], count: u64) -> String {
     let mut text = String::new();
     let mut line = |depth: usize, label: &str, value: &str| {
         if !value.is_empty() {
@@ -138,7 +138,7 @@ fn told(findings: &[&Finding], count: u64) -> String {
         let times = if finding.count == 1 { "once".to_owned() } else { format!("{} times", finding.count) };
         line(0, "", &format!("{}: {times}", finding.subject));
         for example in &finding.examples {
-            line(2, "", &format!("{}: {}", example.place, example.told()));
+            line(2, "", &format!("{}: {}", example.location, example.text()));
             line(4, "at: ", example.at());
             line(4, "expected: ", &example.expected);
             line(4, "found: ", &example.actual);
@@ -153,9 +153,9 @@ fn told(findings: &[&Finding], count: u64) -> String {
         line(0, "to find it again: ", &first.reproduce);
         line(0, "see: ", &first.url);
     }
-    let told: u64 = findings.iter().take(MAX_FINDINGS).map(|finding| finding.count).sum();
-    if count > told {
-        line(0, "", &format!("… and {} more", count - told));
+    let findings_text: u64 = findings.iter().take(MAX_FINDINGS).map(|finding| finding.count).sum();
+    if count > findings_text {
+        line(0, "", &format!("… and {} more", count - findings_text));
     }
     text.truncate(text.trim_end().len());
     text

@@ -4,14 +4,14 @@ use uavspec_codegen::diagnostic::Level;
 use uavspec_codegen::report::{self as shared, Entry, Place, Region, RuleInfo};
 
 use super::{
-    About, Action, Case, CaseVerdict, Damage, Definition, Finding, Report, RuleReport, Subject, Testee,
+    About, Action, Case, CaseVerdict, Corruption, Definition, Finding, Report, RuleReport, Subject, Testee,
     Verdict,
 };
 use crate::model::{self, Extent};
 use crate::text::shown;
 
 /// The id under which damage is told, and what it is.
-const DAMAGE: (&str, &str) = ("damage", "A file can be read from its start to its end.");
+const CORRUPTION: (&str, &str) = ("damage", "A file can be read from its start to its end.");
 
 /// The id of what fails a run as a whole, and what that asks.
 const RUN: (&str, &str) =
@@ -29,7 +29,7 @@ pub(super) fn write(report: &Report) -> String {
     let mut entries = Vec::new();
     for subject in &report.subjects {
         entries.extend(subject.findings.iter().filter_map(|finding| of_finding(subject, finding)));
-        entries.extend(subject.damage.iter().map(|damage| of_damage(subject, damage)));
+        entries.extend(subject.corruption.iter().map(|corruption| corruption_entry(subject, corruption)));
         if let About::Testee(testee) = &subject.about {
             let failures = testee.cases.iter().filter(|case| case.verdict.is_failure());
             entries.extend(failures.map(|case| of_case(subject, case)));
@@ -38,7 +38,7 @@ pub(super) fn write(report: &Report) -> String {
     }
     entries.extend(report.unreadable.iter().map(|unreadable| Entry {
         level: Level::Error,
-        ..entry(DAMAGE.0, Level::Error, &unreadable.message, whole(&unreadable.path))
+        ..entry(CORRUPTION.0, Level::Error, &unreadable.message, whole(&unreadable.path))
     }));
     entries.extend(report.reasons.iter().map(|reason| {
         // What belongs to no file has to stand at one.
@@ -53,7 +53,7 @@ pub(super) fn write(report: &Report) -> String {
             rules.push(RuleInfo { id: id.into(), purpose: purpose.into(), level, url: String::new() });
         }
     };
-    other(DAMAGE, Level::Note);
+    other(CORRUPTION, Level::Note);
     other(RUN, Level::Error);
     other(MANNERS, Level::Error);
     for case in report.subjects.iter().flat_map(cases) {
@@ -97,13 +97,13 @@ fn of_finding(subject: &Subject, finding: &Finding) -> Option<Entry> {
         _ => Level::Note,
     };
     let times = if finding.count == 1 { String::new() } else { format!("found {} times; ", finding.count) };
-    let at = |place| Place { path: subject.path.clone(), region: region(place) };
+    let at = |location| Place { path: subject.path.clone(), region: region(location) };
     let mut related: Vec<(Place, String)> = others
         .iter()
-        .map(|example| (at(example.place), format!("also: {}", shown(&example.told()))))
+        .map(|example| (at(example.location), format!("also: {}", shown(&example.text()))))
         .collect();
     related.extend(finding.definition.iter().map(defined));
-    let message = format!("{}: {}", finding.subject, first.told());
+    let message = format!("{}: {}", finding.subject, first.text());
     let facts = [("expected", &first.expected), ("actual", &first.actual), ("excerpt", &first.excerpt)];
     let facts = facts.into_iter().filter(|(_, fact)| !fact.is_empty());
     Some(Entry {
@@ -112,18 +112,18 @@ fn of_finding(subject: &Subject, finding: &Finding) -> Option<Entry> {
         help: format!("{times}to find it again: {}", shown(&finding.reproduce)),
         related,
         url: finding.url.clone(),
-        ..entry(finding.rule, level, &message, at(first.place))
+        ..entry(finding.rule, level, &message, at(first.location))
     })
 }
 
-fn of_damage(subject: &Subject, damage: &Damage) -> Entry {
-    let place = Place { path: subject.path.clone(), region: region(damage.place) };
+fn corruption_entry(subject: &Subject, corruption: &Corruption) -> Entry {
+    let location = Place { path: subject.path.clone(), region: region(corruption.location) };
     let level = match subject.extent {
         Extent::Whole | Extent::EndsEarly => Level::Note,
         Extent::WithGaps => Level::Warning,
-        Extent::BrokenOff => Level::Error,
+        Extent::Unreadable => Level::Error,
     };
-    entry(DAMAGE.0, level, &damage.message, place)
+    entry(CORRUPTION.0, level, &corruption.message, location)
 }
 
 fn of_case(subject: &Subject, case: &Case) -> Entry {
@@ -138,10 +138,10 @@ fn of_case(subject: &Subject, case: &Case) -> Entry {
     };
     let level = if case.known.is_some() { Level::Note } else { Level::Error };
     // A testee has no file: what it got wrong is the definition.
-    let place = case.definition.as_ref().map_or_else(|| whole(&subject.path), |line| defined(line).0);
+    let location = case.definition.as_ref().map_or_else(|| whole(&subject.path), |line| defined(line).0);
     Entry {
         help: format!("{}; to ask it again: {}", case.description, shown(&case.reproduce)),
-        ..entry(&case.op, level, &message, place)
+        ..entry(&case.op, level, &message, location)
     }
 }
 
@@ -151,7 +151,7 @@ fn of_manners(subject: &Subject, testee: &Testee) -> Vec<Entry> {
     remarks.chain(gave_up).map(|text| entry(MANNERS.0, Level::Error, &text, whole(&subject.path))).collect()
 }
 
-fn entry(rule: &str, level: Level, message: &str, place: Place) -> Entry {
+fn entry(rule: &str, level: Level, message: &str, location: Place) -> Entry {
     Entry {
         rule: rule.to_owned().into(),
         category: None,
@@ -159,7 +159,7 @@ fn entry(rule: &str, level: Level, message: &str, place: Place) -> Entry {
         // Editors show it beside the code: there it must feign nothing, and be short.
         message: shown(message),
         help: String::new(),
-        place,
+        place: location,
         part: String::new(),
         facts: Vec::new(),
         sides: None,
@@ -173,14 +173,14 @@ fn whole(path: &str) -> Place {
     Place { path: path.to_owned(), region: Region::Whole }
 }
 
-fn region(place: model::Place) -> Region {
-    match place {
-        model::Place::Byte(offset) => Region::Byte(offset),
-        model::Place::Line(line) => Region::Line(line),
+fn region(location: model::Location) -> Region {
+    match location {
+        model::Location::Byte(offset) => Region::Byte(offset),
+        model::Location::Line(line) => Region::Line(line),
     }
 }
 
 fn defined(line: &Definition) -> (Place, String) {
-    let place = Place { path: line.file.clone(), region: Region::Line(line.line) };
-    (place, format!("defined as: {}", shown(line.text.trim())))
+    let location = Place { path: line.file.clone(), region: Region::Line(line.line) };
+    (location, format!("defined as: {}", shown(line.text.trim())))
 }

@@ -90,11 +90,11 @@ fn a_report_with_every_rule_broken_keeps_to_it() {
     let flight = Flight::new(&definitions);
     let mutants = mutants().flat_map(|mutant| mutant.captures(&flight));
     let subject = |bytes: Vec<u8>| {
-        let judgement = check_capture(&bytes[..], None, &definitions).expect("bytes can be read");
+        let result = check_capture(&bytes[..], None, &definitions).expect("bytes can be read");
         Subject::of_capture(
             CheckedCapture {
                 path: "a\nb".to_owned(),
-                result: judgement,
+                result: result,
                 notes: vec!["the wind turned".to_owned()],
                 elapsed: 7,
             },

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Serialize, Serializer};
 
 use super::{
-    About, Case, CaseVerdict, Conclusion, Counts, Definition, Known, Remark, Row, RuleVerdict, Subject,
-    Testee, TesteeKind, Verdict,
+    About, Case, CaseVerdict, Counts, Definition, Known, Outcome, Remark, Row, RuleVerdict, Subject, Testee,
+    TesteeKind, Verdict,
 };
 use crate::definitions::Definitions;
 use crate::model::Extent;
@@ -16,20 +16,20 @@ use crate::testee::{case, outcome};
 impl Subject {
     /// Of a testee that was asked. `again` is the command that asks one case alone.
     pub fn of_testee(
-        outcome: &outcome::Outcome<'_>,
+        run: &outcome::Outcome<'_>,
         definitions: &Definitions,
         again: &dyn Fn(&str) -> String,
     ) -> Self {
-        let verdicts = outcome.verdicts.iter();
+        let verdicts = run.verdicts.iter();
         let cases: Vec<Case> =
             verdicts.map(|(case, verdict)| of_case(case, verdict, definitions, again)).collect();
-        let counts = counts(outcome.counts());
-        let manners = &outcome.manners;
+        let counts = counts(run.counts());
+        let manners = &run.manners;
         let remarks = manners.remarks.len() + manners.more;
-        let gave_up = outcome.gave_up.clone();
-        let conclusion =
-            Conclusion::of_testee(counts.pass + counts.known, counts.fail, remarks, gave_up.as_deref());
-        let (name, version) = match &outcome.hello {
+        let gave_up = run.gave_up.clone();
+        let outcome =
+            Outcome::for_testee(counts.pass + counts.known, counts.fail, remarks, gave_up.as_deref());
+        let (name, version) = match &run.hello {
             Some(hello) => (hello.name.clone(), hello.version.clone()),
             None => ("testee".to_owned(), String::new()),
         };
@@ -44,25 +44,25 @@ impl Subject {
             kind: TesteeKind::Testee,
             version,
             counts,
-            table: outcome.table().into_iter().map(row).collect(),
+            table: run.table().into_iter().map(row).collect(),
             cases,
             manners: manners.remarks.iter().map(remark).collect(),
             more_manners: manners.more as u64,
-            restarts: outcome.restarts,
+            restarts: run.restarts,
             gave_up,
         };
         Self {
             path: name,
             about: About::Testee(testee),
-            records: outcome.verdicts.len() as u64,
-            judged: counts.pass + counts.fail + counts.known,
+            records: run.verdicts.len() as u64,
+            checked: counts.pass + counts.fail + counts.known,
             duration_us: 0,
-            conclusion,
+            outcome,
             rules,
             findings: Vec::new(),
             more_findings: 0,
-            damage: Vec::new(),
-            more_damage: 0,
+            corruption: Vec::new(),
+            more_corruption: 0,
             extent: Extent::Whole,
             notes: Vec::new(),
             elapsed: 0,
@@ -146,7 +146,7 @@ fn rules(cases: &[Case]) -> Vec<RuleVerdict> {
             id,
             level,
             verdict: Verdict::Unsupported,
-            exercised: 0,
+            covered: 0,
             findings: 0,
         });
         let verdict = match case.verdict {
@@ -157,7 +157,7 @@ fn rules(cases: &[Case]) -> Vec<RuleVerdict> {
             CaseVerdict::Fail | CaseVerdict::Crashed | CaseVerdict::TimedOut => Verdict::Fail,
         };
         found.verdict = found.verdict.max(verdict);
-        found.exercised += u64::from(matches!(verdict, Verdict::Pass | Verdict::Fail | Verdict::Known));
+        found.covered += u64::from(matches!(verdict, Verdict::Pass | Verdict::Fail | Verdict::Known));
         found.findings += u64::from(verdict == Verdict::Fail);
     }
     rules.into_values().collect()

@@ -32,7 +32,7 @@ mod ver_01;
 
 use super::RuleContext;
 use super::sample::{Bag, Encoding, Flight, Lines, Log};
-use crate::model::{Channel, Detail, Level, Message, Place, Rule, Status};
+use crate::model::{Channel, Detail, Level, Location, Message, Rule, Status};
 use crate::px4::ValueRules;
 
 /// The rules that sources of messages report violations of while they read them.
@@ -193,10 +193,10 @@ pub(crate) trait Checker {
     fn message(&mut self, _channel: &Channel<'_>, _message: &Message<'_>, _context: &mut RuleContext<'_>) {}
 
     /// Records were lost, for so many milliseconds.
-    fn dropout(&mut self, _milliseconds: u16, _place: Place) {}
+    fn dropout(&mut self, _milliseconds: u16, _place: Location) {}
 
     /// Something can't be read, and records may be lost with it; or it is a message of a channel that is of interest.
-    fn damage(&mut self, _place: Place) {}
+    fn corruption(&mut self, _place: Location) {}
 
     /// The source ends.
     fn end(&mut self, _context: &mut RuleContext<'_>) {}
@@ -232,10 +232,10 @@ impl RuleContext<'_> {
         &mut self,
         channel: &Channel<'_>,
         name: &str,
-        place: Place,
+        location: Location,
         detail: impl FnOnce() -> Detail,
     ) {
         let definition = self.field(channel.definition, name);
-        self.violation_of(&format!("{}.{name}", channel.topic), place, definition, detail);
+        self.violation_of(&format!("{}.{name}", channel.topic), location, definition, detail);
     }
 }

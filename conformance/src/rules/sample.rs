@@ -90,7 +90,7 @@ impl<'d> Flight<'d> {
         for round in 0..ROUNDS {
             for topic in flight.in_order() {
                 let name = &definitions.schema.message(flight.topics[topic].message).name;
-                let values = told(name, round, &first[topic]);
+                let values = messages_of_round(name, round, &first[topic]);
                 flight.messages.extend(values.into_iter().map(|value| Sent { topic, value }));
             }
         }
@@ -130,19 +130,21 @@ impl<'d> Flight<'d> {
 
     /// Changes a value in the last message of some topic so that it breaks a rule on numbers; of arrays the first
     /// element.
-    pub(crate) fn breaking(&self, rule: Rule) -> Option<Self> {
+    pub(crate) fn violating(&self, rule: Rule) -> Option<Self> {
         let schema = &self.definitions.schema;
         for topic in 0..self.topics.len() {
             let message = schema.message(self.topics[topic].message);
             for field in &message.fields {
                 let restriction = schema.restriction(message, field);
-                let Some(value) = restriction.and_then(|asked| broken(rule, field, &asked)) else { continue };
+                let Some(value) = restriction.and_then(|asked| violating_value(rule, field, &asked)) else {
+                    continue;
+                };
                 let mut changed = self.clone();
                 let last = self.last_of(topic)?;
-                let place = &mut changed.messages[last].value[&field.name];
+                let location = &mut changed.messages[last].value[&field.name];
                 match field.ty.shape {
-                    Shape::Single => *place = value,
-                    _ => *place.get_mut(0)? = value,
+                    Shape::Single => *location = value,
+                    _ => *location.get_mut(0)? = value,
                 }
                 return Some(changed);
             }
@@ -151,7 +153,7 @@ impl<'d> Flight<'d> {
     }
 
     /// The first topic that has a field like this, and where in a payload the field starts.
-    pub(crate) fn place(&self, is_wanted: impl Fn(&Placed<'_>) -> bool) -> Option<(usize, usize)> {
+    pub(crate) fn find_field(&self, is_wanted: impl Fn(&Placed<'_>) -> bool) -> Option<(usize, usize)> {
         let find = |topic| Some((topic, self.type_of(topic).layout().find(&is_wanted)?.offset));
         (0..self.topics.len()).find_map(find)
     }
@@ -230,7 +232,7 @@ impl<'d> Flight<'d> {
 }
 
 /// A value that breaks this rule in this field, and no other; none where the field has nothing to do with it.
-fn broken(rule: Rule, field: &Field, asked: &Restriction) -> Option<Value> {
+fn violating_value(rule: Rule, field: &Field, asked: &Restriction) -> Option<Value> {
     let Element::Scalar(scalar) = field.ty.element else { return None };
     let beyond = |bound: Option<Number>, by: i32| match bound? {
         Number::Int(value) => Some(Number::Int(value + i128::from(by))),
@@ -270,7 +272,7 @@ const STORY: [&str; 5] = [
 ];
 
 /// The messages that a round has of a topic, made of a typical one.
-fn told(message: &str, round: u64, typical: &Value) -> Vec<Value> {
+fn messages_of_round(message: &str, round: u64, typical: &Value) -> Vec<Value> {
     let typical = with(typical, &[("timestamp", (START + round * PERIOD).into())]);
     let there = || COMPONENTS.iter().filter(|(_, last)| round <= *last);
     match message {
@@ -327,8 +329,8 @@ fn answer(typical: &Value, round: u64) -> Value {
 fn with(message: &Value, fields: &[(&str, Value)]) -> Value {
     let mut message = message.clone();
     for (field, new) in fields {
-        if let Some(place) = message.get_mut(field) {
-            *place = new.clone();
+        if let Some(location) = message.get_mut(field) {
+            *location = new.clone();
         }
     }
     message

@@ -56,8 +56,11 @@ impl Shared {
     pub(super) fn new(options: Options, listening: &[Listening]) -> Self {
         let bug = options.bug;
         let mut hub = Hub::new(options, family::answer);
-        hub.ports =
-            listening.iter().rev().map(|place| (place.transport.name(), place.address.port())).collect();
+        hub.ports = listening
+            .iter()
+            .rev()
+            .map(|location| (location.transport.name(), location.address.port()))
+            .collect();
         Self {
             hub: Mutex::new(hub),
             sessions: Sessions::default(),

@@ -85,11 +85,11 @@ impl<T> Outcomes<T> {
 
     /// What becomes of each thing that was asked for.
     pub(super) fn of<I: Into<String>>(
-        asked: Vec<I>,
+        requested: Vec<I>,
         mut ask: impl FnMut(&str) -> Result<T, String>,
     ) -> Result<Self, String> {
         let mut outcomes = Self::new();
-        for id in each_once(asked)? {
+        for id in each_once(requested)? {
             let outcome = ask(&id);
             outcomes.put(id, outcome);
         }

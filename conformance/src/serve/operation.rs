@@ -21,7 +21,7 @@ pub(super) struct Operation {
     length: f64,
     passed: f64,
     /// The last percentage that the client was told.
-    told: u8,
+    last_reported: u8,
     /// Whether it has to wait for the client half-way.
     is_suspending: bool,
     is_suspended: bool,
@@ -64,7 +64,7 @@ impl Operation {
             ending: Ending::Result(result),
             length: seconds,
             passed: 0.0,
-            told: 0,
+            last_reported: 0,
             is_suspending: false,
             is_suspended: false,
             is_cancelled: false,
@@ -114,11 +114,11 @@ impl Operation {
             return (self.passed >= self.length).then_some(Report::Timeout);
         }
         let reached = MILESTONES.into_iter().find(|milestone| {
-            *milestone > self.told && self.passed >= self.length * f64::from(*milestone) / 100.0
+            *milestone > self.last_reported && self.passed >= self.length * f64::from(*milestone) / 100.0
         });
         match (reached, &self.ending) {
             (Some(milestone), _) => {
-                self.told = milestone;
+                self.last_reported = milestone;
                 self.is_suspended = self.is_suspending && milestone == SUSPENSION;
                 Some(if self.is_suspended {
                     Report::Suspension(milestone)

@@ -57,7 +57,7 @@ pub(crate) fn compare(case: &Case, answer: &Answer, types: &Types) -> Result<(),
         }
         (Answer::Ok(value), Want::Bytes(right)) => compare_bytes(right, value),
         (Answer::Ok(value), Want::Exactly(wanted)) => compare_json(wanted, value, ""),
-        (other, _) => Err(Difference::new("", describe(case), told(other))),
+        (other, _) => Err(Difference::new("", describe(case), describe_answer(other))),
     }
 }
 
@@ -73,7 +73,7 @@ fn describe(case: &Case) -> String {
     }
 }
 
-fn told(answer: &Answer) -> String {
+fn describe_answer(answer: &Answer) -> String {
     match answer {
         Answer::Ok(value) => format!("ok: {value}"),
         Answer::Rejected(reason) => format!("rejected: {reason}"),
@@ -254,12 +254,12 @@ mod tests {
 
     #[test]
     fn objects_have_exactly_their_members() {
-        let place =
+        let location =
             |wanted: Value, actual: Value| compare_json(&wanted, &actual, "").expect_err("a difference").path;
-        assert_eq!(place(json!({ "a": { "b": 1 } }), json!({ "a": {} })), "/a/b");
-        assert_eq!(place(json!({ "a": 1 }), json!({ "a": 1, "c": 1 })), "/c");
-        assert_eq!(place(json!([1, 2]), json!([1, 3])), "/1");
-        assert_eq!(place(json!([1, 2]), json!([1])), "");
+        assert_eq!(location(json!({ "a": { "b": 1 } }), json!({ "a": {} })), "/a/b");
+        assert_eq!(location(json!({ "a": 1 }), json!({ "a": 1, "c": 1 })), "/c");
+        assert_eq!(location(json!([1, 2]), json!([1, 3])), "/1");
+        assert_eq!(location(json!([1, 2]), json!([1])), "");
     }
 
     #[test]

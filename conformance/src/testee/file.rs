@@ -9,7 +9,7 @@ use super::case::{Case, Want};
 use super::options::{LINE_LIMIT, excerpt};
 use super::outcome::{Manners, Outcome, Verdict};
 use super::protocol::{Answer, Hello};
-use super::run::judge;
+use super::run::check_answer;
 use super::wire::{to_base64, to_wire};
 
 /// Writes the selected cases, a line each: what is sent, and beside it the name, the description and what is right.
@@ -73,7 +73,7 @@ pub(crate) fn replay<'c>(
         match found {
             None => manners.remark(format!("an answer without a question: id {id}")),
             Some((_, Some(_))) => manners.remark(format!("a second answer to id {id}")),
-            Some((case, verdict)) => *verdict = Some(judge(case, &answer, types)),
+            Some((case, verdict)) => *verdict = Some(check_answer(case, &answer, types)),
         }
     }
     let absent = |case: &Case| match &hello {

@@ -3,9 +3,9 @@
 //! Every check has a process or a connection of its own, so that what one of them breaks is no other's fault.
 
 mod answers;
-mod damage;
 mod introduction;
 mod leaving;
+mod malformed;
 mod numbers;
 pub(crate) mod report;
 mod session;
@@ -81,9 +81,9 @@ pub const CHECKS: &[Check] = &[
     unknown::UNKNOWN_TYPE,
     unknown::UNKNOWN_FORMAT,
     unknown::MISSING_MEMBER,
-    damage::EMPTY_LINE,
-    damage::NOT_JSON,
-    damage::NOT_UTF8,
+    malformed::EMPTY_LINE,
+    malformed::NOT_JSON,
+    malformed::NOT_UTF8,
     numbers::TAGGED_INTEGERS,
     numbers::TAGGED_FLOATS,
     leaving::ANSWERS_BEFORE_END,

@@ -52,8 +52,8 @@ impl<'d> Script<'d> {
         let mut value = sent.value.clone();
         value["timestamp"] = (ms * 1000).into();
         for (field, new) in fields.as_object().expect("fields") {
-            if let Some(place) = value.get_mut(field) {
-                *place = new.clone();
+            if let Some(location) = value.get_mut(field) {
+                *location = new.clone();
             }
         }
         self.flight.messages.push(Sent { topic, value });
@@ -98,7 +98,7 @@ impl<'d> Script<'d> {
             assert_eq!(told(&log), told(&other));
             for id in ["PX-EXT-01", "PX-EXT-02", "PX-EXT-03"] {
                 let rule = rule(id).expect("a rule");
-                assert_eq!(log.findings.exercised(rule), other.findings.exercised(rule), "{id}");
+                assert_eq!(log.findings.covered(rule), other.findings.covered(rule), "{id}");
             }
         }
         told(&log)
@@ -108,8 +108,8 @@ impl<'d> Script<'d> {
         check_capture(bytes, None, self.flight.definitions).expect("bytes can be read")
     }
 
-    fn exercised(&self, id: &str) -> u64 {
-        self.judge(&self.flight.log().to_bytes()).findings.exercised(rule(id).expect("a rule"))
+    fn covered(&self, id: &str) -> u64 {
+        self.judge(&self.flight.log().to_bytes()).findings.covered(rule(id).expect("a rule"))
     }
 }
 
@@ -119,8 +119,8 @@ fn id(number: u64) -> u8 {
 }
 
 /// What is found by these rules: the rule, where, how often, and what is said of the first.
-fn told(judgement: &CaptureResult) -> Vec<String> {
-    let groups = judgement.findings.groups().filter(|group| group.rule.id.starts_with("PX-EXT"));
+fn told(result: &CaptureResult) -> Vec<String> {
+    let groups = result.findings.groups().filter(|group| group.rule.id.starts_with("PX-EXT"));
     groups
         .map(|group| {
             let Value::String(said) = json!(group.examples[0].1.to_string()) else { unreachable!() };
@@ -143,10 +143,10 @@ fn numbers_of_requests_begin_anew_and_all_is_well() {
     script.unregister(260 * PERIOD, 5);
     script.talk(261, 270, &[3]);
     assert_eq!(script.found(), NOTHING);
-    assert_eq!(script.exercised("PX-EXT-01"), 29);
-    assert_eq!(script.exercised("PX-EXT-02"), 29);
+    assert_eq!(script.covered("PX-EXT-01"), 29);
+    assert_eq!(script.covered("PX-EXT-02"), 29);
     // The last two requests of each part aren't judged, and before the second a request is missing.
-    assert_eq!(script.exercised("PX-EXT-03"), 2 * 8 + 7);
+    assert_eq!(script.covered("PX-EXT-03"), 2 * 8 + 7);
 }
 
 #[test]
@@ -228,7 +228,7 @@ fn the_clock_of_a_component_may_be_another() {
             script.reply(2_000_000 + number * PERIOD - offset, id(number), 3);
         }
         assert_eq!(script.found(), NOTHING);
-        assert!(script.exercised("PX-EXT-03") > 0);
+        assert!(script.covered("PX-EXT-03") > 0);
     }
 }
 
@@ -238,7 +238,7 @@ fn nothing_is_said_before_a_request_is_seen() {
     script.reply(5, 17, 3);
     script.talk(100, 103, &[3]);
     assert_eq!(script.found(), NOTHING);
-    assert_eq!(script.exercised("PX-EXT-01"), 3);
+    assert_eq!(script.covered("PX-EXT-01"), 3);
 }
 
 /// A log begins with the latest message of each topic.
@@ -299,7 +299,7 @@ fn an_answer_that_was_lost_is_not_missed() {
     assert_eq!(told(&missing), [format!("PX-EXT-03 arming_check_request 1: {said}")]);
     let lost = before.judge(&interrupted(&before, vec![Entry::Dropout(9)], &after));
     assert_eq!(told(&lost), NOTHING);
-    assert!(lost.findings.exercised(rule("PX-EXT-03").expect("a rule")) > 0);
+    assert!(lost.findings.covered(rule("PX-EXT-03").expect("a rule")) > 0);
 
     // As JSON, with a mistake in it, or as what is no JSON at all.
     let mut whole = before.clone();
@@ -475,7 +475,7 @@ fn answers_that_stand_far_behind_are_looked_up_among_eight_requests() {
         script.reply(100 * PERIOD + 5, 99, 3);
         script.talk(100 + requests, 102 + requests, &[]);
         assert_eq!(script.found(), NOTHING, "{requests}");
-        assert_eq!(script.exercised("PX-EXT-01"), u64::from(is_found), "{requests}");
+        assert_eq!(script.covered("PX-EXT-01"), u64::from(is_found), "{requests}");
     }
 }
 
@@ -537,8 +537,8 @@ fn an_answer_that_can_not_be_read_is_not_missed() {
     }
 }
 
-fn rules_broken(judgement: &CaptureResult) -> Vec<&'static str> {
-    judgement.findings.groups().map(|group| group.rule.id).collect()
+fn rules_broken(result: &CaptureResult) -> Vec<&'static str> {
+    result.findings.groups().map(|group| group.rule.id).collect()
 }
 
 #[test]
@@ -556,9 +556,9 @@ fn json_in_mcap_is_heard_as_any() {
         let id = (1..).zip(topics).find(|(_, topic)| *topic == sent.topic).map(|(id, _)| id);
         records.extend(file::message(id.expect("a channel"), sent.value.to_string().as_bytes()));
     }
-    let judgement = script.judge(&file::file(&records));
-    assert_eq!(rules_broken(&judgement), ["PX-EXT-01"]);
-    assert_eq!(judgement.findings.exercised(rule("PX-EXT-03").expect("a rule")), 8);
+    let result = script.judge(&file::file(&records));
+    assert_eq!(rules_broken(&result), ["PX-EXT-01"]);
+    assert_eq!(result.findings.covered(rule("PX-EXT-03").expect("a rule")), 8);
 }
 
 /// A topic may be unsubscribed, and subscribed again with another id.
@@ -684,7 +684,7 @@ fn recordings_with_some_of_the_replies_are_left_alone() {
             }
         }
         assert_eq!(script.found(), NOTHING);
-        assert_eq!(script.exercised("PX-EXT-03"), 28);
+        assert_eq!(script.covered("PX-EXT-03"), 28);
     }
 }
 
@@ -773,10 +773,10 @@ fn components_may_share_a_topic_by_instances() {
         _ => None,
     });
     replies.step_by(2).for_each(|id| *id = 900);
-    let judgement = script.judge(&log.to_bytes());
-    let rules: Vec<&str> = judgement.findings.groups().map(|group| group.rule.id).collect();
+    let result = script.judge(&log.to_bytes());
+    let rules: Vec<&str> = result.findings.groups().map(|group| group.rule.id).collect();
     assert_eq!(rules, ["PX-EXT-01"]);
-    assert_eq!(judgement.findings.exercised(rule("PX-EXT-03").expect("a rule")), 16);
+    assert_eq!(result.findings.covered(rule("PX-EXT-03").expect("a rule")), 16);
 
     // A logger subscribes to instances that nobody publishes.
     let at = last_subscription.expect("a subscription") + 1;
@@ -790,9 +790,9 @@ fn components_may_share_a_topic_by_instances() {
         _ => None,
     });
     log.entries.insert(at + 2, of_another.expect("a request"));
-    let judgement = script.judge(&log.to_bytes());
-    assert_eq!(told(&judgement), NOTHING);
-    assert_eq!(judgement.findings.exercised(rule("PX-EXT-01").expect("a rule")), 0);
+    let result = script.judge(&log.to_bytes());
+    assert_eq!(told(&result), NOTHING);
+    assert_eq!(result.findings.covered(rule("PX-EXT-01").expect("a rule")), 0);
 }
 
 #[test]
@@ -820,7 +820,7 @@ fn a_message_that_is_recorded_twice_is_one() {
     let messages = std::mem::take(&mut script.flight.messages);
     script.flight.messages = messages.into_iter().flat_map(|sent| [sent.clone(), sent]).collect();
     assert_eq!(script.found(), NOTHING);
-    assert_eq!(script.exercised("PX-EXT-03"), 8);
+    assert_eq!(script.covered("PX-EXT-03"), 8);
 }
 
 #[test]
@@ -865,7 +865,7 @@ fn without_masks_registrations_say_who_is_asked() {
     let expected = [format!("PX-EXT-03 arming_check_request 1: {said}")];
     assert_eq!(script.found(), expected, "nobody knows of 5, which was there before, or wasn't");
     // Those from 100 to 107: the answer to 108 isn't asked of who has left before 109.
-    assert_eq!(script.exercised("PX-EXT-03"), 8);
+    assert_eq!(script.covered("PX-EXT-03"), 8);
     script.reply(113 * PERIOD + 5, 113, 3);
     assert_eq!(script.found().len(), 1, "it may have been registered again, and go on");
     script.talk(114, 116, &[]);
@@ -937,7 +937,7 @@ fn fields_that_a_release_lacks_are_not_judged() {
     script.reply(105 * PERIOD, 9, 200);
     assert_eq!(script.found(), NOTHING);
     for id in ["PX-EXT-01", "PX-EXT-02", "PX-EXT-03", "PX-EXT-04", "PX-EXT-05"] {
-        assert_eq!(script.exercised(id), 0, "{id}");
+        assert_eq!(script.covered(id), 0, "{id}");
     }
 }
 
@@ -951,7 +951,7 @@ fn said_of(can_arm: bool, in_use: u8, ids: [u32; 5]) -> (Vec<String>, u64) {
     for (at, id) in ids.into_iter().enumerate() {
         reply["events"][at]["id"] = id.into();
     }
-    (script.found(), script.exercised("PX-EXT-04"))
+    (script.found(), script.covered("PX-EXT-04"))
 }
 
 #[test]
@@ -991,20 +991,20 @@ fn flags_that_no_mode_requires_are_shown_each_with_its_count() {
     }));
     let shown = rule("PX-FSF-03").expect("a rule");
     for bytes in [script.flight.log().to_bytes(), script.flight.lines().to_bytes()] {
-        let judgement = script.judge(&bytes);
+        let result = script.judge(&bytes);
         let found: Vec<(String, u64)> =
-            judgement.findings.groups().map(|group| (group.subject.clone(), group.count)).collect();
+            result.findings.groups().map(|group| (group.subject.clone(), group.count)).collect();
         let of = |flag: &str| {
             let name = if bytes.starts_with(b"{") { "FailsafeFlags" } else { "failsafe_flags" };
             (format!("{name}.{flag}"), 5)
         };
         let expected = ["attitude_invalid", "flight_time_limit_exceeded", "wind_limit_exceeded"].map(of);
         assert_eq!(found, expected);
-        assert_eq!(judgement.findings.verdict(shown), Verdict::Shown);
-        let group = judgement.findings.of(shown).next().expect("a group");
+        assert_eq!(result.findings.verdict(shown), Verdict::Shown);
+        let group = result.findings.of(shown).next().expect("a group");
         assert_eq!(group.examples[0].1.to_string(), "set, and mode_req_attitude is 0: no mode requires it");
     }
     // Twelve flags of this release have a requirement.
     let script = flags(&json!({ "attitude_invalid": true, "mode_req_attitude": 1 }));
-    assert_eq!(script.exercised("PX-FSF-03"), 12 * 5);
+    assert_eq!(script.covered("PX-FSF-03"), 12 * 5);
 }

@@ -51,16 +51,16 @@ fn lines() -> Vec<u8> {
 /// A report of `check` in which there is everything.
 pub(crate) fn checked(definitions: &Definitions) -> Report {
     let subject = |(path, bytes): (String, Vec<u8>)| {
-        let judgement = check_capture(&bytes[..], None, definitions).expect("bytes can be read");
+        let result = check_capture(&bytes[..], None, definitions).expect("bytes can be read");
         // The time that it took is no part of what is compared.
-        let judged = CheckedCapture {
+        let checked = CheckedCapture {
             path,
-            result: judgement,
+            result: result,
             notes: vec!["the <b>wind</b>\u{1b}[1m turned".to_owned()],
             elapsed: 7,
         };
         let arguments = vec!["--definitions".to_owned(), HOSTILE.to_owned()];
-        Subject::of_capture(judged, definitions, &Settings { arguments, ..Settings::default() })
+        Subject::of_capture(checked, definitions, &Settings { arguments, ..Settings::default() })
     };
     let mut subjects: Vec<Subject> = sources(definitions).into_iter().map(subject).collect();
     let last = subjects.last_mut().expect("subjects");

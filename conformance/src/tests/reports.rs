@@ -4,7 +4,7 @@ use crate::tests::support;
 
 use std::sync::LazyLock;
 
-use crate::check::FlockwaveJudge;
+use crate::check::FlockwaveChecker;
 use crate::definitions::Definitions;
 use crate::rules::flockwave::sample::Session;
 use crate::rules::mutants;
@@ -18,7 +18,7 @@ use support::{extent, shared};
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 
 /// All that came of a recording, as text; and how many reports were seen at once.
-fn judged(mut judge: FlockwaveJudge<'_>, recording: &[u8]) -> (String, u64) {
+fn checked(mut judge: FlockwaveChecker<'_>, recording: &[u8]) -> (String, u64) {
     let mut number = 0;
     for line in recording.split(|byte| *byte == b'\n').filter(|line| !line.is_empty()) {
         number += 1;
@@ -30,8 +30,8 @@ fn judged(mut judge: FlockwaveJudge<'_>, recording: &[u8]) -> (String, u64) {
 
 /// Judges a recording in both ways, which come to the same, and says how many reports were seen at once.
 fn compare(recording: &[u8], definitions: &Definitions) -> u64 {
-    let (quick, at_once) = judged(FlockwaveJudge::of(definitions), recording);
-    let (thorough, none) = judged(FlockwaveJudge::of(definitions).thorough(), recording);
+    let (quick, at_once) = checked(FlockwaveChecker::of(definitions), recording);
+    let (thorough, none) = checked(FlockwaveChecker::of(definitions).thorough(), recording);
     // The first line that differs says more than both texts.
     let difference = quick.lines().zip(thorough.lines()).find(|(one, other)| one != other);
     assert_eq!(difference, None, "{}", String::from_utf8_lossy(recording));
@@ -195,7 +195,7 @@ struct Style {
     id: Option<String>,
     version: &'static str,
     event: Option<&'static str>,
-    damage: Option<(prop::sample::Index, u8)>,
+    corruption: Option<(prop::sample::Index, u8)>,
 }
 
 fn style() -> impl Strategy<Value = Style> {
@@ -206,19 +206,12 @@ fn style() -> impl Strategy<Value = Style> {
         .prop_map(|id| Some(id.to_owned())), 1 => "[xä]{30,40}".prop_map(Some)];
     let version = prop_oneof![20 => Just("1.0"), 1 => Just("2"), 1 => Just("first")];
     let event = prop_oneof![40 => Just(None), 1 => Just(Some("connect")), 1 => Just(Some("closed"))];
-    let damage = (any::<prop::sample::Index>(), prop::sample::select(b"\"\\{}[],:0-.eE \x07\xffaN".to_vec()));
-    let damage = prop_oneof![20 => Just(None), 1 => damage.prop_map(Some)];
-    (any::<[bool; 3]>(), connection, after, id, version, event, damage).prop_map(
-        |([is_type_first, is_body_first, is_wide], connection, after, id, version, event, damage)| Style {
-            is_type_first,
-            is_body_first,
-            is_wide,
-            connection,
-            after,
-            id,
-            version,
-            event,
-            damage,
+    let corruption =
+        (any::<prop::sample::Index>(), prop::sample::select(b"\"\\{}[],:0-.eE \x07\xffaN".to_vec()));
+    let corruption = prop_oneof![20 => Just(None), 1 => corruption.prop_map(Some)];
+    (any::<[bool; 3]>(), connection, after, id, version, event, corruption).prop_map(
+        |([is_type_first, is_body_first, is_wide], connection, after, id, version, event, corruption)| {
+            Style { is_type_first, is_body_first, is_wide, connection, after, id, version, event, corruption }
         },
     )
 }
@@ -286,7 +279,7 @@ fn recording(lines: Vec<(Content, Style)>) -> Vec<u8> {
         if style.is_wide {
             line = String::from_utf8_lossy(&line).replace("\":", "\": ").replace(",\"", ", \"").into_bytes();
         }
-        if let Some((at, byte)) = style.damage {
+        if let Some((at, byte)) = style.corruption {
             let at = at.index(line.len());
             line[at] = byte;
         }

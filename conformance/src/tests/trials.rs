@@ -7,23 +7,23 @@ use crate::rules::flockwave::sample::Session;
 use crate::rules::rule;
 use serde_json::{Value, json};
 
-fn judged(session: &Session) -> CaptureResult {
+fn checked(session: &Session) -> CaptureResult {
     check_capture(&session.to_bytes()[..], None, &Definitions::built_in()).expect("bytes can be read")
 }
 
 /// How often each rule is broken.
 fn broken_by(session: &Session) -> Vec<(&'static str, u64)> {
-    let judgement = judged(session);
-    assert_eq!(judgement.damage, vec![]);
+    let result = checked(session);
+    assert_eq!(result.corruption, vec![]);
     let mut counts = std::collections::BTreeMap::new();
-    for group in judgement.findings.groups() {
+    for group in result.findings.groups() {
         *counts.entry(group.rule.id).or_default() += group.count;
     }
     counts.into_iter().collect()
 }
 
-fn exercised(session: &Session, id: &str) -> u64 {
-    judged(session).findings.exercised(rule(id).expect("a rule"))
+fn covered(session: &Session, id: &str) -> u64 {
+    checked(session).findings.covered(rule(id).expect("a rule"))
 }
 
 /// A connection over TCP, over which this is said.
@@ -42,7 +42,7 @@ fn ping() -> Value {
 }
 
 fn uavs(session: &mut Session, ids: &[&str]) {
-    session.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": ids }));
+    session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": ids }));
 }
 
 fn objects(session: &mut Session, filter: &[&str], ids: &[&str]) {
@@ -50,7 +50,7 @@ fn objects(session: &mut Session, filter: &[&str], ids: &[&str]) {
     if !filter.is_empty() {
         request["filter"] = filter.into();
     }
-    session.asks(request, json!({ "ids": ids }));
+    session.exchange(request, json!({ "ids": ids }));
 }
 
 fn cancel(session: &mut Session, receipt: &str) -> String {
@@ -86,7 +86,7 @@ fn over_udp_one_answer_will_do() {
     for rule in rules {
         for answered in [None, Some(0), Some(1), Some(2)] {
             let session = over("udp#1", |session| {
-                session.asks(json!({ "type": "UAV-LIST" }), json!({ "ids": [] }));
+                session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": [] }));
                 for attempt in 0..3 {
                     let id = session.tries(of(rule), "three times", ping());
                     if answered == Some(attempt) {
@@ -120,8 +120,8 @@ fn an_error_in_the_place_of_a_body_is_no_service_either() {
 #[test]
 fn before_a_login_a_ping_may_be_refused_that_tries_nothing() {
     let refused = || json!({ "type": "ACK-NAK", "reason": "Log in first" });
-    let session = over("tcp#2", |session| session.asks_other(ping(), refused()));
-    assert_eq!((broken_by(&session), exercised(&session, "FW-SYS-PING-01")), (vec![], 1));
+    let session = over("tcp#2", |session| session.exchange_with(ping(), refused()));
+    assert_eq!((broken_by(&session), covered(&session, "FW-SYS-PING-01")), (vec![], 1));
 }
 
 /// Before a login a server may refuse all alike, whatever it knows.
@@ -130,12 +130,13 @@ fn families_are_judged_by_what_is_refused_otherwise() {
     let asks = |login: Option<bool>, reasons: [&str; 3]| {
         over("tcp#2", |session| {
             if let Some(is_needed) = login {
-                session.asks(json!({ "type": "AUTH-INF" }), json!({ "methods": [], "required": is_needed }));
+                session
+                    .exchange(json!({ "type": "AUTH-INF" }), json!({ "methods": [], "required": is_needed }));
             }
             let kinds = [("FW-ENV-07", "UAV-SOAR"), ("FW-ENV-24", "DEV-LIST"), ("FW-ENV-24", "DEV-SUB")];
             for ((rule, kind), reason) in kinds.into_iter().zip(reasons) {
                 let refused = json!({ "type": "ACK-NAK", "reason": reason });
-                session.tries_and_hears(of(rule), "", json!({ "type": kind }), refused);
+                session.tries_and_receives(of(rule), "", json!({ "type": kind }), refused);
             }
         })
     };
@@ -150,7 +151,7 @@ fn families_are_judged_by_what_is_refused_otherwise() {
 #[test]
 fn answers_may_be_pipelined() {
     let in_order = over("tcp#2", |session| session.pipelines(of("FW-ENV-25"), &[0, 1, 2]));
-    assert_eq!((broken_by(&in_order), exercised(&in_order, "FW-ENV-25")), (vec![], 3));
+    assert_eq!((broken_by(&in_order), covered(&in_order, "FW-ENV-25")), (vec![], 3));
     let reversed = over("tcp#2", |session| session.pipelines(of("FW-ENV-25"), &[2, 1, 0]));
     assert_eq!(broken_by(&reversed), [("FW-ENV-25", 1)], "once a connection");
     let untried = over("tcp#2", |session| session.pipelines(of("FW-TCP-02"), &[2, 1, 0]));
@@ -173,10 +174,10 @@ fn objects_may_come_and_go() {
     let session = over("tcp#2", |session| {
         objects(session, &[], &["kite"]);
         objects(session, &["beacon"], &["mast"]);
-        session.tells(json!({ "type": "OBJ-DEL", "ids": ["mast"] }));
+        session.notify(json!({ "type": "OBJ-DEL", "ids": ["mast"] }));
         objects(session, &[], &["kite"]);
         let state = json!({ "id": "mast", "timestamp": 1_790_000_000_000_u64 });
-        session.tells(json!({ "type": "UAV-INF", "status": { "mast": state } }));
+        session.notify(json!({ "type": "UAV-INF", "status": { "mast": state } }));
         objects(session, &["uav"], &["mast"]);
     });
     assert_eq!(broken_by(&session), []);
@@ -199,18 +200,21 @@ fn uavs_may_come_and_go() {
         let session = over("tcp#2", |session| {
             uavs(session, before);
             objects(session, &["uav"], between);
-            session
-                .asks(json!({ "type": "UAV-INF", "ids": ["owl"] }), json!({ "error": { "owl": "Unknown" } }));
+            session.exchange(
+                json!({ "type": "UAV-INF", "ids": ["owl"] }),
+                json!({ "error": { "owl": "Unknown" } }),
+            );
             uavs(session, after);
         });
         assert_eq!(broken_by(&session), [], "{before:?} {between:?} {after:?}");
     }
     let session = over("tcp#2", |session| {
         uavs(session, &["kite"]);
-        session.tells(json!({ "type": "OBJ-DEL", "ids": ["kite"] }));
-        session.asks(json!({ "type": "UAV-INF", "ids": ["kite"] }), json!({ "error": { "kite": "Gone" } }));
+        session.notify(json!({ "type": "OBJ-DEL", "ids": ["kite"] }));
+        session
+            .exchange(json!({ "type": "UAV-INF", "ids": ["kite"] }), json!({ "error": { "kite": "Gone" } }));
         objects(session, &["uav"], &[]);
-        session.tells(json!({ "type": "UAV-INF", "status": { "kite": { "id": "kite", "timestamp": 1_790_000_000_000_u64 } } }));
+        session.notify(json!({ "type": "UAV-INF", "status": { "kite": { "id": "kite", "timestamp": 1_790_000_000_000_u64 } } }));
         uavs(session, &["kite"]);
     });
     assert_eq!(broken_by(&session), []);
@@ -227,14 +231,14 @@ fn what_was_cancelled_may_take_a_while_to_end() {
         session.command("r-1");
         let id = cancel(session, "r-1");
         cancelled(session, &id, "r-1");
-        session.tells(json!({ "type": "ASYNC-ST", "id": "r-1", "progress": {} }));
+        session.notify(json!({ "type": "ASYNC-ST", "id": "r-1", "progress": {} }));
         session.wait(8.0);
-        session.tells(report());
-        session.tells(ended(true));
+        session.notify(report());
+        session.notify(ended(true));
         session.wait(60.0);
-        session.tells(report());
+        session.notify(report());
     });
-    assert_eq!((broken_by(&slow), exercised(&slow, "FW-ASY-17")), (vec![], 1));
+    assert_eq!((broken_by(&slow), covered(&slow, "FW-ASY-17")), (vec![], 1));
     // Without its end, and where time goes back.
     slow.lines.retain(|line| line["msg"]["body"]["type"] != "ASYNC-RESP");
     assert_eq!(broken_by(&slow), [("FW-ASY-17", 1)]);
@@ -244,12 +248,12 @@ fn what_was_cancelled_may_take_a_while_to_end() {
     let session = over("tcp#2", |session| {
         session.command("r-1");
         let id = cancel(session, "r-1");
-        session.tells(ended(false));
+        session.notify(ended(false));
         cancelled(session, &id, "r-1");
         session.command("r-1");
         session.wait(60.0);
-        session.tells(report());
-        session.tells(ended(false));
+        session.notify(report());
+        session.notify(ended(false));
     });
     assert_eq!(broken_by(&session), []);
     // The server falls silent.
@@ -267,7 +271,7 @@ fn an_operation_that_is_suspended_meanwhile_may_be_resumed() {
         session.command("r-1");
         let resume = json!({ "type": "ASYNC-RESUME", "ids": ["r-1"] });
         let id = session.tries(of("FW-ASY-19"), "an operation that goes on", resume);
-        session.tells(json!({ "type": "ASYNC-ST", "id": "r-1", "progress": {}, "suspended": true }));
+        session.notify(json!({ "type": "ASYNC-ST", "id": "r-1", "progress": {}, "suspended": true }));
         session.answers(&id, json!({ "body": { "type": "ASYNC-RESUME", "success": ["r-1"] } }));
     });
     assert_eq!(broken_by(&session), []);
@@ -283,7 +287,7 @@ fn clocks_that_go_wrong_are_not_due_to_an_adjustment_of_nothing() {
                 if let Some(adjustment) = adjustment {
                     request["adjustment"] = adjustment.into();
                 }
-                session.asks(request, json!({ "timestamp": 1_790_000_000_000 + seconds * 1000 }));
+                session.exchange(request, json!({ "timestamp": 1_790_000_000_000 + seconds * 1000 }));
                 session.wait(pause);
             }
         })
@@ -308,7 +312,7 @@ fn lines_that_make_up_a_message_are_told_from_others() {
     let pretty = serde_json::to_string_pretty(&message).expect("JSON");
     let count = pretty.lines().count() as u64;
     let says = |connection: &'static str, lines: &str| {
-        let session = over(connection, |session| lines.lines().for_each(|line| session.says_raw(line)));
+        let session = over(connection, |session| lines.lines().for_each(|line| session.send_raw(line)));
         broken_by(&session)
     };
     assert_eq!(says("tcp#2", &pretty), [("FW-TCP-01", 1)]);
@@ -329,7 +333,9 @@ fn lines_that_make_up_a_message_are_told_from_others() {
 #[test]
 fn ports_are_those_of_the_transport_in_use() {
     let listed = |connection: &'static str, ports: Value| {
-        over(connection, |session| session.asks(json!({ "type": "SYS-PORTS" }), json!({ "ports": ports })))
+        over(connection, |session| {
+            session.exchange(json!({ "type": "SYS-PORTS" }), json!({ "ports": ports }))
+        })
     };
     for (connection, ports) in [
         ("tcp#2", json!({ "tcp": 7001, "udp": 9 })),

@@ -96,7 +96,7 @@ mod tests {
             "glider-2": {"mode": 7, "battery": {}},
             "kite\u001b[2J": {}
         }}"#;
-        fleet.take(Event::Heard(Message::read(text.as_bytes())), now);
+        fleet.take(Event::Received(Message::read(text.as_bytes())), now);
         let expected = "\
 ID             SEVERITY  MODE    VOLT  CHARGE  LATITUDE    LONGITUDE   AMSL   AHL  AGL  AGE  ERRORS
 glider-2       -         ?       ?     ?       -           -           -      -    -    0s   -

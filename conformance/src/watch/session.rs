@@ -5,9 +5,9 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::asker::Asker;
 use super::message::{Message, News};
-use crate::flockwave::transport::client::{Client, Heard, connect};
+use super::poller::Poller;
+use crate::flockwave::transport::client::{Client, Received, connect};
 use crate::flockwave::transport::endpoint::Endpoint;
 
 /// How long a connection may take to open.
@@ -27,7 +27,7 @@ const LAST_PAUSE: Duration = Duration::from_secs(30);
 #[derive(Debug)]
 pub(crate) enum Event {
     /// The server said something.
-    Heard(Message),
+    Received(Message),
     /// The server is gone, or was never there.
     Lost {
         /// Why.
@@ -43,13 +43,13 @@ pub(crate) struct Session {
 }
 
 impl Session {
-    /// Watches a server. `tell` takes what happens, and says whether anybody wants to know more; while it waits,
+    /// Watches a server. `on_event` takes what happens, and says whether anybody wants to know more; while it waits,
     /// nothing more is heard.
-    pub(crate) fn start(endpoint: Endpoint, tell: impl FnMut(Event) -> bool + Send + 'static) -> Self {
+    pub(crate) fn start(endpoint: Endpoint, on_event: impl FnMut(Event) -> bool + Send + 'static) -> Self {
         let (wanted, end) = channel::<()>();
         let is_over = move |pause| end.recv_timeout(pause) == Err(RecvTimeoutError::Disconnected);
         thread::spawn(move || {
-            let mut watch = Watch { endpoint, tell: Box::new(tell), is_over: Box::new(is_over) };
+            let mut watch = Watch { endpoint, on_event: Box::new(on_event), is_over: Box::new(is_over) };
             // It ends when nobody wants to know more.
             let _ = watch.run();
         });
@@ -62,7 +62,7 @@ struct Over;
 
 struct Watch {
     endpoint: Endpoint,
-    tell: Box<dyn FnMut(Event) -> bool + Send>,
+    on_event: Box<dyn FnMut(Event) -> bool + Send>,
     /// Waits for some time; whether it is all over.
     is_over: Box<dyn Fn(Duration) -> bool + Send>,
 }
@@ -79,7 +79,7 @@ impl Watch {
             if has_heard {
                 pause = FIRST_PAUSE;
             }
-            self.say(Event::Lost { reason, pause })?;
+            self.emit(Event::Lost { reason, pause })?;
             if (self.is_over)(pause) {
                 return Err(Over);
             }
@@ -89,40 +89,44 @@ impl Watch {
 
     /// Talks with the server until the connection ends; why it ended.
     fn talk(&mut self, client: &mut dyn Client, has_heard: &mut bool) -> Result<String, Over> {
-        let mut asker = Asker::new(matches!(self.endpoint, Endpoint::Http { .. }), Instant::now());
+        let mut poller = Poller::new(matches!(self.endpoint, Endpoint::Http { .. }), Instant::now());
         let mut last = Instant::now();
         let mut farewell = None;
         loop {
             if (self.is_over)(Duration::ZERO) {
                 return Err(Over);
             }
-            let message = match exchange(client, &mut asker) {
-                Ok(Heard::Message(bytes)) => Message::read(&bytes),
-                Ok(Heard::TooLong) => Message { refs: None, news: News::Unreadable },
-                Ok(Heard::Silence) if last.elapsed() < PATIENCE => continue,
-                Ok(Heard::Silence) => return Ok(format!("it has said nothing for {} s", PATIENCE.as_secs())),
-                Ok(Heard::End) => return Ok(farewell.unwrap_or_else(|| "it ended the connection".to_owned())),
+            let message = match exchange(client, &mut poller) {
+                Ok(Received::Message(bytes)) => Message::read(&bytes),
+                Ok(Received::TooLong) => Message { refs: None, news: News::Unreadable },
+                Ok(Received::Silence) if last.elapsed() < PATIENCE => continue,
+                Ok(Received::Silence) => {
+                    return Ok(format!("it has said nothing for {} s", PATIENCE.as_secs()));
+                }
+                Ok(Received::End) => {
+                    return Ok(farewell.unwrap_or_else(|| "it ended the connection".to_owned()));
+                }
                 Err(error) => return Ok(farewell.unwrap_or_else(|| error.to_string())),
             };
             last = Instant::now();
             *has_heard = true;
-            asker.take(&message, last);
+            poller.take(&message, last);
             if let News::Closing(reason) = &message.news {
                 farewell = Some(format!("it said farewell: {reason}"));
             }
-            self.say(Event::Heard(message))?;
+            self.emit(Event::Received(message))?;
         }
     }
 
-    fn say(&mut self, event: Event) -> Result<(), Over> {
-        if (self.tell)(event) { Ok(()) } else { Err(Over) }
+    fn emit(&mut self, event: Event) -> Result<(), Over> {
+        if (self.on_event)(event) { Ok(()) } else { Err(Over) }
     }
 }
 
 /// Asks what is due, and hears what comes.
-fn exchange(client: &mut dyn Client, asker: &mut Asker) -> io::Result<Heard> {
-    while let Some(request) = asker.next(Instant::now()) {
+fn exchange(client: &mut dyn Client, poller: &mut Poller) -> io::Result<Received> {
+    while let Some(request) = poller.next(Instant::now()) {
         client.send(request.as_bytes())?;
     }
-    client.hear(Instant::now() + LOOK)
+    client.receive(Instant::now() + LOOK)
 }

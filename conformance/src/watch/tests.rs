@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use super::roster::UAV_LIMIT;
 use crate::serve::{Options, Server, Transport, error};
-use crate::tests::support::server::{answering, place, serve, strange};
+use crate::tests::support::server::{answering, location, serve, strange};
 use crate::watch::fleet::{Fleet, Link};
 use crate::watch::message::News;
 use crate::watch::session::{Event, Session};
@@ -51,7 +51,7 @@ impl Watched {
         while !is_so(self) {
             let left = end.saturating_duration_since(Instant::now());
             let event = self.events.recv_timeout(left).unwrap_or_else(|error| panic!("{what}: {error}"));
-            if let Event::Heard(message) = &event
+            if let Event::Received(message) = &event
                 && matches!(message.news, News::States(_))
             {
                 self.told[usize::from(message.refs.is_some())] += 1;
@@ -118,7 +118,7 @@ fn a_server_that_goes_away_and_comes_back_is_seen_again() {
 
 #[test]
 fn nobody_who_is_there_is_said() {
-    let listener = TcpListener::bind(place()).expect("a port");
+    let listener = TcpListener::bind(location()).expect("a port");
     let address = listener.local_addr().expect("an address");
     drop(listener);
     for transport in ["tcp", "udp", "http", "socketio"] {
@@ -156,7 +156,7 @@ fn uavs_that_come_and_go_without_a_word_are_noticed() {
 fn a_flood_is_borne() {
     const FLOOD: u64 = 100_000;
     let address = strange(|stream| {
-        let mut heard = stream.try_clone().expect("a second handle");
+        let mut received = stream.try_clone().expect("a second handle");
         let mut stream = BufWriter::new(stream);
         let sent = (0..FLOOD).try_for_each(|number| match number % 4 {
             0 => writeln!(stream, r#"{{"body":{{"type":"UAV-INF","status":{{"{number}":{{}}}}}}}}"#),
@@ -165,7 +165,7 @@ fn a_flood_is_borne() {
             _ => writeln!(stream, "\u{1b}[2J{number}"),
         });
         // With requests unread, the end of the connection would take with it what is on its way.
-        let _ = sent.and_then(|()| stream.flush()).and_then(|()| io::copy(&mut heard, &mut io::sink()));
+        let _ = sent.and_then(|()| stream.flush()).and_then(|()| io::copy(&mut received, &mut io::sink()));
     });
     let mut watched = Watched::new(&format!("tcp://{address}"));
     watched.until("all of it was read", |watched| watched.fleet.unreadable == FLOOD / 2);

@@ -37,7 +37,7 @@ pub(super) enum Beginning {
     /// A message.
     Message(Header),
     /// A message, or a part of a header, that goes beyond the end.
-    Cut,
+    Truncated,
     /// Bytes to skip; how many.
     Skip(usize, Resync),
     /// No message, and none starts in so many bytes.
@@ -122,9 +122,9 @@ enum Walk {
     /// The section ends with a message.
     End { sound: usize },
     /// The section ends within a message.
-    Cut { sound: usize },
+    Truncated { sound: usize },
     /// At something else than a message.
-    Broken,
+    Corrupt,
 }
 
 /// How much the look of a message says.
@@ -144,7 +144,7 @@ impl Look<'_> {
     pub(super) const NEXT: usize = HEADER + 2;
 
     /// Judges by the message and what [`NEXT`](Self::NEXT) bytes behind it say. That is enough nearly always.
-    pub(super) fn judge(&self) -> Option<Beginning> {
+    pub(super) fn classify(&self) -> Option<Beginning> {
         if self.bytes.is_empty() && self.is_closed {
             return Some(Beginning::End);
         }
@@ -163,8 +163,8 @@ impl Look<'_> {
     }
 
     /// Judges by what follows.
-    pub(super) fn judge_ahead(&self) -> Beginning {
-        let Some(header) = Header::read(self.bytes) else { return Beginning::Cut };
+    pub(super) fn classify_ahead(&self) -> Beginning {
+        let Some(header) = Header::read(self.bytes) else { return Beginning::Truncated };
         let end = header.total();
         let searched = end.min(self.bytes.len());
         if let Some((count, resync)) = self.search(1..searched) {
@@ -173,7 +173,7 @@ impl Look<'_> {
         let is_complete = end <= self.bytes.len();
         match header.is_believable() {
             true if is_complete => Beginning::Message(header),
-            true => Beginning::Cut,
+            true => Beginning::Truncated,
             false if is_complete && self.follows(end) => Beginning::Message(header),
             false => Beginning::Lost(searched),
         }
@@ -204,8 +204,8 @@ impl Look<'_> {
         let is_run = is_start
             && match self.walk(at, RUN) {
                 Walk::Enough => true,
-                Walk::End { sound } | Walk::Cut { sound } => sound >= RUN_AT_END,
-                Walk::Broken => false,
+                Walk::End { sound } | Walk::Truncated { sound } => sound >= RUN_AT_END,
+                Walk::Corrupt => false,
             };
         is_run.then_some(Resync::Messages)
     }
@@ -214,8 +214,8 @@ impl Look<'_> {
     fn follows(&self, at: usize) -> bool {
         match self.walk(at, RUN_BEHIND_MESSAGE) {
             Walk::Enough | Walk::End { .. } => true,
-            Walk::Cut { sound } => sound > 0,
-            Walk::Broken => false,
+            Walk::Truncated { sound } => sound > 0,
+            Walk::Corrupt => false,
         }
     }
 
@@ -226,18 +226,18 @@ impl Look<'_> {
             let Some(header) = Header::read(rest) else {
                 return match (self.is_closed, rest) {
                     (true, []) => Walk::End { sound },
-                    (true, _) => Walk::Cut { sound },
-                    (false, _) => Walk::Broken,
+                    (true, _) => Walk::Truncated { sound },
+                    (false, _) => Walk::Corrupt,
                 };
             };
             let Some(payload) = rest.get(HEADER..header.total()) else {
                 let is_cut = self.is_closed && header.is_believable();
-                return if is_cut { Walk::Cut { sound } } else { Walk::Broken };
+                return if is_cut { Walk::Truncated { sound } } else { Walk::Corrupt };
             };
             match self.looks(header, payload) {
                 Looks::Sound => sound += 1,
                 Looks::Possible => {}
-                Looks::Wrong => return Walk::Broken,
+                Looks::Wrong => return Walk::Corrupt,
             }
             if sound >= wanted {
                 return Walk::Enough;

@@ -2,7 +2,7 @@
 
 use crate::definitions::Definitions;
 use crate::flockwave::session::Exchange;
-use crate::model::{Findings, Place, Rule};
+use crate::model::{Findings, Location, Rule};
 use crate::rules::RuleContext;
 use crate::rules::flockwave::{Check, Message, RULES, SessionCheck, StatusReport};
 
@@ -70,10 +70,10 @@ impl<'d> Listeners<'d> {
     }
 
     /// Something is unreadable, and records may be missing.
-    pub(in crate::check) fn damage(&mut self, place: Place) {
+    pub(in crate::check) fn corruption(&mut self, location: Location) {
         for listener in &mut self.all {
             if let Running::Session(state) = &mut listener.running {
-                state.damage(place);
+                state.corruption(location);
             }
         }
     }
@@ -85,7 +85,7 @@ impl<'d> Listeners<'d> {
             if let Running::Session(state) = running {
                 state.end(&mut RuleContext { rule, definitions, findings: &mut *findings, coverage });
             }
-            findings.exercise(rule, *coverage);
+            findings.cover(rule, *coverage);
         }
     }
 }

@@ -32,7 +32,7 @@ const MAX_LINE: usize = 1 << 20;
 const MAX_ID: usize = 36;
 
 /// How many findings are counted of a report. Of a body with thousands of deviations not all are told.
-const MAX_BROKEN: u64 = 1_000;
+const MAX_VIOLATIONS: u64 = 1_000;
 
 /// How many fields states may have: a bit for each.
 const MAX_FIELDS: usize = 64;
@@ -101,7 +101,7 @@ type States<'l> = Vec<(Cow<'l, str>, Tree<'l>)>;
 impl<'d> Reports<'d> {
     /// Reads those of these definitions.
     pub(super) fn of(definitions: &'d Definitions) -> Self {
-        let members = definitions.shapes().members(TYPE, Direction::Notification, "status");
+        let members = definitions.defined_schemas().members(TYPE, Direction::Notification, "status");
         let fields = members.filter(|members| members.len() <= MAX_FIELDS).and_then(Fields::of);
         Self { fields, known: Known::of(definitions), kinds: Vec::new() }
     }
@@ -151,8 +151,8 @@ impl<'d> Reports<'d> {
     }
 
     /// Tells what came of all that was counted.
-    pub(super) fn tell(&self, findings: &mut Findings) {
-        self.known.tell(findings);
+    pub(super) fn report_counted(&self, findings: &mut Findings) {
+        self.known.report_counted(findings);
     }
 
     fn line<'l>(&mut self, tokens: &mut Tokens<'l>, findings: &Findings) -> Result<Line<'l>, Unclear> {
@@ -215,7 +215,7 @@ impl<'d> Reports<'d> {
             states.push((uav.into(), Tree::Object(members)));
             Ok(())
         })?;
-        if broken <= MAX_BROKEN { Ok(states) } else { Err(Unclear) }
+        if broken <= MAX_VIOLATIONS { Ok(states) } else { Err(Unclear) }
     }
 }
 
@@ -245,11 +245,11 @@ impl<'d> Fields<'d> {
             before = field;
             let fits = if field == self.id {
                 let id = plain(tokens)?;
-                id == uav && self.members.holds(field, &Token::Text(id.into()))
+                id == uav && self.members.accepts(field, &Token::Text(id.into()))
             } else if field == self.timestamp {
                 let value = tokens.integer().ok_or(Unclear)?.into();
                 timestamp = Some(value);
-                self.members.holds(field, &Token::Int(value))
+                self.members.accepts(field, &Token::Int(value))
             } else if tokens.takes_null() {
                 kind.nulls |= bit;
                 true

@@ -41,7 +41,7 @@ pub(super) struct Open {
     pub(super) key: Option<&'static str>,
     pub(super) messages: u64,
     /// How many bytes its messages take in memory, where a rule wants their values; otherwise none.
-    pub(super) kept: usize,
+    pub(super) num_bytes: usize,
     /// Where it was met first.
     pub(super) line: u64,
 }
@@ -133,7 +133,7 @@ pub(super) fn read(text: &str, channels: &Channels, plans: &Plans, values: &mut 
     let only = channels.only.and_then(|at| Some((at, channels.open[at].defined?)));
     let fast = match only {
         Some((at, (id, _))) => {
-            values.resize(channels.open[at].kept, 0);
+            values.resize(channels.open[at].num_bytes, 0);
             plans.read(id, &mut tokens, false, values).map(|clean| Fast::Clean(at, clean))
         }
         None => Envelope { channels, plans, values, is_published: false, channel: None, found: None }
@@ -193,7 +193,7 @@ impl Envelope<'_> {
     fn message(&mut self, at: usize, tokens: &mut Tokens<'_>) -> Result<(), Unclear> {
         let open = &self.channels.open[at];
         self.found = Some(if let Some((id, _)) = open.defined {
-            self.values.resize(open.kept, 0);
+            self.values.resize(open.num_bytes, 0);
             Fast::Clean(at, self.plans.read(id, tokens, self.is_published, self.values)?)
         } else {
             tokens.skip()?;

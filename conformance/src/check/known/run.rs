@@ -8,7 +8,7 @@ use crate::rules::RULES;
 /// What came of the rules in a file. Of equal findings, messages are looked at that stand for all.
 pub(crate) fn of_findings<'r>(file: &'r str, findings: &'r Findings) -> impl Iterator<Item = Checked<'r>> {
     let rules = RULES.iter().map(move |rule| {
-        let outcome = if findings.exercised(rule) > 0 { Outcome::Passed } else { Outcome::Idle };
+        let outcome = if findings.covered(rule) > 0 { Outcome::Passed } else { Outcome::Idle };
         Checked { name: Name::Rule { rule, subject: "", file }, outcome }
     });
     let groups = findings.groups().map(move |group| {

@@ -14,7 +14,7 @@ use crate::capture::input::zstd::{Frames, MAGIC as ZSTD};
 use crate::capture::mcap::Reader;
 use crate::check::timestamp_offset;
 use crate::definitions::Definitions;
-use crate::model::{Channel, Detail, Findings, Place, Rule, hexadecimal};
+use crate::model::{Channel, Detail, Findings, Location, Rule, hexadecimal};
 use crate::px4::memory::Plan;
 use crate::rules::px4;
 
@@ -42,7 +42,7 @@ enum Header {
 }
 
 /// How the messages of a channel are judged, and how many were.
-pub(super) struct CdrJudge {
+pub(super) struct CdrChecker {
     of: MessageId,
     /// What the file says that its messages are, where that isn't the definition.
     stated: Option<Rc<Stated>>,
@@ -58,7 +58,7 @@ pub(super) struct CdrJudge {
     others: u64,
 }
 
-impl CdrJudge {
+impl CdrChecker {
     pub(super) fn new(
         of: MessageId,
         stated: Option<Rc<Stated>>,
@@ -92,19 +92,19 @@ impl CdrJudge {
     }
 
     /// Judges a payload; nothing is returned where it can't be read.
-    pub(super) fn judge(
+    pub(super) fn check(
         &mut self,
         payload: &[u8],
         wants_values: bool,
         channel: &Channel<'_>,
-        place: Place,
+        location: Location,
         definitions: &Definitions,
         findings: &mut Findings,
     ) -> Option<Seen> {
         let definition = Some(definitions.schema.message(self.of).span);
         let mut report = |rule: &'static Rule, detail: Detail| {
             let excerpt = || detail.excerpt(hexadecimal(payload));
-            findings.report(rule, channel.topic, place, definition, excerpt);
+            findings.report(rule, channel.topic, location, definition, excerpt);
         };
         match self.header(payload) {
             Header::Plain => {}
@@ -131,7 +131,7 @@ impl CdrJudge {
             }
         };
         self.messages += 1;
-        self.plan.check(message.memory(), place, findings);
+        self.plan.check(message.memory(), location, findings);
         let memory = wants_values.then(|| message.memory().to_vec());
         Some(Seen { timestamp: self.timestamp_of(&message), memory })
     }
@@ -172,8 +172,8 @@ impl CdrJudge {
 
     /// Counts what was exercised; how many payloads were of other kinds of CDR.
     pub(super) fn close(self, findings: &mut Findings) -> u64 {
-        findings.exercise(&px4::CDR_01.rule, self.headers);
-        findings.exercise(&px4::CDR_02.rule, self.bodies);
+        findings.cover(&px4::CDR_01.rule, self.headers);
+        findings.cover(&px4::CDR_02.rule, self.bodies);
         self.plan.count(self.messages, findings);
         self.others
     }

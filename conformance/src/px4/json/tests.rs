@@ -6,10 +6,10 @@ use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, MessageId};
 use uavspec_codegen::{PackageInput, SourceMap, read};
 
-use super::{Plans, Template, Told};
+use super::{MessageOrigin, Plans, Template};
 use crate::definitions::Definitions;
 use crate::json::Tree;
-use crate::model::{Findings, Place};
+use crate::model::{Findings, Location};
 
 /// What stands for something else.
 const PIECES: [&str; 28] = [
@@ -50,8 +50,9 @@ fn agrees(plans: &Plans, id: MessageId, text: &str) -> Result<bool, TestCaseErro
         let mut findings = Findings::default();
         let is_explained = match Tree::read(text) {
             Ok(tree) => {
-                let told = Told { id, name: "m", place: Place::Line(1), key: None, is_rosbridge };
-                let (_, has_passed_over) = plans.explain_what_counts(told, &tree, &mut findings);
+                let origin =
+                    MessageOrigin { id, name: "m", location: Location::Line(1), key: None, is_rosbridge };
+                let (_, has_passed_over) = plans.explain_what_counts(origin, &tree, &mut findings);
                 // Read in one go, what isn't in use counts like all else.
                 findings.groups().next().is_none() && !has_passed_over
             }
@@ -84,8 +85,9 @@ fn bounds_of_sequences_and_strings_are_kept() {
         let id = MessageId(0);
         agrees(&plans, id, text).expect("both agree");
         let mut findings = Findings::default();
-        let told = Told { id, name: "m", place: Place::Line(1), key: None, is_rosbridge: true };
-        plans.explain(told, &Tree::read(text).expect("JSON"), &mut findings);
+        let origin =
+            MessageOrigin { id, name: "m", location: Location::Line(1), key: None, is_rosbridge: true };
+        plans.explain(origin, &Tree::read(text).expect("JSON"), &mut findings);
         findings
             .groups()
             .map(|group| format!("{} {}", group.subject, group.examples[0].1))
@@ -246,19 +248,19 @@ proptest! {
             let template = plans.read_text(id, &first, false, &mut []).is_ok().then(|| {
                 Template::of(plans, id, &first, None, size).expect("a usual way of writing")
             });
-            for (place, span, piece) in &changes {
+            for (location, span, piece) in &changes {
                 let places = pieces(&text);
                 if places.is_empty() {
                     break;
                 }
-                let from = place.index(places.len());
+                let from = location.index(places.len());
                 let to = (from + span).min(places.len() - 1);
                 text.replace_range(places[from]..places[to], piece);
             }
-            if let Some((place, letter)) = typo {
+            if let Some((location, letter)) = typo {
                 let places: Vec<usize> = text.char_indices().map(|(at, _)| at).collect();
                 if !places.is_empty() {
-                    text.insert(places[place.index(places.len())], letter);
+                    text.insert(places[location.index(places.len())], letter);
                 }
             }
             let is_clean = agrees(plans, id, &text)?;

@@ -85,7 +85,7 @@ impl Healthy {
 
     /// True if a value surely violates nothing.
     #[inline]
-    pub(super) fn holds(&self, value: &[u8]) -> bool {
+    pub(super) fn accepts(&self, value: &[u8]) -> bool {
         match self {
             Self::Bool => value[0] < 2,
             Self::Text => std::str::from_utf8(until_nul(value)).is_ok(),

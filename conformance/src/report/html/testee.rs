@@ -10,12 +10,12 @@ use crate::text::Grouped;
 const MAX_OPEN: usize = 8;
 
 /// How many failures are told at all; the JSON report has more.
-const MAX_TOLD: usize = 200;
+const MAX_LISTED_ITEMS: usize = 200;
 
 pub(super) fn section(testee: &Testee) -> Markup {
     let failures: Vec<&Case> = testee.cases.iter().filter(|case| case.verdict.is_failure()).collect();
     let (open, rest) = failures.split_at(failures.len().min(MAX_OPEN));
-    let told = &rest[..rest.len().min(MAX_TOLD)];
+    let told = &rest[..rest.len().min(MAX_LISTED_ITEMS)];
     html! {
         @if let Some(why) = &testee.gave_up { p.what { "The run ended early: " (shown(why)) } }
         (manners(testee))

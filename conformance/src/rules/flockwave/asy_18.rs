@@ -27,7 +27,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             make: || {
                 let cancel = json!({ "type": "ASYNC-CANCEL", "ids": ["rcpt-none"] });
                 let done = json!({ "type": "ASYNC-CANCEL", "success": ["rcpt-none"] });
-                mutant::over("tcp#9", |session| session.tries_and_hears(&RULE.rule, "", cancel, done))
+                mutant::over("tcp#9", |session| session.tries_and_receives(&RULE.rule, "", cancel, done))
             },
             also: &[],
         },

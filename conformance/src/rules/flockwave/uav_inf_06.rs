@@ -26,10 +26,10 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "the UAV has a state",
             make: || {
-                let asked = json!({ "type": "UAV-INF", "ids": ["nobody"] });
+                let request = json!({ "type": "UAV-INF", "ids": ["nobody"] });
                 let status = json!({ "nobody": { "id": "nobody", "timestamp": 1_790_000_000_000_u64 } });
                 let told = json!({ "type": "UAV-INF", "status": status });
-                mutant::over("tcp#9", |session| session.tries_and_hears(&RULE.rule, "", asked, told))
+                mutant::over("tcp#9", |session| session.tries_and_receives(&RULE.rule, "", request, told))
             },
             also: &[],
         },

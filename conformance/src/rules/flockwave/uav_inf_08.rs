@@ -48,7 +48,7 @@ impl Default for Latest {
 
 impl SessionCheck for Latest {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if !exchange.record.connection.is_told {
+        if !exchange.record.connection.is_ordered {
             return;
         }
         for (uav, state) in body::members(exchange.body_of("UAV-INF"), "status") {
@@ -59,7 +59,7 @@ impl SessionCheck for Latest {
     }
 
     fn status_report(&mut self, report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
-        if !report.connection().is_told {
+        if !report.connection().is_ordered {
             return;
         }
         for (uav, timestamp) in report.timestamps() {

@@ -24,7 +24,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             let message = |id: &str| {
                 format!(r#"{{"$fw.version":"1.0","id":"{id}","body":{{"type":"OBJ-DEL","ids":[]}}}}"#)
             };
-            mutant::over("udp#9", |session| session.says_raw(&["a", "b"].map(message).join("\n")))
+            mutant::over("udp#9", |session| session.send_raw(&["a", "b"].map(message).join("\n")))
         },
         also: &[],
     }],

@@ -67,7 +67,7 @@ impl<'t> Message<'t> {
     pub(super) fn deviates(&self, context: &mut RuleContext<'_>, field: &str, deviation: &Deviation) {
         let name = self.exchange.subject();
         let subject = if field.is_empty() { name } else { format!("{name}.{field}").into() };
-        context.violation_of(&subject, self.exchange.record.place, deviation.definition, || {
+        context.violation_of(&subject, self.exchange.record.location, deviation.definition, || {
             let Mismatch { path, expected, actual } = &deviation.mismatch;
             Detail::differs(expected, actual).at(path).excerpt(self.exchange.excerpt())
         });
@@ -129,6 +129,6 @@ impl<'t> StatusReport<'t> {
 impl Exchange<'_> {
     /// Reports that it violates the rule.
     pub(super) fn violates(&self, context: &mut RuleContext<'_>, detail: impl FnOnce() -> Detail) {
-        context.violation(&self.subject(), self.record.place, || detail().excerpt(self.excerpt()));
+        context.violation(&self.subject(), self.record.location, || detail().excerpt(self.excerpt()));
     }
 }

@@ -15,7 +15,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     check: Check::Value,
     mutants: &[Mutant {
         name: "a value that is not documented",
-        change: Change::Flight(|flight| flight.breaking(Broken::Enum)),
+        change: Change::Flight(|flight| flight.violating(Broken::Enum)),
         also: &[],
     }],
 };

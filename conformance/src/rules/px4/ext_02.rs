@@ -112,7 +112,7 @@ impl Listener for Registrations {
     }
 
     fn request(&mut self, _: &str, request: Request, context: &mut RuleContext<'_>) {
-        self.judge_suspects(request.id, context);
+        self.check_suspects(request.id, context);
         self.request_id = Some(request.id);
         self.is_masked = request.mask.is_some();
         self.look_for_the_beginning(&request);
@@ -120,7 +120,7 @@ impl Listener for Registrations {
         for reply in self.waiting.take().into_iter().filter(|_| self.whole == Whole::Yes) {
             context.covered();
             if matches!(self.known[usize::from(reply.registration_id)], Known::Nothing) {
-                tell(&reply, "was never given out", context);
+                report_violation(&reply, "was never given out", context);
             }
         }
     }
@@ -130,7 +130,7 @@ impl Listener for Registrations {
             self.whole = Whole::No;
         }
         if reply.registration_id > GREATEST {
-            return tell(&reply, "can't be given out", context);
+            return report_violation(&reply, "can't be given out", context);
         }
         match self.known[usize::from(reply.registration_id)] {
             Known::Given(_) => context.covered(),
@@ -141,7 +141,7 @@ impl Listener for Registrations {
                     return;
                 }
                 if self.is_masked {
-                    tell(&reply, LEFT, context);
+                    report_violation(&reply, LEFT, context);
                 } else {
                     self.suspect(reply);
                 }
@@ -236,7 +236,7 @@ impl Registrations {
     }
 
     /// Tells of those that didn't go on to answer until this request.
-    fn judge_suspects(&mut self, request_id: u8, context: &mut RuleContext<'_>) {
+    fn check_suspects(&mut self, request_id: u8, context: &mut RuleContext<'_>) {
         let is_next = self.request_id.is_some_and(|latest| latest.wrapping_add(1) == request_id);
         if !is_next {
             self.suspects.clear();
@@ -244,7 +244,7 @@ impl Registrations {
         self.suspects.retain(|reply| {
             let is_open = request_id.wrapping_sub(reply.request_id) < SEVERAL;
             if !is_open {
-                tell(reply, LEFT, context);
+                report_violation(reply, LEFT, context);
             }
             is_open
         });
@@ -254,9 +254,9 @@ impl Registrations {
 /// What is said of a reply of who has left.
 const LEFT: &str = "was given back before this was asked";
 
-fn tell(reply: &Reply, what: &str, context: &mut RuleContext<'_>) {
+fn report_violation(reply: &Reply, what: &str, context: &mut RuleContext<'_>) {
     let definition = context.field(reply.definition, "registration_id");
-    context.violation_of(&format!("{}.registration_id", reply.topic), reply.place, definition, || {
+    context.violation_of(&format!("{}.registration_id", reply.topic), reply.location, definition, || {
         let id = reply.registration_id;
         Detail::new(format!("{id} as the id of who answers, which {what}"))
             .expected("an id from RegisterExtComponentReply")

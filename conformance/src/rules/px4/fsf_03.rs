@@ -26,7 +26,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     check: Check::State(|| Box::new(Flags::default())),
     mutants: &[Mutant {
         name: "a flag is set that no mode requires",
-        change: Change::Flight(unasked),
+        change: Change::Flight(not_required),
         also: &[],
     }],
 };
@@ -71,7 +71,7 @@ impl Checker for Flags {
             context.covered();
             if is_set(flag) == Some(true) && is_set(requirement) == Some(false) {
                 let [flag, requirement] = [&fields.names[*flag], &fields.names[*requirement]];
-                context.violation_in_field(channel, flag, message.place, || {
+                context.violation_in_field(channel, flag, message.location, || {
                     Detail::new(format!("set, and {requirement} is 0: no mode requires it"))
                         .expected(format!("not set, or {requirement} other than 0"))
                         .actual("set")
@@ -114,7 +114,7 @@ fn is_of(flag: &str, required: &str) -> bool {
 }
 
 /// The last flags have one that is set without being required.
-fn unasked<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
+fn not_required<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
     let topic = flight.topic("FailsafeFlags")?;
     flight.with_last(topic, |flags| {
         flags["mode_req_attitude"] = 0.into();

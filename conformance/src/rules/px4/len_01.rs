@@ -15,7 +15,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     check: Check::Value,
     mutants: &[Mutant {
         name: "one entry more in use than the array has",
-        change: Change::Flight(|flight| flight.breaking(Broken::Count)),
+        change: Change::Flight(|flight| flight.violating(Broken::Count)),
         also: &[],
     }],
 };

@@ -15,7 +15,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     check: Check::Value,
     mutants: &[Mutant {
         name: "NaN without a meaning",
-        change: Change::Flight(|flight| flight.breaking(Broken::Nan)),
+        change: Change::Flight(|flight| flight.violating(Broken::Nan)),
         also: &[],
     }],
 };

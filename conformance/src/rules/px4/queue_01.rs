@@ -61,7 +61,7 @@ impl Checker for Bursts {
         context.covered();
         if burst.count == length.saturating_add(1) && length > DEFAULT {
             let definition = context.defined(channel.definition);
-            context.violation_of(channel.topic, message.place, definition, || {
+            context.violation_of(channel.topic, message.location, definition, || {
                 Detail::new(format!(
                     "more than {length} messages at {timestamp} µs, which is all that its queue holds"
                 ))

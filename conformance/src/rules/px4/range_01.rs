@@ -15,7 +15,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     check: Check::Value,
     mutants: &[Mutant {
         name: "a value out of its range",
-        change: Change::Flight(|flight| flight.breaking(Broken::Range)),
+        change: Change::Flight(|flight| flight.violating(Broken::Range)),
         also: &[],
     }],
 };

@@ -42,7 +42,7 @@ impl Checker for Times {
         };
         if timestamp < *latest && timestamp != 0 {
             let latest = *latest;
-            context.violation_in_field(channel, "timestamp", message.place, || {
+            context.violation_in_field(channel, "timestamp", message.location, || {
                 Detail::new(format!("timestamp is {timestamp}, and was {latest} before"))
                     .expected(format!("{latest} or later"))
                     .actual(timestamp.to_string())

@@ -1,7 +1,7 @@
 //! `PX-TIME-02`.
 
 use super::{
-    Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, PerChannel, Place, Px4Rule,
+    Change, Channel, Check, Checker, Detail, Interest, Level, Location, Message, Mutant, PerChannel, Px4Rule,
     Rule, RuleContext, Status,
 };
 use crate::rules::sample::Flight;
@@ -68,7 +68,7 @@ impl Checker for Gaps {
         context.covered();
         if pause > period.saturating_mul(PAUSE) && latest > self.excused_until {
             let definition = context.defined(channel.definition);
-            context.violation_of(channel.topic, message.place, definition, || {
+            context.violation_of(channel.topic, message.location, definition, || {
                 let (pause, most) = (time_text(pause), time_text(period.saturating_mul(PAUSE)));
                 let period = time_text(period);
                 Detail::new(format!("{pause} without a message, where one comes each {period}"))
@@ -78,7 +78,7 @@ impl Checker for Gaps {
         }
     }
 
-    fn dropout(&mut self, milliseconds: u16, _: Place) {
+    fn dropout(&mut self, milliseconds: u16, _: Location) {
         let reach = u64::from(milliseconds) * 1000 + NEARBY;
         self.excused_until = self.now.saturating_add(reach);
     }

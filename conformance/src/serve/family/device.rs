@@ -107,7 +107,7 @@ fn unsubscribe(hub: &mut Hub, session: SessionId, request: dev_unsub::Request) -
             });
             if is_for_all || left == 0 {
                 session.subscriptions.remove(&path);
-                session.told.remove(&path);
+                session.last_sent.remove(&path);
             }
             outcomes.put(path, Ok(()));
         }

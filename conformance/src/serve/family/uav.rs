@@ -161,13 +161,13 @@ fn reach<T>(
     hub: &mut Hub,
     session: SessionId,
     id: &str,
-    tell: impl FnOnce(&mut Uav) -> Result<T, String>,
+    apply: impl FnOnce(&mut Uav) -> Result<T, String>,
 ) -> Result<Outcome<T>, String> {
     let uav = hub.uav(id).ok_or_else(no_such)?;
     if uav.is_sleeping() {
         return hub.start(session, Operation::unanswered).map(Outcome::Receipt);
     }
-    tell(uav).map(Outcome::Value)
+    apply(uav).map(Outcome::Value)
 }
 
 /// Starts an operation of each UAV that can be told to.
@@ -175,10 +175,10 @@ fn start_each(
     hub: &mut Hub,
     session: SessionId,
     ids: Vec<ObjectId>,
-    tell: impl Fn(&mut Uav) -> Result<(), String>,
+    apply: impl Fn(&mut Uav) -> Result<(), String>,
     operation: impl Fn(String) -> Operation,
 ) -> Obeyed {
-    Outcomes::of(ids, |id| match reach(hub, session, id, &tell)? {
+    Outcomes::of(ids, |id| match reach(hub, session, id, &apply)? {
         Outcome::Value(()) => hub.start(session, &operation).map(Outcome::Receipt),
         Outcome::Receipt(receipt) => Ok(Outcome::Receipt(receipt)),
     })
@@ -197,24 +197,24 @@ fn examine(
 }
 
 fn restart(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>, is_whole: bool) -> Obeyed {
-    let tell = |uav: &mut Uav| {
+    let apply = |uav: &mut Uav| {
         if is_whole {
             uav.command(Command::Restart)
         } else {
             Err("it has no components that can be restarted".to_owned())
         }
     };
-    start_each(hub, session, ids, tell, |receipt| Operation::lasting(receipt, RESTART, json!(true)))
+    start_each(hub, session, ids, apply, |receipt| Operation::lasting(receipt, RESTART, json!(true)))
 }
 
 /// Gives a command that UAVs confirm at once.
 fn obey(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>, command: Command) -> Obeyed {
     // A UAV that sleeps hears these all the same.
     let is_always_heard = matches!(command, Command::Sleep | Command::WakeUp);
-    let tell = |uav: &mut Uav| uav.command(command).map(|()| true);
+    let apply = |uav: &mut Uav| uav.command(command).map(|()| true);
     Outcomes::of(ids, |id| match hub.uav(id) {
-        Some(uav) if is_always_heard => tell(uav).map(Outcome::Value),
-        _ => reach(hub, session, id, tell),
+        Some(uav) if is_always_heard => apply(uav).map(Outcome::Value),
+        _ => reach(hub, session, id, apply),
     })
 }
 

@@ -53,7 +53,7 @@ pub(super) fn converse(shared: &Arc<Shared>, mut stream: TcpStream) -> io::Resul
     let taken = Arc::clone(&outbox);
     let writer = thread::spawn(move || write(own, &taken));
     let sink = LineSink { outbox: Arc::clone(&outbox), is_spread: shared.has_bug(&tcp_01::RULE) };
-    let id = shared.open(Manner::Standing, Arc::new(sink));
+    let id = shared.open(Manner::Persistent, Arc::new(sink));
     let ending = read(shared, id, &mut stream, &writer);
     shared.close(id);
     // What was asked before the client had said all is still answered.

@@ -59,7 +59,7 @@ fn shortened(long: &str) -> Option<String> {
 
 struct Peer {
     session: SessionId,
-    heard: Instant,
+    last_received: Instant,
 }
 
 /// Serves all clients until the server ends.
@@ -96,7 +96,7 @@ fn session(
     client: SocketAddr,
 ) -> Option<SessionId> {
     if let Some(peer) = peers.get_mut(&client) {
-        peer.heard = Instant::now();
+        peer.last_received = Instant::now();
         return Some(peer.session);
     }
     if peers.len() >= CLIENT_LIMIT {
@@ -109,13 +109,13 @@ fn session(
     let is_doubling = shared.has_bug(&udp_01::RULE);
     let sink = DatagramSink { socket: socket.try_clone().ok()?, client: answered, is_doubling };
     let session = shared.open(Manner::Datagrams, Arc::new(sink));
-    peers.insert(client, Peer { session, heard: Instant::now() });
+    peers.insert(client, Peer { session, last_received: Instant::now() });
     Some(session)
 }
 
 fn drop_silent(shared: &Shared, peers: &mut BTreeMap<SocketAddr, Peer>) {
     peers.retain(|_, peer| {
-        let is_there = peer.heard.elapsed() < PATIENCE;
+        let is_there = peer.last_received.elapsed() < PATIENCE;
         if !is_there {
             shared.close(peer.session);
         }

@@ -84,15 +84,15 @@ pub(super) const ONLY_ANSWERS: Check = Check {
 fn answers_have_ids(bench: &mut Bench<'_>) -> Manner {
     bench.attempt(|bench, session| {
         for case in several(bench)? {
-            session.ask(case);
+            session.send_case(case);
         }
-        let heard = session.hear();
+        let received = session.receive();
         // An answer may come late. How it ends is for another check.
         let _ = session.part();
-        match session.heard().foreign {
+        match session.received().foreign {
             Some(id) => Err(format!("an answer to id {id}, which no question has")),
             // One that lacks its id is seen as no answer, so none may be missing.
-            None => heard,
+            None => received,
         }
     })
 }
@@ -100,12 +100,12 @@ fn answers_have_ids(bench: &mut Bench<'_>) -> Manner {
 fn one_answer_each(bench: &mut Bench<'_>) -> Manner {
     bench.attempt(|bench, session| {
         for case in several(bench)? {
-            session.ask(case);
+            session.send_case(case);
         }
-        session.hear()?;
+        session.receive()?;
         // A second answer may come late. How it ends is for another check.
         let _ = session.part();
-        match session.heard().repeated {
+        match session.received().repeated {
             Some(id) => Err(format!("more than one answer to id {id}")),
             None => Ok(()),
         }
@@ -119,7 +119,7 @@ fn ids_of_any_size(bench: &mut Bench<'_>) -> Manner {
             let mut question = case.request(0);
             question["id"] = id.into();
             session.send(id, &question);
-            session.hear().map_err(|wrong| match session.heard().foreign {
+            session.receive().map_err(|wrong| match session.received().foreign {
                 Some(other) => format!("a question with id {id} is answered as {other}"),
                 None => wrong,
             })?;
@@ -138,7 +138,7 @@ fn questions_in_one_write(bench: &mut Bench<'_>) -> Manner {
             lines.push('\n');
         }
         session.send_bytes(lines.into_bytes());
-        session.hear()
+        session.receive()
     })
 }
 
@@ -153,7 +153,7 @@ fn question_in_many_writes(bench: &mut Bench<'_>) -> Manner {
         let text = format!("{question}\n{other}\n");
         let (text, end) = text.as_bytes().split_at(text.len() - 1);
         session.send_parts(text.chunks(text.len().div_ceil(7)).chain([end]));
-        session.hear()
+        session.receive()
     })
 }
 
@@ -170,13 +170,13 @@ fn long_question(bench: &mut Bench<'_>) -> Manner {
         };
         question[member] = long;
         session.send(id, &question);
-        session.hear()?;
+        session.receive()?;
         session.survive(bench.plain_case()?)
     })
 }
 
 fn only_answers(bench: &mut Bench<'_>) -> Manner {
-    bench.strays.told().map_or(Manner::Good, Manner::Bad)
+    bench.strays.summary().map_or(Manner::Good, Manner::Bad)
 }
 
 /// Cases to ask at once: such as the testee knows, where there are any, and again from the first where they are few.

@@ -92,7 +92,7 @@ fn second_hello(bench: &mut Bench<'_>) -> Manner {
         session.send_hello();
         session.survive(case)?;
         let first = bench.introduced.as_ref().map(|(hello, _)| hello);
-        match session.heard().hellos.iter().find(|line| Hello::read(line).ok().as_ref() != first) {
+        match session.received().hellos.iter().find(|line| Hello::read(line).ok().as_ref() != first) {
             Some(line) => Err(format!("the second hello says something else: {}", excerpt(line))),
             None => Ok(()),
         }

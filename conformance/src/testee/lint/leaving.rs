@@ -23,7 +23,7 @@ fn answers_before_end(bench: &mut Bench<'_>) -> Manner {
     bench.attempt(|bench, session| {
         let case = bench.plain_case()?;
         for _ in 0..SEVERAL {
-            session.ask(case);
+            session.send_case(case);
         }
         // How it ends is for another check.
         let _ = session.part();

@@ -53,18 +53,18 @@ fn tagged(bench: &mut Bench<'_>, tags: &[&str]) -> Manner {
     }
     bench.attempt(|_, session| {
         for (case, wanted) in &decoded {
-            let id = session.ask(case);
-            session.hear()?;
+            let id = session.send_case(case);
+            session.receive()?;
             // Whether it decodes at all is for `uavspec test`.
             if let Some(Answer::Ok(actual)) = session.answer(id)
-                && let Some(place) = untagged(wanted, actual, tags, "")
+                && let Some(location) = untagged(wanted, actual, tags, "")
             {
-                return Err(format!("{} gives {place}", case.name()));
+                return Err(format!("{} gives {location}", case.name()));
             }
         }
         for case in &sent {
-            let id = session.ask(case);
-            session.hear()?;
+            let id = session.send_case(case);
+            session.receive()?;
             if let Some(Answer::Rejected(reason) | Answer::Error(reason)) = session.answer(id) {
                 return Err(format!("{} is not understood: {reason}", case.name()));
             }

@@ -101,7 +101,7 @@ fn refuses(
             Some(value) => format!("{} with \"{member}\":{value}", case.action()),
             None => format!("{} without \"{member}\"", case.action()),
         };
-        session.hear().map_err(|wrong| format!("{what}: {wrong}"))?;
+        session.receive().map_err(|wrong| format!("{what}: {wrong}"))?;
         let wrong = match session.answer(id) {
             Some(Answer::Ok(_)) => "ok",
             Some(Answer::Rejected(_)) => "rejected",

@@ -112,9 +112,9 @@ fn entries_that_are_not_in_use_are_ignored() {
         // A count that makes no sense says nothing of what is in use.
         ((4, [10; 4]), -1, [knot, (1, [0; 3], 1)], "knots[1].turns[0]"),
     ] {
-        let judgement = judge_tow(ropes, num_knots, knots);
+        let result = judge_tow(ropes, num_knots, knots);
         let paths: Vec<&str> =
-            judgement.findings.groups().map(|group| group.examples[0].1.path.as_str()).collect();
+            result.findings.groups().map(|group| group.examples[0].1.path.as_str()).collect();
         let expected: &[&str] = if path.is_empty() { &[] } else { &[path] };
         assert_eq!(paths, expected, "{ropes:?} {num_knots} {knots:?}");
     }

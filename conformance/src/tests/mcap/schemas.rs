@@ -2,25 +2,25 @@
 
 use std::fs;
 
-use crate::check::{Basis, CaptureResult, Standing, Summary, check_mcap};
+use crate::check::{Basis, CaptureResult, CheckStatus, Summary, check_mcap};
 use crate::definitions::Definitions;
 use crate::px4::comparison::Differences;
 use serde_json::{Value, json};
 
 use super::file::{channel, file, message, schema};
-use super::{GLIDER, Glider, PERIOD, broken, damages, equal, good, judged, ros, ros2msg, source};
+use super::{GLIDER, Glider, PERIOD, broken, checked, corrupt_count, equal, good, ros, ros2msg, source};
 use crate::tests::support::shared;
 
 /// What the only channel of a file is judged by.
-fn basis(judgement: &CaptureResult) -> &Basis {
-    match &source(judgement).channels[0].standing {
-        Standing::Judged(basis) => basis,
+fn basis(result: &CaptureResult) -> &Basis {
+    match &source(result).channels[0].status {
+        CheckStatus::Checked(basis) => basis,
         other => panic!("{other:?}"),
     }
 }
 
-fn differences(judgement: &CaptureResult) -> &Differences {
-    source(judgement).channels[0].standing.differences().expect("the schema differs")
+fn differences(result: &CaptureResult) -> &Differences {
+    source(result).channels[0].status.differences().expect("the schema differs")
 }
 
 /// Gliders whose schema has another field before the others.
@@ -44,21 +44,21 @@ fn longer(change: impl Fn(&mut Glider)) -> Vec<u8> {
 
 #[test]
 fn what_differs_is_read_by_its_own_schema_and_judged_where_it_agrees() {
-    let judgement = judged(&longer(|_| ()));
+    let result = checked(&longer(|_| ()));
     let said = "glider: it also has number (uint64); its hash is another, too".to_owned();
-    assert_eq!(broken(&judgement), [("PX-FMT-01", said.clone())], "the hash is part of the difference");
-    assert_eq!((judgement.judged, judgement.duration, damages(&judgement)), (60, 59 * PERIOD, vec![]));
-    let found = differences(&judgement);
+    assert_eq!(broken(&result), [("PX-FMT-01", said.clone())], "the hash is part of the difference");
+    assert_eq!((result.checked, result.duration, corrupt_count(&result)), (60, 59 * PERIOD, vec![]));
+    let found = differences(&result);
     assert_eq!(found.extra, ["number (uint64)"]);
-    assert!(source(&judgement).channels[0].has_other_hash);
+    assert!(source(&result).channels[0].has_other_hash);
 
-    let judgement = judged(&longer(|glider| {
+    let result = checked(&longer(|glider| {
         glider.speed = 61.0;
         glider.is_landed = 7;
         glider.name = [255; 4];
         glider.heights[2] = -501;
     }));
-    let ids: Vec<(&str, String)> = broken(&judgement);
+    let ids: Vec<(&str, String)> = broken(&result);
     let expected = [
         ("PX-BOOL-01", "glider.is_landed: 7 where a bool is 0 or 1"),
         ("PX-FMT-01", said.as_str()),
@@ -81,7 +81,7 @@ fn a_count_is_held_to_the_array_that_the_schema_has() {
             channel(3, 1, "/glider", "cdr", &[]),
             message(3, &payload),
         ];
-        let found = broken(&judged(&file(&records.concat())));
+        let found = broken(&checked(&file(&records.concat())));
         let found: Vec<_> = found.into_iter().filter(|(rule, _)| *rule != "PX-FMT-01").collect();
         let said =
             ("PX-LEN-01", format!("glider.num_marks: {num_marks} entries in use of an array of {marks}"));
@@ -117,7 +117,7 @@ fn a_topic_has_the_version_of_its_own_schema() {
             channel(3, 1, topic, "cdr", &[]),
             message(3, &good().cdr()),
         ];
-        let found = broken(&judged(&file(&records.concat())));
+        let found = broken(&checked(&file(&records.concat())));
         let expected = if said.is_empty() { vec![] } else { vec![("PX-VER-01", said.to_owned())] };
         assert_eq!(found, expected, "{topic} {text}");
     }
@@ -128,7 +128,7 @@ fn the_order_of_fields_counts_and_comments_and_constants_do_not() {
     let (name, _) = ros("Glider");
     let with = |text: &str| {
         let records = [schema(1, &name, "ros2msg", text.as_bytes()), channel(3, 1, "/glider", "cdr", &[])];
-        judged(&file(&records.concat()))
+        checked(&file(&records.concat()))
     };
     let swapped = GLIDER
         .replace("uint8 mode ", "uint8 n ")
@@ -168,14 +168,11 @@ fn what_cannot_be_compared_is_judged_by_its_name() {
             channel(3, 1, "/any", "cdr", &[]),
             message(3, &Glider { is_landed: 2, ..good() }.cdr()),
         ];
-        let judgement = judged(&file(&records.concat()));
-        let problem = basis(&judgement).problem().expect("it can't be compared");
+        let result = checked(&file(&records.concat()));
+        let problem = basis(&result).problem().expect("it can't be compared");
         assert!(problem.starts_with(expected), "{problem}");
-        assert_eq!(
-            broken(&judgement),
-            [("PX-BOOL-01", "any.is_landed: 2 where a bool is 0 or 1".to_owned())]
-        );
-        assert_eq!(judgement.judged, 1);
+        assert_eq!(broken(&result), [("PX-BOOL-01", "any.is_landed: 2 where a bool is 0 or 1".to_owned())]);
+        assert_eq!(result.checked, 1);
     }
 }
 
@@ -185,7 +182,7 @@ fn schemas_of_json_are_compared_where_they_say_something() {
     let with = |schema_text: &str| {
         let records =
             [schema(1, &name, "jsonschema", schema_text.as_bytes()), channel(3, 1, "/x", "json", &[])];
-        judged(&file(&records.concat()))
+        checked(&file(&records.concat()))
     };
     let mark = json!({"type": "object", "properties": {"timestamp": {"type": "integer"}, "height": {"type": "number"}}});
     let text = json!({"$ref": "#/$defs/glider", "$defs": {"mark": mark, "glider": {"properties": {
@@ -214,9 +211,9 @@ fn schemas_of_json_are_compared_where_they_say_something() {
     let mut partly = text.clone();
     partly["$defs"]["glider"]["required"] =
         json!(["timestamp", "speed", "flaps", "mode", "num_marks", "marks", "name"]);
-    let judgement = with(&partly.to_string());
-    assert_eq!(differences(&judgement).optional, ["is_landed"]);
-    assert_eq!(broken(&judgement), [("PX-FMT-01", "x: it doesn't require is_landed".to_owned())]);
+    let result = with(&partly.to_string());
+    assert_eq!(differences(&result).optional, ["is_landed"]);
+    assert_eq!(broken(&result), [("PX-FMT-01", "x: it doesn't require is_landed".to_owned())]);
 
     for nothing in ["{}", r#"{"type": "object"}"#, "true", "[]", "7", r##"{"$ref": "#"}"##] {
         assert_eq!(basis(&with(nothing)), &Basis::NoSchema, "{nothing}");
@@ -258,11 +255,11 @@ fn definitions_of_real_releases_equal_themselves() {
                 schema(1, &format!("px4_msgs/msg/{name}"), "ros2msg", format!("{text}\n{others}").as_bytes()),
                 channel(1, 1, "/any", "cdr", &[]),
             ];
-            let judgement = check_mcap(&file(&records.concat())[..], &definitions);
-            let Summary::Mcap(found) = &judgement.summary else { panic!("MCAP") };
-            let standing = &found.channels[0].standing;
-            let is_equal = *standing == Standing::Judged(equal());
-            assert!(is_equal || *standing == Standing::Undefined, "{release} {name}: {standing:?}");
+            let result = check_mcap(&file(&records.concat())[..], &definitions);
+            let Summary::Mcap(found) = &result.summary else { panic!("MCAP") };
+            let standing = &found.channels[0].status;
+            let is_equal = *standing == CheckStatus::Checked(equal());
+            assert!(is_equal || *standing == CheckStatus::Undefined, "{release} {name}: {standing:?}");
             compared += usize::from(is_equal);
         }
     }

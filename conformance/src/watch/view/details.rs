@@ -16,9 +16,9 @@ const INDENT: usize = 13;
 pub(super) fn lines(scene: &Scene<'_>, id: &str, width: usize) -> Vec<Line<'static>> {
     let Some(uav) = scene.fleet.get(id) else { return vec![Line::raw(format!("{} is gone", shown_id(id)))] };
     let mut lines = vec![Line::styled(shown_id(id), scene.theme().title())];
-    let heard = age(scene.fleet.age(uav, scene.now));
+    let received = age(scene.fleet.age(uav, scene.now));
     let mut fields =
-        vec![("heard of", if heard == ABSENT { "never".to_owned() } else { format!("{heard} ago") })];
+        vec![("heard of", if received == ABSENT { "never".to_owned() } else { format!("{received} ago") })];
     fields.extend(uav.refusal.iter().map(|reason| ("refused", reason.clone())));
     if let Some(state) = &uav.state {
         fields.extend(values(state, id));
@@ -30,7 +30,7 @@ pub(super) fn lines(scene: &Scene<'_>, id: &str, width: usize) -> Vec<Line<'stat
     }
     if let Some(state) = &uav.state {
         match &state.errors {
-            Field::Known(errors) => lines.extend(errors_told(scene, errors, width)),
+            Field::Known(errors) => lines.extend(describe_errors(scene, errors, width)),
             other => lines.extend(labelled("errors", &field(other, |_| String::new()), width)),
         }
     }
@@ -147,7 +147,7 @@ fn signals(values: &[Field<i64>]) -> String {
 }
 
 /// Each error code with all that is known of it.
-fn errors_told(scene: &Scene<'_>, errors: &Errors, width: usize) -> Vec<Line<'static>> {
+fn describe_errors(scene: &Scene<'_>, errors: &Errors, width: usize) -> Vec<Line<'static>> {
     let mut lines = Vec::new();
     if errors.codes.is_empty() && errors.odd == 0 {
         lines.extend(labelled("errors", "none", width));

@@ -206,7 +206,7 @@ fn errors<'c>(scene: &Scene<'_>, uav: &Uav) -> Line<'c> {
 }
 
 /// An error code with all that is to be known of it on one line.
-pub(super) fn told<'l>(scene: &Scene<'_>, code: u32) -> Line<'l> {
+pub(super) fn describe_code<'l>(scene: &Scene<'_>, code: u32) -> Line<'l> {
     let severity = Severity::of(code);
     let name = Span::styled(
         format!("{:<7} {}", severity_name(severity), scene.codes.named(code)),

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use uavspec_codegen::dynamic::{DynamicMessage, Error, MessageType, Types};
 use uavspec_codegen::schema::{Message, Schema};
-use uavspec_conformance::body_schema::Shapes;
+use uavspec_conformance::body_schema::DefinedSchemas;
 use uavspec_conformance::json::Tree;
 use uavspec_conformance::testee::{PROTOCOL, from_base64, from_wire, to_base64, to_wire};
 use uavspec_runtime::cdr::ByteOrder;
@@ -30,7 +30,7 @@ pub(crate) struct Codec<'s> {
     /// Their types.
     pub(crate) types: &'s Types,
     /// The shapes of what is JSON by definition.
-    pub(crate) shapes: &'s Shapes,
+    pub(crate) body_schemas: &'s DefinedSchemas,
 }
 
 impl Codec<'_> {
@@ -38,7 +38,7 @@ impl Codec<'_> {
         let messages = self.types.iter().map(|message| format!("{}/{}", message.package(), message.name()));
         let types: Vec<String> = messages
             .chain([CODE.to_owned(), LIST.to_owned()])
-            .chain(self.shapes.names().map(str::to_owned))
+            .chain(self.body_schemas.names().map(str::to_owned))
             .collect();
         let ops = ["decode", "encode", "roundtrip", "validate", "severity", "hash", "layout"];
         json!({
@@ -71,7 +71,9 @@ impl Codec<'_> {
                 let code = Self::code(value_of(question)?)?;
                 json!({ "class": ErrorClass::of(code).name(), "severity": Severity::of(code).name() })
             }
-            (_, "validate") if self.shapes.has_shape(name) => self.shaped(name, value_of(question)?)?,
+            (_, "validate") if self.body_schemas.has_schema(name) => {
+                self.check_body(name, value_of(question)?)?
+            }
             (LIST, "validate") => self.list(value_of(question)?).map(|()| Value::Null)?,
             _ => {
                 let (message, of) = self.find(name).ok_or(Wrong::Unknown)?;
@@ -89,10 +91,10 @@ impl Codec<'_> {
     }
 
     /// Whether a value has the shape of this name.
-    fn shaped(&self, name: &str, value: &Value) -> Result<Value, Wrong> {
+    fn check_body(&self, name: &str, value: &Value) -> Result<Value, Wrong> {
         let text = from_wire(value).to_string();
         let tree = Tree::read(&text).map_err(|error| Wrong::Input(error.to_string()))?;
-        match self.shapes.mismatch(name, &tree).flatten() {
+        match self.body_schemas.mismatch(name, &tree).flatten() {
             None => Ok(Value::Null),
             Some(found) => Err(Wrong::Input(format!(
                 "{}: expected {}, found {}",

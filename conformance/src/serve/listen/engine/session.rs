@@ -35,8 +35,8 @@ struct State {
     joined: Option<SessionId>,
     /// Whether it takes no more messages: where it has that bug.
     is_deaf: bool,
-    heard: Instant,
-    asked: Instant,
+    last_received: Instant,
+    last_ping: Instant,
 }
 
 /// Puts messages into packets.
@@ -68,7 +68,7 @@ impl Drop for Poll<'_> {
     fn drop(&mut self) {
         self.0.is_polled.store(false, Ordering::Release);
         // While it was open, the client could not have asked for anything else.
-        self.0.state().heard = Instant::now();
+        self.0.state().last_received = Instant::now();
     }
 }
 
@@ -84,7 +84,7 @@ impl Session {
             outbox: Arc::default(),
             is_upgraded: AtomicBool::new(false),
             is_polled: AtomicBool::new(false),
-            state: Mutex::new(State { joined: None, is_deaf: false, heard: now, asked: now }),
+            state: Mutex::new(State { joined: None, is_deaf: false, last_received: now, last_ping: now }),
         };
         let opening = json!({
             "sid": sid,
@@ -122,7 +122,7 @@ impl Session {
 
     /// Takes the place of the one poll that may be open.
     pub(super) fn start_poll(&self) -> Option<Poll<'_>> {
-        self.state().heard = Instant::now();
+        self.state().last_received = Instant::now();
         (!self.is_polled.swap(true, Ordering::AcqRel)).then(|| Poll(self))
     }
 
@@ -134,16 +134,16 @@ impl Session {
     /// Asks for a sign of life where it is time; whether the session is still there.
     pub(super) fn tend(&self) -> bool {
         let mut state = self.state();
-        if self.revision == Revision::Four && state.asked.elapsed() >= PING_INTERVAL {
-            state.asked = Instant::now();
+        if self.revision == Revision::Four && state.last_ping.elapsed() >= PING_INTERVAL {
+            state.last_ping = Instant::now();
             push(&self.outbox, Kind::Ping, String::new());
         }
-        state.heard.elapsed() < PING_INTERVAL + PING_TIMEOUT
+        state.last_received.elapsed() < PING_INTERVAL + PING_TIMEOUT
     }
 
     /// Takes a packet of the client.
     pub(super) fn take(&self, shared: &Shared, packet: Packet) {
-        self.state().heard = Instant::now();
+        self.state().last_received = Instant::now();
         match packet.kind {
             Kind::Ping => push(&self.outbox, Kind::Pong, packet.data),
             Kind::Close => self.end(shared),
@@ -207,7 +207,7 @@ impl Session {
         if state.joined.is_none() {
             let event = if shared.has_bug(&sio_01::RULE) { "flockwave" } else { socketio::EVENT };
             let sink = PacketSink { outbox: Arc::clone(&self.outbox), event };
-            state.joined = Some(shared.open(Manner::Standing, Arc::new(sink)));
+            state.joined = Some(shared.open(Manner::Persistent, Arc::new(sink)));
         }
     }
 

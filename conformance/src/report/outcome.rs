@@ -8,9 +8,10 @@ use crate::model::Extent;
 /// What something comes to.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct Conclusion {
+pub struct Outcome {
     /// In a word.
-    pub outcome: Outcome,
+    #[serde(rename = "outcome")]
+    pub kind: OutcomeKind,
     /// The exit status that says so.
     pub status: u8,
     /// In a sentence.
@@ -23,7 +24,7 @@ pub struct Conclusion {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
-pub enum Outcome {
+pub enum OutcomeKind {
     /// Nothing breaks a rule that binds.
     Conforms,
     /// Nothing was there to judge.
@@ -34,81 +35,83 @@ pub enum Outcome {
     Stale,
     /// Something breaks a rule that binds.
     #[serde(rename = "does not conform")]
-    Breaks,
+    DoesNotConform,
     /// A file can't be read, or the testee broke.
-    Broken,
+    #[serde(rename = "broken")]
+    Incomplete,
 }
 
-impl Outcome {
+impl OutcomeKind {
     /// The exit status that says so.
     pub const fn status(self) -> u8 {
         match self {
             Self::Conforms => 0,
-            Self::Breaks => 1,
-            Self::Broken => 3,
+            Self::DoesNotConform => 1,
+            Self::Incomplete => 3,
             Self::Stale => 4,
             Self::Nothing => 5,
         }
     }
 }
 
-impl Conclusion {
+impl Outcome {
     /// One without remarks.
-    pub(crate) fn new(outcome: Outcome, text: impl Into<String>) -> Self {
-        Self { outcome, status: outcome.status(), text: text.into(), remarks: Vec::new() }
+    pub(crate) fn new(kind: OutcomeKind, text: impl Into<String>) -> Self {
+        Self { kind, status: kind.status(), text: text.into(), remarks: Vec::new() }
     }
 
     /// Of a source, by how many of its rules are broken and warned of.
-    pub(super) fn of_capture(judged: u64, failed: usize, warned: usize, remarks: Vec<String>) -> Self {
-        let conclusion = match (failed, warned) {
-            (0, _) if judged == 0 => Self::new(Outcome::Nothing, "Nothing was judged"),
-            (0, 0) => Self::new(Outcome::Conforms, "Conforms"),
-            (0, _) => Self::new(Outcome::Conforms, format!("Conforms, with {}", to_look_at(warned))),
-            _ => Self::new(Outcome::Breaks, format!("Does not conform: {}", broken(failed))),
+    pub(super) fn for_capture(checked: u64, failed: usize, warned: usize, remarks: Vec<String>) -> Self {
+        let outcome = match (failed, warned) {
+            (0, _) if checked == 0 => Self::new(OutcomeKind::Nothing, "Nothing was judged"),
+            (0, 0) => Self::new(OutcomeKind::Conforms, "Conforms"),
+            (0, _) => Self::new(OutcomeKind::Conforms, format!("Conforms, with {}", to_look_at(warned))),
+            _ => Self::new(OutcomeKind::DoesNotConform, format!("Does not conform: {}", violated(failed))),
         };
-        Self { remarks, ..conclusion }
+        Self { remarks, ..outcome }
     }
 
     /// The same of a source of which only so much could be read.
     #[must_use]
-    pub(super) fn read_so_far(self, extent: Extent) -> Self {
+    pub(super) fn with_extent(self, extent: Extent) -> Self {
         match extent {
             Extent::Whole => self,
             Extent::EndsEarly | Extent::WithGaps => {
                 Self { text: format!("{}, as far as it can be read", self.text), ..self }
             }
-            Extent::BrokenOff => {
+            Extent::Unreadable => {
                 let mut remarks = self.remarks;
                 remarks.insert(0, format!("{}, as far as it can be read", self.text));
-                Self { remarks, ..Self::new(Outcome::Broken, "Could not be read to its end") }
+                Self { remarks, ..Self::new(OutcomeKind::Incomplete, "Could not be read to its end") }
             }
         }
     }
 
     /// Of a testee, by how many of its cases failed and passed.
-    pub(super) fn of_testee(passed: u64, failed: u64, remarks: usize, gave_up: Option<&str>) -> Self {
+    pub(super) fn for_testee(passed: u64, failed: u64, remarks: usize, gave_up: Option<&str>) -> Self {
         let asked = passed + failed;
         match gave_up {
-            Some(why) => Self::new(Outcome::Broken, format!("The testee broke: {why}")),
-            None if failed > 0 => {
-                Self::new(Outcome::Breaks, format!("Does not conform: {failed} of {asked} cases failed"))
-            }
-            None if remarks > 0 => Self::new(Outcome::Breaks, "Does not keep to the protocol"),
-            None if passed == 0 => Self::new(Outcome::Nothing, "Nothing was checked"),
-            None => Self::new(Outcome::Conforms, "Conforms"),
+            Some(why) => Self::new(OutcomeKind::Incomplete, format!("The testee broke: {why}")),
+            None if failed > 0 => Self::new(
+                OutcomeKind::DoesNotConform,
+                format!("Does not conform: {failed} of {asked} cases failed"),
+            ),
+            None if remarks > 0 => Self::new(OutcomeKind::DoesNotConform, "Does not keep to the protocol"),
+            None if passed == 0 => Self::new(OutcomeKind::Nothing, "Nothing was checked"),
+            None => Self::new(OutcomeKind::Conforms, "Conforms"),
         }
     }
 
     /// Of a whole run.
-    pub(super) fn of_all(
+    pub(super) fn for_run(
         action: Action,
         subjects: &[Subject],
         unreadable: &[Unreadable],
         remarks: Vec<String>,
     ) -> Self {
-        let mut conclusion = Self::of_subjects(subjects);
-        if !remarks.is_empty() && conclusion.outcome < Outcome::Breaks {
-            conclusion = Self::new(Outcome::Breaks, "Does not conform");
+        let mut outcome = Self::for_subjects(subjects);
+        if !remarks.is_empty() && outcome.kind < OutcomeKind::DoesNotConform {
+            outcome = Self::new(OutcomeKind::DoesNotConform, "Does not conform");
         }
         if !unreadable.is_empty() {
             let text = match (action, unreadable.len()) {
@@ -116,27 +119,25 @@ impl Conclusion {
                 (_, 1) => "One file could not be read".to_owned(),
                 (_, count) => format!("{count} files could not be read"),
             };
-            let rest = if subjects.is_empty() { Vec::new() } else { vec![conclusion.text] };
-            conclusion = Self { remarks: rest, ..Self::new(Outcome::Broken, text) };
+            let rest = if subjects.is_empty() { Vec::new() } else { vec![outcome.text] };
+            outcome = Self { remarks: rest, ..Self::new(OutcomeKind::Incomplete, text) };
         }
-        conclusion.remarks.extend(remarks);
-        conclusion
+        outcome.remarks.extend(remarks);
+        outcome
     }
 
-    fn of_subjects(subjects: &[Subject]) -> Self {
+    fn for_subjects(subjects: &[Subject]) -> Self {
         if let [only] = subjects {
-            return only.conclusion.clone();
+            return only.outcome.clone();
         }
         let mut told = Vec::new();
         for subject in subjects {
-            told.extend(
-                subject.conclusion.remarks.iter().map(|remark| format!("{}: {remark}", subject.path)),
-            );
+            told.extend(subject.outcome.remarks.iter().map(|remark| format!("{}: {remark}", subject.path)));
         }
-        let outcomes = subjects.iter().map(|subject| subject.conclusion.outcome);
+        let outcomes = subjects.iter().map(|subject| subject.outcome.kind);
         // That one of several has nothing to judge says nothing of the others.
-        let worst = outcomes.clone().filter(|outcome| *outcome != Outcome::Nothing).max();
-        let Some(worst) = worst else { return Self::new(Outcome::Nothing, "Nothing was judged") };
+        let worst = outcomes.clone().filter(|outcome| *outcome != OutcomeKind::Nothing).max();
+        let Some(worst) = worst else { return Self::new(OutcomeKind::Nothing, "Nothing was judged") };
         let of = |verdict: Verdict| {
             let mut ids: Vec<&str> = subjects
                 .iter()
@@ -150,20 +151,20 @@ impl Conclusion {
         };
         let is_testee = subjects.iter().any(Subject::is_testee);
         let text = match (worst, of(Verdict::Warn)) {
-            (Outcome::Conforms | Outcome::Nothing, 0) => "Conforms".to_owned(),
-            (Outcome::Conforms | Outcome::Nothing, warned) => {
+            (OutcomeKind::Conforms | OutcomeKind::Nothing, 0) => "Conforms".to_owned(),
+            (OutcomeKind::Conforms | OutcomeKind::Nothing, warned) => {
                 format!("Conforms, with {}", to_look_at(warned))
             }
-            (Outcome::Stale, _) => "The list of known failures is stale".to_owned(),
-            (Outcome::Breaks, _) if is_testee => "Does not conform".to_owned(),
-            (Outcome::Breaks, _) => {
-                let count = outcomes.filter(|outcome| *outcome == Outcome::Breaks).count();
-                let (broken, all) = (broken(of(Verdict::Fail)), subjects.len());
-                format!("Does not conform: {broken}, in {count} of {all} files")
+            (OutcomeKind::Stale, _) => "The list of known failures is stale".to_owned(),
+            (OutcomeKind::DoesNotConform, _) if is_testee => "Does not conform".to_owned(),
+            (OutcomeKind::DoesNotConform, _) => {
+                let count = outcomes.filter(|outcome| *outcome == OutcomeKind::DoesNotConform).count();
+                let (violated, all) = (violated(of(Verdict::Fail)), subjects.len());
+                format!("Does not conform: {violated}, in {count} of {all} files")
             }
-            (Outcome::Broken, _) if is_testee => "A testee broke".to_owned(),
-            (Outcome::Broken, _) => {
-                let count = outcomes.filter(|outcome| *outcome == Outcome::Broken).count();
+            (OutcomeKind::Incomplete, _) if is_testee => "A testee broke".to_owned(),
+            (OutcomeKind::Incomplete, _) => {
+                let count = outcomes.filter(|outcome| *outcome == OutcomeKind::Incomplete).count();
                 format!("{count} of {} files could not be read to their ends", subjects.len())
             }
         };
@@ -171,7 +172,7 @@ impl Conclusion {
     }
 }
 
-fn broken(rules: usize) -> String {
+fn violated(rules: usize) -> String {
     format!("{rules} MUST {} broken", if rules == 1 { "rule" } else { "rules" })
 }
 
@@ -188,12 +189,12 @@ mod tests {
     use crate::rules::RULES;
 
     /// A source of which rules came to these verdicts, and how much of it was judged.
-    fn source(judged: u64, verdicts: &[Verdict]) -> Subject {
+    fn source(checked: u64, verdicts: &[Verdict]) -> Subject {
         let rule = |(verdict, rule): (&Verdict, &&'static crate::model::Rule)| RuleVerdict {
             id: rule.id,
             level: rule.level,
             verdict: *verdict,
-            exercised: 1,
+            covered: 1,
             findings: 1,
         };
         let json = JsonSummary {
@@ -206,15 +207,15 @@ mod tests {
         let mut subject = Subject {
             path: "a.jsonl".to_owned(),
             about: About::Capture(Summary::Json(json)),
-            records: judged,
-            judged,
+            records: checked,
+            checked,
             duration_us: 0,
-            conclusion: Conclusion::new(Outcome::Nothing, ""),
+            outcome: Outcome::new(OutcomeKind::Nothing, ""),
             rules: verdicts.iter().zip(&RULES).map(rule).collect(),
             findings: Vec::new(),
             more_findings: 0,
-            damage: Vec::new(),
-            more_damage: 0,
+            corruption: Vec::new(),
+            more_corruption: 0,
             extent: Extent::Whole,
             notes: Vec::new(),
             elapsed: 0,
@@ -224,19 +225,19 @@ mod tests {
     }
 
     fn concluded(subjects: &[Subject]) -> (u8, String) {
-        let conclusion = Conclusion::of_all(Action::Check, subjects, &[], Vec::new());
-        assert_eq!(conclusion.status, conclusion.outcome.status());
-        (conclusion.status, conclusion.text)
+        let outcome = Outcome::for_run(Action::Check, subjects, &[], Vec::new());
+        assert_eq!(outcome.status, outcome.kind.status());
+        (outcome.status, outcome.text)
     }
 
     #[test]
     fn a_source_is_as_good_as_its_worst_rule() {
-        let told = |judged, verdicts: &[Verdict]| concluded(&[source(judged, verdicts)]);
+        let told = |checked, verdicts: &[Verdict]| concluded(&[source(checked, verdicts)]);
         assert_eq!(told(1, &[Verdict::Pass, Verdict::Shown]), (0, "Conforms".to_owned()));
         assert_eq!(told(1, &[Verdict::Warn]), (0, "Conforms, with 1 SHOULD rule to look at".to_owned()));
-        let broken = [Verdict::Fail, Verdict::Fail, Verdict::Warn];
-        assert_eq!(told(1, &broken), (1, "Does not conform: 2 MUST rules broken".to_owned()));
-        assert_eq!(told(0, &[Verdict::NotExercised]), (5, "Nothing was judged".to_owned()));
+        let violated = [Verdict::Fail, Verdict::Fail, Verdict::Warn];
+        assert_eq!(told(1, &violated), (1, "Does not conform: 2 MUST rules broken".to_owned()));
+        assert_eq!(told(0, &[Verdict::NotCovered]), (5, "Nothing was judged".to_owned()));
     }
 
     #[test]
@@ -266,22 +267,22 @@ mod tests {
         }
         for verdict in [Verdict::Pass, Verdict::Fail] {
             let text = "Could not be read to its end";
-            assert_eq!(told(Extent::BrokenOff, verdict), (3, text.to_owned()));
+            assert_eq!(told(Extent::Unreadable, verdict), (3, text.to_owned()));
         }
-        let broken = read(Extent::BrokenOff, Verdict::Pass);
-        assert_eq!(broken.conclusion.remarks, ["Conforms, as far as it can be read"]);
-        let all = [broken, source(1, &[Verdict::Fail])];
+        let violated = read(Extent::Unreadable, Verdict::Pass);
+        assert_eq!(violated.outcome.remarks, ["Conforms, as far as it can be read"]);
+        let all = [violated, source(1, &[Verdict::Fail])];
         assert_eq!(concluded(&all), (3, "1 of 2 files could not be read to their ends".to_owned()));
     }
 
     #[test]
     fn what_is_no_finding_counts_too() {
         let good = [source(1, &[Verdict::Pass])];
-        let required = Conclusion::of_all(Action::Check, &good, &[], vec!["a rule was required".to_owned()]);
+        let required = Outcome::for_run(Action::Check, &good, &[], vec!["a rule was required".to_owned()]);
         assert_eq!((required.status, required.text.as_str()), (1, "Does not conform"));
         assert_eq!(required.remarks, ["a rule was required"]);
         let gone = Unreadable { path: "gone".to_owned(), message: "absent".to_owned() };
-        let unreadable = Conclusion::of_all(Action::Check, &good, &[gone.clone(), gone], Vec::new());
+        let unreadable = Outcome::for_run(Action::Check, &good, &[gone.clone(), gone], Vec::new());
         assert_eq!((unreadable.status, unreadable.text.as_str()), (3, "2 files could not be read"));
         assert_eq!(unreadable.remarks, ["Conforms"], "what could be read is told, too");
     }
@@ -289,8 +290,8 @@ mod tests {
     #[test]
     fn a_testee_fails_by_its_answers_its_manners_or_its_end() {
         let told = |passed, failed, remarks, gave_up| {
-            let conclusion = Conclusion::of_testee(passed, failed, remarks, gave_up);
-            (conclusion.status, conclusion.text)
+            let outcome = Outcome::for_testee(passed, failed, remarks, gave_up);
+            (outcome.status, outcome.text)
         };
         assert_eq!(told(9, 0, 0, None), (0, "Conforms".to_owned()));
         assert_eq!(told(9, 1, 2, None), (1, "Does not conform: 1 of 10 cases failed".to_owned()));

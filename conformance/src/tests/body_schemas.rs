@@ -89,15 +89,15 @@ fn changed(body: &Value) -> Vec<Value> {
     let mut found = Vec::new();
     let mut all = Vec::new();
     places(body, "", &mut all);
-    for place in all.iter().filter(|place| *place != "/type") {
+    for location in all.iter().filter(|location| *location != "/type") {
         for other in
             [json!(null), json!(7.25), json!(-7), json!("x/"), json!(""), json!([]), json!({}), json!(true)]
         {
             let mut body = body.clone();
-            *body.pointer_mut(place).expect("a place") = other;
+            *body.pointer_mut(location).expect("a place") = other;
             found.push(body);
         }
-        let (holder, key) = place.rsplit_once('/').expect("a key");
+        let (holder, key) = location.rsplit_once('/').expect("a key");
         let mut body = body.clone();
         if let Some(Value::Object(members)) = body.pointer_mut(holder) {
             members.remove(key);
@@ -115,9 +115,9 @@ fn found(direction: Direction, body: &Value) -> BTreeMap<&'static str, BTreeSet<
         message["refs"] = "ask-1".into();
     }
     let line = json!({ "dir": "in", "msg": message }).to_string();
-    let judgement = check_capture(line.as_bytes(), None, &DEFINITIONS).expect("a line");
+    let result = check_capture(line.as_bytes(), None, &DEFINITIONS).expect("a line");
     let mut found: BTreeMap<_, BTreeSet<String>> = BTreeMap::new();
-    for group in judgement.findings.groups() {
+    for group in result.findings.groups() {
         let places = group.examples.iter().map(|(_, detail)| detail.path.clone());
         found.entry(group.rule.id).or_default().extend(places);
     }
@@ -232,13 +232,13 @@ fn findings_lead_to_the_definition() {
         line(json!({ "position": [1, 2], "timestamp": 1, "humidity": -1 })),
     ];
     let groups = |definitions: &Definitions| -> Vec<(String, u64, Option<String>)> {
-        let judgement = check_capture(lines.join("\n").as_bytes(), None, definitions).expect("lines");
+        let result = check_capture(lines.join("\n").as_bytes(), None, definitions).expect("lines");
         let group = |group: &crate::model::Group| {
             let line =
                 group.definition.map(|span| definitions.line(span).text.trim_start_matches("| ").to_owned());
             (group.subject.clone(), group.count, line.map(|line| line.chars().take(11).collect()))
         };
-        judgement.findings.groups().filter(|group| group.rule.id == "FW-ENV-18").map(group).collect()
+        result.findings.groups().filter(|group| group.rule.id == "FW-ENV-18").map(group).collect()
     };
     let expected = [
         ("WTH-AT", 2, "### Respons"),

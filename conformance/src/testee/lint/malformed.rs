@@ -39,7 +39,7 @@ fn not_utf8(bench: &mut Bench<'_>) -> Manner {
         let case = bench.plain_case()?;
         let id = session.fresh_id();
         let line = format!("{{\"id\":{id},\"op\":\"decode\",\"type\":\"");
-        session.send_damage(Some(id), &[line.as_bytes(), b"\xff\"}"].concat());
+        session.send_malformed(Some(id), &[line.as_bytes(), b"\xff\"}"].concat());
         session.survive(case)
     });
     if manner == Manner::Good { survives(bench, &[b"\xff\xfe{\x00}\x00", b"\xc3"]) } else { manner }
@@ -50,7 +50,7 @@ fn survives(bench: &mut Bench<'_>, lines: &[&[u8]]) -> Manner {
     bench.attempt(|bench, session| {
         let case = bench.plain_case()?;
         lines.iter().try_for_each(|line| {
-            session.send_damage(None, line);
+            session.send_malformed(None, line);
             session.survive(case).map_err(|wrong| format!("after `{}`: {wrong}", line.escape_ascii()))
         })
     })
