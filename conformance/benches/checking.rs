@@ -230,7 +230,7 @@ fn flockwave() {
             assert_eq!((result.checked, result.damage.len(), findings), (lines, 0, 0));
         };
         let thorough = || {
-            let mut judge = FlockwaveChecker::of(&definitions).thorough();
+            let mut judge = FlockwaveChecker::new(&definitions).thorough();
             text.lines().zip(1..).for_each(|(line, number)| judge.line(line.as_bytes(), number, false));
             assert_eq!(judge.finish(text.len() as u64).checked, lines);
         };

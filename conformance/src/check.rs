@@ -130,7 +130,7 @@ pub struct CaptureResult {
     pub findings: Findings,
 }
 
-/// Checks a capture of any kind. The kind is detected from the first bytes. If `of` names a message, JSON is messages
+/// Checks a capture of any kind. The kind is detected from the first bytes. If `message_id` names a message, JSON is messages
 /// of that type and nothing around them.
 ///
 /// # Errors
@@ -138,7 +138,7 @@ pub struct CaptureResult {
 /// that a capture can't be read any further, is part of the result.
 pub fn check_capture(
     mut input: impl Read,
-    of: Option<MessageId>,
+    message_id: Option<MessageId>,
     definitions: &Definitions,
 ) -> io::Result<CaptureResult> {
     let mut start = Vec::new();
@@ -152,7 +152,7 @@ pub fn check_capture(
         let text = format!("byte 0: {names} and {last}: it begins with {}", bytes.join(" "));
         return Err(io::Error::new(io::ErrorKind::InvalidData, text));
     };
-    (kind.check)(&mut io::Cursor::new(start).chain(input), of, definitions)
+    (kind.check)(&mut io::Cursor::new(start).chain(input), message_id, definitions)
 }
 
 /// True if a capture starts with a magic, or ends within it so late that it can hardly be anything else.
@@ -410,11 +410,11 @@ impl<'d> CheckRun<'d> {
 }
 
 /// Where in memory messages of a type have their `timestamp`.
-fn timestamp_offset(of: MessageType<'_>) -> Option<usize> {
+fn timestamp_offset(message_id: MessageType<'_>) -> Option<usize> {
     let is_timestamp = |field: &Placed<'_>| {
         field.name == "timestamp"
             && matches!(field.element, PlacedElement::Scalar(Scalar::UInt64))
             && field.shape == Shape::Single
     };
-    of.layout().find(is_timestamp).map(|field| field.offset)
+    message_id.layout().find(is_timestamp).map(|field| field.offset)
 }

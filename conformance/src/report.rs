@@ -217,9 +217,11 @@ pub struct Testee {
     #[serde(serialize_with = "testee::not_passed")]
     pub cases: Vec<Case>,
     /// What was against the protocol.
-    pub manners: Vec<Remark>,
+    #[serde(rename = "manners")]
+    pub protocol_remarks: Vec<Remark>,
     /// How many other remarks there are on that.
-    pub more_manners: u64,
+    #[serde(rename = "more_manners")]
+    pub more_protocol_remarks: u64,
     /// How often the process had to be started again.
     pub restarts: u32,
     /// Why the run ended early.
@@ -620,7 +622,7 @@ impl Example {
 }
 
 impl Definition {
-    fn of(line: crate::definitions::Line<'_>) -> Self {
+    fn new(line: crate::definitions::Line<'_>) -> Self {
         Self { file: line.file.to_owned(), line: line.number as u64, text: line.text.to_owned() }
     }
 }

@@ -50,11 +50,11 @@ fn main() -> io::Result<ExitCode> {
         count += 1;
         rude.before(&mut question, &mut output)?;
         let Some(mut reply) = codec.reply(&question) else { continue };
-        rude.spoil(&question, &mut reply);
+        rude.corrupt(&question, &mut reply);
         if is_hello {
             writeln!(output, "{reply}")?;
         } else {
-            evil.spoil(types, &question, &mut reply);
+            evil.corrupt(types, &question, &mut reply);
             evil.write(&reply, &mut output)?;
         }
         output.flush()?;

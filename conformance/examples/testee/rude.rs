@@ -95,7 +95,7 @@ impl Rude {
     }
 
     /// Makes the reply wrong.
-    pub(crate) fn spoil(&self, question: &Value, reply: &mut Value) {
+    pub(crate) fn corrupt(&self, question: &Value, reply: &mut Value) {
         let is_hello = question["op"] == "hello";
         match self.mode.as_str() {
             "hello-unknown-op" if is_hello => reply["ops"] = json!(["decode", "levitate"]),

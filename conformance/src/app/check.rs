@@ -100,12 +100,12 @@ pub(super) fn check(args: &CheckArgs) -> Status {
         Ok(rules) => rules,
         Err(status) => return status,
     };
-    let of = args.message_type.as_deref().map(|name| (name, definitions.message_of_type(name)));
-    if let Some((name, None)) = of {
+    let message_id = args.message_type.as_deref().map(|name| (name, definitions.message_of_type(name)));
+    if let Some((name, None)) = message_id {
         anstream::eprintln!("error: --type {name}: the definitions have no such message");
         return Status::Usage;
     }
-    let of = of.and_then(|(_, id)| id);
+    let message_id = message_id.and_then(|(_, id)| id);
     let files = match input::files(&args.files) {
         Ok(files) => files,
         Err((path, error)) => {
@@ -121,7 +121,7 @@ pub(super) fn check(args: &CheckArgs) -> Status {
     let settings = settings(args);
     let (mut checked, mut subjects, mut unreadable) = (Vec::new(), Vec::new(), Vec::new());
     let mut take = |found: CheckedCapture| {
-        let subject = Subject::of_capture(found, &definitions, &settings);
+        let subject = Subject::from_capture(found, &definitions, &settings);
         args.report.print_subject(&subject);
         subjects.push(subject);
     };
@@ -130,7 +130,7 @@ pub(super) fn check(args: &CheckArgs) -> Status {
     parallel::each(
         &files,
         args.jobs,
-        |path| check_file(path, of, &definitions, &progress),
+        |path| check_file(path, message_id, &definitions, &progress),
         |path, result| match result {
             Ok(found) if known.lists.is_empty() => progress.pausing(|| take(found)),
             // With lists it takes all files to tell which findings count.
@@ -170,13 +170,13 @@ fn settings(args: &CheckArgs) -> Settings {
 
 fn check_file(
     path: &Path,
-    of: Option<MessageId>,
+    message_id: Option<MessageId>,
     definitions: &Definitions,
     progress: &Progress,
 ) -> io::Result<CheckedCapture> {
     let started = Instant::now();
     let source = input::unpacked(progress.reading(input::open(path)?))?;
-    let result = check::check_capture(source, of, definitions)?;
+    let result = check::check_capture(source, message_id, definitions)?;
     Ok(CheckedCapture {
         path: path.display().to_string(),
         result: result,

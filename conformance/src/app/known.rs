@@ -7,7 +7,7 @@ use clap::Args;
 use uavspec_codegen::diagnostic::Level;
 
 use super::Status;
-use crate::check::known::{Checked, Lists, Scope, Stale, excuse_findings, of_findings, of_unread};
+use crate::check::known::{Checked, Lists, Scope, Stale, excuse_findings, rule_outcomes, unread_outcome};
 use crate::model::{Date, Extent, Reason};
 use crate::report::{CheckedCapture, Unreadable};
 
@@ -87,11 +87,12 @@ impl Known {
         if self.lists.is_empty() {
             return Status::Conforms;
         }
-        let mut checked: Vec<Checked<'_>> = unread.iter().flat_map(|file| of_unread(&file.path)).collect();
+        let mut checked: Vec<Checked<'_>> =
+            unread.iter().flat_map(|file| unread_outcome(&file.path)).collect();
         for capture in captures.iter() {
-            checked.extend(of_findings(&capture.path, &capture.result.findings));
+            checked.extend(rule_outcomes(&capture.path, &capture.result.findings));
             if capture.result.extent == Extent::Unreadable {
-                checked.extend(of_unread(&capture.path));
+                checked.extend(unread_outcome(&capture.path));
             }
         }
         let status = self.settle(Scope::Rules, &checked);

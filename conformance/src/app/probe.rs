@@ -104,7 +104,7 @@ fn prepared(args: &ProbeArgs) -> Result<Status, Status> {
     let settled = known.settle_sources(&mut checked, &unreadable);
     let settings = Settings { command: Some(super::command()), ..Settings::default() };
     let subjects: Vec<Subject> =
-        checked.into_iter().map(|checked| Subject::of_capture(checked, &definitions, &settings)).collect();
+        checked.into_iter().map(|checked| Subject::from_capture(checked, &definitions, &settings)).collect();
     for subject in &subjects {
         args.report.print_subject(subject);
     }

@@ -15,7 +15,7 @@ use crate::rules::flockwave::{self, FlockwaveRule};
 use crate::serve::{Options, Server, Transport, error, loss};
 
 /// Where the server listens where nothing is said: the port that clients of the protocol try first.
-const USUAL: &str = "127.0.0.1:5001";
+const DEFAULT_ADDRESS: &str = "127.0.0.1:5001";
 
 /// Arguments of `serve`.
 #[derive(Args, Debug)]
@@ -170,7 +170,7 @@ fn addresses(args: &ServeArgs) -> Vec<(Transport, SocketAddr)> {
         .flat_map(|(transport, list)| list.iter().map(move |location| (transport, *location)));
     let mut given: Vec<_> = given.collect();
     if given.is_empty() {
-        given.extend(USUAL.parse().ok().map(|location| (Transport::Tcp, location)));
+        given.extend(DEFAULT_ADDRESS.parse().ok().map(|location| (Transport::Tcp, location)));
     }
     given
 }

@@ -19,7 +19,7 @@ use crate::net::Address;
 use crate::report::{Action, Report, Subject};
 use crate::testee::case::{Case, cases};
 use crate::testee::file::{dump, replay};
-use crate::testee::known::{excuse_cases, of_cases};
+use crate::testee::known::{case_outcomes, excuse_cases};
 use crate::testee::options::Options;
 use crate::testee::outcome::Outcome;
 use crate::testee::run::run;
@@ -153,9 +153,9 @@ pub(super) fn test(args: &TestArgs) -> Status {
         },
     };
     let names: Vec<(&Case, String)> = cases.iter().map(|case| (case, case.name())).collect();
-    let settled = known.settle(Scope::Cases, &of_cases(&names, &outcome));
+    let settled = known.settle(Scope::Cases, &case_outcomes(&names, &outcome));
     excuse_cases(&known.lists, &mut outcome);
-    let subject = Subject::of_testee(&outcome, &definitions, &|case| again(args, case));
+    let subject = Subject::from_testee(&outcome, &definitions, &|case| again(args, case));
     args.report.print_subject(&subject);
     let subjects = vec![subject];
     let report = Report::new(Action::Test, super::command(), &definitions, subjects, Vec::new(), Vec::new());

@@ -24,10 +24,10 @@ use crate::watch::view::{Scene, draw};
 const WAITING_LIMIT: usize = 16;
 
 /// How long it takes at least from one picture to the next.
-const PICTURE: Duration = Duration::from_millis(100);
+const MIN_FRAME_TIME: Duration = Duration::from_millis(100);
 
 /// How long it takes at most: ages grow even if nothing happens.
-const TICK: Duration = Duration::from_millis(500);
+const MAX_FRAME_TIME: Duration = Duration::from_millis(500);
 
 /// Arguments of `watch`.
 #[derive(Args, Debug)]
@@ -70,7 +70,7 @@ enum Input {
 }
 
 pub(super) fn watch(args: &WatchArgs) -> Status {
-    let codes = Codes::of(&Definitions::built_in());
+    let codes = Codes::new(&Definitions::built_in());
     let (sender, inputs) = sync_channel(WAITING_LIMIT);
     let session = {
         let sender = sender.clone();
@@ -167,7 +167,7 @@ fn take_all(
     fleet: &mut Fleet,
     screen: &mut Screen,
 ) -> io::Result<Step> {
-    let mut due = drawn + TICK;
+    let mut due = drawn + MAX_FRAME_TIME;
     loop {
         match inputs.recv_timeout(due.saturating_duration_since(Instant::now())) {
             Ok(Input::Server(event, now)) => fleet.take(event, now),
@@ -181,7 +181,7 @@ fn take_all(
             Ok(Input::End) | Err(RecvTimeoutError::Disconnected) => return Ok(Step::Quit),
             Err(RecvTimeoutError::Timeout) => return Ok(Step::Stay),
         }
-        due = drawn + PICTURE;
+        due = drawn + MIN_FRAME_TIME;
         // A server that never pauses doesn't keep the picture from being drawn.
         if Instant::now() >= due {
             return Ok(Step::Stay);

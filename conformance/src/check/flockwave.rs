@@ -99,12 +99,12 @@ enum Content<'c> {
 
 impl<'d> FlockwaveChecker<'d> {
     /// One that knows nothing yet.
-    pub fn of(definitions: &'d Definitions) -> Self {
-        Self::new(CheckRun::new(definitions))
+    pub fn new(definitions: &'d Definitions) -> Self {
+        Self::with_run(CheckRun::new(definitions))
     }
 
-    pub(super) fn new(run: CheckRun<'d>) -> Self {
-        let (source, reports) = (FlockwaveSummary::default(), Reports::of(run.definitions));
+    pub(super) fn with_run(run: CheckRun<'d>) -> Self {
+        let (source, reports) = (FlockwaveSummary::default(), Reports::new(run.definitions));
         Self { run, source, reports, connections: HashMap::new(), names: Vec::new(), latest: 0 }
     }
 
@@ -117,7 +117,7 @@ impl<'d> FlockwaveChecker<'d> {
 
     /// The number of lines that were recognised as status reports without new findings.
     #[cfg(test)]
-    pub(crate) fn seen_at_once(&self) -> u64 {
+    pub(crate) fn num_known_reports(&self) -> u64 {
         self.reports.seen()
     }
 
@@ -292,23 +292,23 @@ impl<'d> FlockwaveChecker<'d> {
         if record.direction == Direction::Event {
             return;
         }
-        let is_of_server = record.direction == Direction::In;
-        self.run.records += u64::from(is_of_server);
+        let is_from_server = record.direction == Direction::In;
+        self.run.records += u64::from(is_from_server);
         let Some(message) = record.value else { return };
         let name = message.get("body").and_then(|body| body.get("type")).and_then(Tree::as_str);
         let is_answer = message.get("refs").is_some_and(|refs| *refs != Tree::Null);
         let source = &mut self.source;
-        *match (is_answer, is_of_server) {
+        *match (is_answer, is_from_server) {
             (true, _) => &mut source.responses,
             (false, true) if name != Some("SYS-PING") => &mut source.notifications,
             (false, _) => &mut source.requests,
         } += 1;
         let Some(name) = name else {
             // It is judged all the same where it says that something went wrong, or what is wrong with itself.
-            return self.run.checked += u64::from(is_of_server);
+            return self.run.checked += u64::from(is_from_server);
         };
         let is_known = self.run.definitions.body_schemas().has(name);
-        self.run.checked += u64::from(is_of_server && is_known);
+        self.run.checked += u64::from(is_from_server && is_known);
         let types = if is_known { &mut source.types } else { &mut source.unknown };
         if !types.contains_key(name) {
             if name.len() > MAX_NAME || types.len() >= MAX_TYPES {
@@ -317,7 +317,7 @@ impl<'d> FlockwaveChecker<'d> {
             types.insert(name.to_owned(), TypeCount::default());
         }
         let Some(count) = types.get_mut(name) else { return };
-        *(if is_of_server { &mut count.incoming } else { &mut count.out }) += 1;
+        *(if is_from_server { &mut count.incoming } else { &mut count.out }) += 1;
     }
 
     /// What came of it, after so many bytes.

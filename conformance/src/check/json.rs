@@ -10,7 +10,7 @@ use serde::Serialize;
 use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::schema::MessageId;
 
-use self::envelope::{Channels, Fast, Form, Open, Which, form, read};
+use self::envelope::{Channels, Fast, Form, NameKind, Open, form, read};
 use self::templates::Templates;
 use super::flockwave::{FlockwaveChecker, is_flockwave};
 use super::summary::names;
@@ -36,7 +36,7 @@ const ROS: &str = "ros2msg";
 pub(super) const KIND: Kind = Kind {
     name: "JSON",
     detect: |start| !is_binary(start),
-    check: |input, of, definitions| Ok(check_json(input, of, definitions)),
+    check: |input, message_id, definitions| Ok(check_json(input, message_id, definitions)),
 };
 
 /// True if a capture starts neither like JSON nor like any text. One wrong byte may be damage.
@@ -89,29 +89,33 @@ impl Describe for JsonSummary {
     }
 }
 
-/// Checks messages as JSON: JSON Lines, an array, or a single one. They are all of one type where `of` says so;
+/// Checks messages as JSON: JSON Lines, an array, or a single one. They are all of one type where `message_id` says so;
 /// otherwise each says its type or its topic. They are checked as far as they can be read.
 pub(crate) fn check_json(
     input: impl Read,
-    of: Option<MessageId>,
+    message_id: Option<MessageId>,
     definitions: &Definitions,
 ) -> CaptureResult {
-    check_with(input, of, JsonChecker::new(of, definitions))
+    check_with(input, message_id, JsonChecker::new(message_id, definitions))
 }
 
 /// Like `check_json`, but compares no message with those before it. It is several times slower and has the same result:
 /// tests and benchmarks hold the two to each other.
 pub fn check_json_thoroughly(
     input: impl Read,
-    of: Option<MessageId>,
+    message_id: Option<MessageId>,
     definitions: &Definitions,
 ) -> CaptureResult {
-    check_with(input, of, JsonChecker { templates: Templates::none(), ..JsonChecker::new(of, definitions) })
+    check_with(
+        input,
+        message_id,
+        JsonChecker { templates: Templates::none(), ..JsonChecker::new(message_id, definitions) },
+    )
 }
 
-fn check_with(input: impl Read, of: Option<MessageId>, checker: JsonChecker<'_>) -> CaptureResult {
+fn check_with(input: impl Read, message_id: Option<MessageId>, checker: JsonChecker<'_>) -> CaptureResult {
     let mut reader = Reader::new(input);
-    let mut checker = AnyChecker::Json { checker, is_decided: of.is_some() };
+    let mut checker = AnyChecker::Json { checker, is_decided: message_id.is_some() };
     loop {
         match reader.next() {
             Ok(Some(item)) => match item.event {
@@ -177,7 +181,7 @@ impl<'d> AnyChecker<'d> {
         if is_flockwave(&tree) {
             let definitions = checker.run.definitions;
             let run = std::mem::replace(&mut checker.run, CheckRun::new(definitions));
-            *self = Self::Flockwave(FlockwaveChecker::new(run));
+            *self = Self::Flockwave(FlockwaveChecker::with_run(run));
         }
     }
 }
@@ -196,7 +200,7 @@ struct JsonChecker<'d> {
 }
 
 impl<'d> JsonChecker<'d> {
-    fn new(of: Option<MessageId>, definitions: &'d Definitions) -> Self {
+    fn new(message_id: Option<MessageId>, definitions: &'d Definitions) -> Self {
         let mut checker = Self {
             run: CheckRun::new(definitions),
             plans: Plans::new(&definitions.schema, &px4::VALUES),
@@ -212,9 +216,9 @@ impl<'d> JsonChecker<'d> {
             dialects: Dialects::default(),
             values: Vec::new(),
         };
-        checker.channels.only = of.and_then(|id| {
+        checker.channels.only = message_id.and_then(|id| {
             let name = definitions.schema.message(id).name.clone();
-            let at = checker.open(Which::Type, &name, Some(id), 1)?;
+            let at = checker.open(NameKind::Type, &name, Some(id), 1)?;
             checker.channels.open[at].key = None;
             Some(at)
         });
@@ -274,8 +278,8 @@ impl<'d> JsonChecker<'d> {
             return self.run.gap(location, text);
         }
         let definition = |checker: &Self| match which {
-            Which::Type => checker.run.definitions.message_of_type(name),
-            Which::Topic => {
+            NameKind::Type => checker.run.definitions.message_of_type(name),
+            NameKind::Topic => {
                 let guessed = || definition_of(name, None, checker.run.definitions);
                 checker.advertised.get(name).copied().unwrap_or_else(guessed)
             }
@@ -294,7 +298,7 @@ impl<'d> JsonChecker<'d> {
         {
             return self.message(at, clean, location);
         }
-        self.check_message(at, message, location, which == Which::Topic);
+        self.check_message(at, message, location, which == NameKind::Topic);
     }
 
     /// A topic is of this type, whatever it is called.
@@ -332,7 +336,13 @@ impl<'d> JsonChecker<'d> {
     }
 
     /// Opens a channel; none where there are too many.
-    fn open(&mut self, which: Which, name: &str, definition: Option<MessageId>, line: u64) -> Option<usize> {
+    fn open(
+        &mut self,
+        which: NameKind,
+        name: &str,
+        definition: Option<MessageId>,
+        line: u64,
+    ) -> Option<usize> {
         let at = self.channels.open.len();
         if at >= MAX_CHANNELS {
             return None;
@@ -341,8 +351,8 @@ impl<'d> JsonChecker<'d> {
         let name_told = match which {
             // Whose it is says why it isn't known.
             _ if definition.is_none() => name,
-            Which::Type => name.rsplit('/').next().unwrap_or(name),
-            Which::Topic => topic_of(name),
+            NameKind::Type => name.rsplit('/').next().unwrap_or(name),
+            NameKind::Topic => topic_of(name),
         };
         let name_told = name_told.escape_debug().to_string();
         let key = Some(which.key());

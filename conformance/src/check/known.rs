@@ -50,7 +50,7 @@ use uavspec_codegen::source::{SourceId, Span};
 use uavspec_codegen::{Failure, SourceMap, render};
 
 use self::pattern::Pattern;
-pub(crate) use self::run::{excuse_findings, of_findings, of_unread};
+pub(crate) use self::run::{excuse_findings, rule_outcomes, unread_outcome};
 pub(crate) use self::stale::{Checked, Name, Outcome, Scope, Stale, StaleReason};
 use crate::model::{Excuse, Reason, Rule};
 

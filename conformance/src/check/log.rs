@@ -75,7 +75,7 @@ enum FormatResult {
 }
 
 impl<'f> Format<'f> {
-    fn of((topic, comparison): &'f (String, Comparison)) -> Self {
+    fn new((topic, comparison): &'f (String, Comparison)) -> Self {
         let (result, message) = match comparison {
             Comparison::Equal => (FormatResult::Equal, String::new()),
             Comparison::Undefined => (FormatResult::Undefined, String::new()),
@@ -86,7 +86,7 @@ impl<'f> Format<'f> {
 }
 
 fn format_rows<S: Serializer>(formats: &[(String, Comparison)], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(formats.iter().map(Format::of))
+    serializer.collect_seq(formats.iter().map(Format::new))
 }
 
 impl Describe for LogSummary {
@@ -101,7 +101,7 @@ impl Describe for LogSummary {
     }
 
     fn lines(&self) -> Vec<Line> {
-        let formats: Vec<Format<'_>> = self.formats.iter().map(Format::of).collect();
+        let formats: Vec<Format<'_>> = self.formats.iter().map(Format::new).collect();
         let of = |wanted| formats.iter().filter(move |format| format.result == wanted);
         let text = format!(
             "{} of {} topics equal, {} differ, {} not defined",
@@ -256,12 +256,12 @@ impl<'d> LogChecker<'d> {
         let plan = match &mut open.plan {
             Some(plan) => plan,
             empty => {
-                open.timestamp = timestamp_offset(record.of);
+                open.timestamp = timestamp_offset(record.message_type);
                 if self.timed.insert(open.topic.clone()) {
-                    check_timestamp(record.of, location, &mut self.run);
+                    check_timestamp(record.message_type, location, &mut self.run);
                 }
                 empty.insert(Plan::new(
-                    record.of,
+                    record.message_type,
                     open.definition,
                     &self.run.definitions.schema,
                     &open.topic,
@@ -273,7 +273,8 @@ impl<'d> LogChecker<'d> {
         open.messages += 1;
         let bytes = open.timestamp.and_then(|at| record.payload.get(at..at + 8));
         let timestamp = bytes.and_then(|bytes| Some(u64::from_le_bytes(bytes.try_into().ok()?)));
-        let values = self.run.wants_values(open.index).then(|| record.of.view_uorb(record.payload).ok());
+        let values =
+            self.run.wants_values(open.index).then(|| record.message_type.view_uorb(record.payload).ok());
         let message = Message { timestamp, values: values.flatten(), location };
         self.run.message(&open.channel(), &message);
     }

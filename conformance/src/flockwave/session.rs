@@ -31,7 +31,7 @@ use crate::json::Tree;
 use crate::model::{Location, Rule};
 
 /// How much each memory takes, in bytes.
-const LIMIT: usize = 16 << 20;
+const MEMORY_LIMIT: usize = 16 << 20;
 
 /// The longest id that is kept, in bytes. Ids of messages have 36 characters at most and those of objects 64, each of
 /// up to four bytes.
@@ -44,10 +44,10 @@ const MAX_REQUEST_IDS: usize = 10_000;
 const MAX_RECEIPTS: usize = 10_000;
 
 /// By how much time may go back and yet be sound, in seconds: several threads may write a recording.
-const JITTER: f64 = 0.5;
+const MAX_CLOCK_JITTER: f64 = 0.5;
 
 /// How long a request may have been on its way, in seconds.
-const ON_ITS_WAY: f64 = 1.0;
+const MAX_TRANSIT_TIME: f64 = 1.0;
 
 /// A request that was sent.
 #[derive(Clone, Debug)]
@@ -130,10 +130,10 @@ impl Default for Sessions {
         Self {
             states: Vec::new(),
             serials: 0,
-            open: Remembered::new(LIMIT),
-            answered: Remembered::new(LIMIT),
-            sent: Ids::new(LIMIT),
-            operations: Ids::new(LIMIT),
+            open: Remembered::new(MEMORY_LIMIT),
+            answered: Remembered::new(MEMORY_LIMIT),
+            sent: Ids::new(MEMORY_LIMIT),
+            operations: Ids::new(MEMORY_LIMIT),
         }
     }
 }
@@ -148,17 +148,17 @@ impl Sessions {
         let time = self.at(record);
         let exchange = Exchange::new(record, time);
         let deviations = exchange.deviations_from(schemas);
-        self.placed(Exchange { deviations, ..exchange })
+        self.resolve(Exchange { deviations, ..exchange })
     }
 
     /// Like [`follow`](Self::follow), for a record whose message was checked already.
     pub(crate) fn follow_checked<'t>(&mut self, record: &'t SessionRecord<'t>) -> Exchange<'t> {
         let time = self.at(record);
-        self.placed(Exchange { deviations: Some(Vec::new()), ..Exchange::new(record, time) })
+        self.resolve(Exchange { deviations: Some(Vec::new()), ..Exchange::new(record, time) })
     }
 
     /// An exchange with its place in the session.
-    fn placed<'t>(&mut self, mut exchange: Exchange<'t>) -> Exchange<'t> {
+    fn resolve<'t>(&mut self, mut exchange: Exchange<'t>) -> Exchange<'t> {
         let record = exchange.record;
         let state = &self.states[record.connection.index];
         exchange.clock = state.clock;
@@ -197,7 +197,9 @@ impl Sessions {
         let is_of = |key: &(u64, Side, String)| key.0 == serial && key.1 == Side::Client;
         // Who has said farewell, needn't answer what was on its way to him.
         let is_wanted = |request: &SentRequest| {
-            state.ending.is_none_or(|ending| request.time.is_some_and(|time| time < ending - ON_ITS_WAY))
+            state
+                .ending
+                .is_none_or(|ending| request.time.is_some_and(|time| time < ending - MAX_TRANSIT_TIME))
         };
         let open = self.open.take(&first, is_of).into_iter();
         (serial, open.filter(is_wanted).map(waited).collect())
@@ -246,7 +248,7 @@ impl Sessions {
         self.grow(record.connection.index);
         let state = &mut self.states[record.connection.index];
         let time = record.time?;
-        if time < state.latest - JITTER {
+        if time < state.latest - MAX_CLOCK_JITTER {
             state.is_time_lost = true;
             state.clock = None;
         }
@@ -262,7 +264,7 @@ impl Sessions {
 
     fn request(&mut self, exchange: &mut Exchange<'_>) {
         let side = side(exchange);
-        let request = SentRequest::of(exchange);
+        let request = SentRequest::new(exchange);
         if side == Side::Client && request.is_setting && exchange.type_name == Some("SYS-TIME") {
             // Other connections may lead to the same server.
             self.states.iter_mut().for_each(|state| state.clock = None);
@@ -457,7 +459,7 @@ fn side(exchange: &Exchange<'_>) -> Side {
 }
 
 impl SentRequest {
-    fn of(exchange: &Exchange<'_>) -> Self {
+    fn new(exchange: &Exchange<'_>) -> Self {
         let parts = exchange.type_name.and_then(parts);
         let objects = parts.and_then(|parts| strings(exchange.field(parts.request_field)));
         let repeated = objects.as_deref().and_then(repeated);

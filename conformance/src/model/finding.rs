@@ -82,7 +82,7 @@ pub struct Findings {
 #[derive(Clone, Copy, Debug, Default)]
 struct Counts {
     /// How many groups it has.
-    kept: usize,
+    num_groups: usize,
     /// How often it was exercised.
     covered: u64,
     /// How many findings belong to no group, as there are too many.
@@ -107,11 +107,11 @@ impl Findings {
         let key = (rule.id, subject.to_owned());
         if !self.groups.contains_key(&key) {
             let counts = self.counts_of(rule);
-            if counts.kept >= MAX_GROUPS {
+            if counts.num_groups >= MAX_GROUPS {
                 counts.dropped += 1;
                 return;
             }
-            counts.kept += 1;
+            counts.num_groups += 1;
         }
         let group = self.groups.entry(key).or_insert_with(|| Group {
             rule,
@@ -155,7 +155,7 @@ impl Findings {
     }
 
     /// The groups of a rule.
-    pub fn of(&self, rule: &'static Rule) -> impl Iterator<Item = &Group> {
+    pub fn groups_of(&self, rule: &'static Rule) -> impl Iterator<Item = &Group> {
         let first = (rule.id, String::new());
         self.groups.range(first..).map(|(_, group)| group).take_while(|group| group.rule.id == rule.id)
     }
@@ -168,7 +168,7 @@ impl Findings {
     /// How often a rule was exercised.
     pub fn covered(&self, rule: &Rule) -> u64 {
         // A finding says that there was something to judge.
-        self.known_counts_of(rule).map_or(0, |counts| counts.covered.max(u64::from(counts.kept > 0)))
+        self.known_counts_of(rule).map_or(0, |counts| counts.covered.max(u64::from(counts.num_groups > 0)))
     }
 
     /// The counts of a rule that was exercised or violated. They are looked up with each message, and an address is
@@ -195,8 +195,8 @@ impl Findings {
 
     /// What came of a rule. What was too much to be kept can't be told to be known.
     pub fn verdict(&self, rule: &'static Rule) -> Verdict {
-        let is_known = self.dropped(rule) == 0 && self.of(rule).all(|group| group.known.is_some());
-        match (self.of(rule).next().is_some(), rule.level) {
+        let is_known = self.dropped(rule) == 0 && self.groups_of(rule).all(|group| group.known.is_some());
+        match (self.groups_of(rule).next().is_some(), rule.level) {
             (true, _) if is_known => Verdict::Known,
             (true, Level::Must) => Verdict::Fail,
             (true, Level::Should) => Verdict::Warn,

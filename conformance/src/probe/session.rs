@@ -19,7 +19,7 @@ const MAX_WAITING: usize = 1_000;
 const CLOSED: &str = "eof";
 
 /// How long is listened for what a server said before it closed the connection.
-const LAST_WORDS: Duration = Duration::from_millis(200);
+const DRAIN_TIMEOUT: Duration = Duration::from_millis(200);
 
 /// A connection.
 pub(super) struct Session {
@@ -216,7 +216,7 @@ impl Session {
         let Err(error) = sent else { return };
         if is_end(&error) {
             // What was said before stays said.
-            let until = Instant::now() + LAST_WORDS;
+            let until = Instant::now() + DRAIN_TIMEOUT;
             while self.receive(tape, until).is_some() {}
             self.over(tape, CLOSED);
         } else {

@@ -26,7 +26,7 @@ pub(super) struct Tape<'d> {
 impl<'d> Tape<'d> {
     /// Starts one, which is also written to `file`.
     pub(super) fn new(definitions: &'d Definitions, file: Option<Box<dyn Write + 'd>>) -> Self {
-        Self { checker: FlockwaveChecker::of(definitions), file, failure: None, lines: 0, bytes: 0 }
+        Self { checker: FlockwaveChecker::new(definitions), file, failure: None, lines: 0, bytes: 0 }
     }
 
     /// Something went over a connection.

@@ -240,7 +240,7 @@ impl Violation<'_> {
                     .expected(expected.to_string())
                     .actual(found)
             }
-            Self::Number(demand, number, restriction) => Detail::of_number(*demand, *number, restriction),
+            Self::Number(demand, number, restriction) => Detail::number(*demand, *number, restriction),
             Self::Length { found, of, shape } => {
                 let expected = match shape {
                     Shape::Array(length) => format!("{length} {of}"),

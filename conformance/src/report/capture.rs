@@ -70,7 +70,7 @@ impl From<model::Verdict> for Verdict {
 
 impl Subject {
     /// The subject for a capture that was checked.
-    pub fn of_capture(checked: CheckedCapture, definitions: &Definitions, settings: &Settings) -> Self {
+    pub fn from_capture(checked: CheckedCapture, definitions: &Definitions, settings: &Settings) -> Self {
         let CheckedCapture { path, result, notes, elapsed } = checked;
         let findings = &result.findings;
         // Rules for other kinds of captures aren't listed.
@@ -78,7 +78,7 @@ impl Subject {
         let rules: Vec<RuleVerdict> = RULES
             .iter()
             .filter(|rule| rule.is_on_flockwave() == is_session)
-            .map(|rule| of_rule(rule, findings, settings.verdict(findings, rule)))
+            .map(|rule| rule_verdict(rule, findings, settings.verdict(findings, rule)))
             .collect();
         let command = settings.command(&path);
         let finding =
@@ -119,8 +119,8 @@ impl Subject {
     }
 }
 
-fn of_rule(rule: &'static Rule, findings: &Findings, verdict: Verdict) -> RuleVerdict {
-    let kept: u64 = findings.of(rule).map(|group| group.count).sum();
+fn rule_verdict(rule: &'static Rule, findings: &Findings, verdict: Verdict) -> RuleVerdict {
+    let kept: u64 = findings.groups_of(rule).map(|group| group.count).sum();
     RuleVerdict {
         id: rule.id,
         level: rule.level,
@@ -151,7 +151,7 @@ fn finding(group: &Group, verdict: Verdict, command: &str, definitions: &Definit
         subject: subject.clone(),
         count: *count,
         examples: examples.iter().map(example).collect(),
-        definition: definition.map(|span| Definition::of(definitions.line(span))),
+        definition: definition.map(|span| Definition::new(definitions.line(span))),
         reproduce: command.to_owned(),
         known: known.as_ref().map(Known::from),
     }

@@ -91,24 +91,24 @@ fn figures(report: &Report) -> Markup {
     let of = |verdict| report.count(verdict) as u64;
     let parts = match counts(report) {
         Some(counts) => vec![
-            Part { class: "fail", what: "cases failed", count: counts.fail },
-            Part { class: "info", what: "known failures", count: counts.known },
-            Part { class: "pass", what: "cases passed", count: counts.pass },
-            Part { class: "none", what: "unsupported", count: counts.unsupported },
-            Part { class: "none", what: "not asked", count: counts.not_run },
+            Part { class: "fail", label: "cases failed", count: counts.fail },
+            Part { class: "info", label: "known failures", count: counts.known },
+            Part { class: "pass", label: "cases passed", count: counts.pass },
+            Part { class: "none", label: "unsupported", count: counts.unsupported },
+            Part { class: "none", label: "not asked", count: counts.not_run },
         ],
         None => vec![
-            Part { class: "fail", what: "rules broken", count: of(Verdict::Fail) },
-            Part { class: "warn", what: "rules to look at", count: of(Verdict::Warn) },
-            Part { class: "info", what: "shown, not judged", count: of(Verdict::Shown) },
-            Part { class: "info", what: "known breaches", count: of(Verdict::Known) },
-            Part { class: "pass", what: "rules hold", count: of(Verdict::Pass) },
-            Part { class: "none", what: "not exercised", count: of(Verdict::NotCovered) },
+            Part { class: "fail", label: "rules broken", count: of(Verdict::Fail) },
+            Part { class: "warn", label: "rules to look at", count: of(Verdict::Warn) },
+            Part { class: "info", label: "shown, not judged", count: of(Verdict::Shown) },
+            Part { class: "info", label: "known breaches", count: of(Verdict::Known) },
+            Part { class: "pass", label: "rules hold", count: of(Verdict::Pass) },
+            Part { class: "none", label: "not exercised", count: of(Verdict::NotCovered) },
         ],
     };
     // What nobody listed needs no figure.
     let parts: Vec<Part> =
-        parts.into_iter().filter(|part| part.count > 0 || !part.what.starts_with("known")).collect();
+        parts.into_iter().filter(|part| part.count > 0 || !part.label.starts_with("known")).collect();
     let checked: u64 = report.subjects.iter().map(|subject| subject.checked).sum();
     let records: u64 = report.subjects.iter().map(|subject| subject.records).sum();
     html! {
@@ -120,7 +120,7 @@ fn figures(report: &Report) -> Markup {
         dl.figures {
             @for part in &parts {
                 div.(if part.count > 0 { part.class } else { "zero" }) {
-                    dt { (part.what) }
+                    dt { (part.label) }
                     dd { (Grouped(part.count)) }
                 }
             }
@@ -137,7 +137,7 @@ fn figures(report: &Report) -> Markup {
 /// A part of a whole: a figure, and a stretch of the bar.
 struct Part {
     class: &'static str,
-    what: &'static str,
+    label: &'static str,
     count: u64,
 }
 
@@ -172,13 +172,13 @@ fn rules(rules: &[RuleReport], subjects: &[&Subject]) -> Markup {
                         th.number scope="col" role="columnheader" { "Findings" }
                     }
                 }
-                tbody role="rowgroup" { @for rule in rules { (of_rule(rule, subjects)) } }
+                tbody role="rowgroup" { @for rule in rules { (rule_row(rule, subjects)) } }
             }
         }
     }
 }
 
-fn of_rule(rule: &RuleReport, subjects: &[&Subject]) -> Markup {
+fn rule_row(rule: &RuleReport, subjects: &[&Subject]) -> Markup {
     let mut anchors = subjects
         .iter()
         .enumerate()

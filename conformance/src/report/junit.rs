@@ -50,11 +50,11 @@ const READABLE: &str = "can be read";
 
 fn suite(subject: &Subject, rules: &[RuleReport]) -> Suite {
     let cases = match &subject.about {
-        About::Testee(testee) => of_testee(subject, testee),
+        About::Testee(testee) => testee_cases(subject, testee),
         About::Capture(_) => {
             let of_rules = subject.rules.iter().filter_map(|found| {
                 let rule = rules.iter().find(|rule| rule.id == found.id)?;
-                Some(of_rule(subject, rule, found))
+                Some(rule_case(subject, rule, found))
             });
             std::iter::once(readable(subject)).chain(of_rules).collect()
         }
@@ -92,7 +92,7 @@ fn readable(subject: &Subject) -> junit::Case {
     case
 }
 
-fn of_rule(subject: &Subject, rule: &RuleReport, found: &RuleVerdict) -> junit::Case {
+fn rule_case(subject: &Subject, rule: &RuleReport, found: &RuleVerdict) -> junit::Case {
     let mut case = junit::Case::passed(shown(&subject.path), format!("{} {}", rule.id, rule.statement));
     let findings: Vec<&Finding> = subject.findings.iter().filter(|finding| finding.rule == rule.id).collect();
     let text = findings_text(&findings, found.findings);
@@ -161,10 +161,10 @@ fn findings_text(findings: &[&Finding], count: u64) -> String {
     text
 }
 
-fn of_testee(subject: &Subject, testee: &Testee) -> Vec<junit::Case> {
-    let mut cases: Vec<junit::Case> = testee.cases.iter().map(of_case).collect();
+fn testee_cases(subject: &Subject, testee: &Testee) -> Vec<junit::Case> {
+    let mut cases: Vec<junit::Case> = testee.cases.iter().map(testee_case).collect();
     let protocol = |name: &str, outcome| junit::Case { outcome, ..junit::Case::passed("protocol", name) };
-    let remarks = testee.manners.iter();
+    let remarks = testee.protocol_remarks.iter();
     let remarks: Vec<String> =
         remarks.map(|remark| format!("{} ({} times)", shown(&remark.message), remark.count)).collect();
     cases.push(match remarks.first() {
@@ -182,7 +182,7 @@ fn of_testee(subject: &Subject, testee: &Testee) -> Vec<junit::Case> {
     cases
 }
 
-fn of_case(case: &Case) -> junit::Case {
+fn testee_case(case: &Case) -> junit::Case {
     let outcome = match case.verdict {
         CaseVerdict::Pass => Outcome::Passed,
         CaseVerdict::Unsupported => Outcome::Skipped("the testee doesn't do this".to_owned()),

@@ -21,7 +21,7 @@ pub(super) fn write(report: &Report) -> String {
     list(&mut page, &outcome.remarks);
     rules(&mut page, report);
     for subject in report.subjects.iter().take(MAX_SUBJECTS) {
-        of_subject(&mut page, subject);
+        write_subject(&mut page, subject);
     }
     let more = report.subjects.len().saturating_sub(MAX_SUBJECTS);
     if more > 0 {
@@ -98,18 +98,18 @@ fn rules(page: &mut Page, report: &Report) {
     }
 }
 
-fn of_subject(page: &mut Page, subject: &Subject) {
+fn write_subject(page: &mut Page, subject: &Subject) {
     page.heading(2, &code(&shown(&subject.path)));
     let checked = plural(subject.checked, if subject.is_testee() { "case" } else { "message" });
     page.block(&format!("{}. {checked} judged.", text(&subject.outcome.text)));
     list(page, &subject.outcome.remarks);
     if let About::Testee(testee) = &subject.about {
-        of_testee(page, testee);
+        write_testee(page, testee);
     }
     let mut findings: Vec<&Finding> = subject.findings.iter().collect();
     findings.sort_by_key(|finding| std::cmp::Reverse(finding.verdict));
     for finding in findings.iter().take(MAX_FINDINGS) {
-        of_finding(page, finding);
+        write_finding(page, finding);
     }
     let more = findings.len().saturating_sub(MAX_FINDINGS) as u64 + subject.more_findings;
     if more > 0 {
@@ -137,7 +137,7 @@ fn of_subject(page: &mut Page, subject: &Subject) {
     }
 }
 
-fn of_finding(page: &mut Page, finding: &Finding) {
+fn write_finding(page: &mut Page, finding: &Finding) {
     let Finding { rule, level, verdict, subject, count, .. } = finding;
     let verdict = if finding.known.is_some() { "known" } else { verdict.name() };
     let rule = link(&code(rule), &finding.url);
@@ -162,7 +162,7 @@ fn of_finding(page: &mut Page, finding: &Finding) {
     item("known", finding.known.as_ref().map_or("", |known| &known.reason));
 }
 
-fn of_testee(page: &mut Page, testee: &Testee) {
+fn write_testee(page: &mut Page, testee: &Testee) {
     let mut table = Table::new(&[
         text_column("Op"),
         text_column("Type"),
@@ -179,14 +179,14 @@ fn of_testee(page: &mut Page, testee: &Testee) {
         table.row([code(&row.op), code(&row.type_name)].into_iter().chain(numbers));
     }
     page.table(&table);
-    let remarks: Vec<String> = testee.manners.iter().map(|remark| remark.message.clone()).collect();
+    let remarks: Vec<String> = testee.protocol_remarks.iter().map(|remark| remark.message.clone()).collect();
     if !remarks.is_empty() {
         page.heading(3, "Against the protocol");
         list(page, &remarks);
     }
     let failures: Vec<&Case> = testee.cases.iter().filter(|case| case.verdict.is_failure()).collect();
     for case in failures.iter().take(MAX_FINDINGS) {
-        of_case(page, case);
+        write_case(page, case);
     }
     let more = failures.len().saturating_sub(MAX_FINDINGS) as u64;
     if more > 0 {
@@ -194,7 +194,7 @@ fn of_testee(page: &mut Page, testee: &Testee) {
     }
 }
 
-fn of_case(page: &mut Page, case: &Case) {
+fn write_case(page: &mut Page, case: &Case) {
     let verdict = if case.known.is_some() { "known" } else { case.verdict.name() };
     page.heading(3, &format!("{verdict}: {}", code(&shown(&case.name))));
     page.block(&text(&case.description));

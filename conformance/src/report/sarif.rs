@@ -18,7 +18,7 @@ const RUN: (&str, &str) =
     ("run", "Rules that are required are exercised, and lists of known failures hold true.");
 
 /// The id of what is against the protocol of testees, and what that asks.
-const MANNERS: (&str, &str) = ("protocol", "A testee keeps to the protocol.");
+const PROTOCOL: (&str, &str) = ("protocol", "A testee keeps to the protocol.");
 
 pub(super) fn write(report: &Report) -> String {
     let command = match report.action {
@@ -28,12 +28,12 @@ pub(super) fn write(report: &Report) -> String {
     };
     let mut entries = Vec::new();
     for subject in &report.subjects {
-        entries.extend(subject.findings.iter().filter_map(|finding| of_finding(subject, finding)));
+        entries.extend(subject.findings.iter().filter_map(|finding| finding_entry(subject, finding)));
         entries.extend(subject.corruption.iter().map(|corruption| corruption_entry(subject, corruption)));
         if let About::Testee(testee) = &subject.about {
             let failures = testee.cases.iter().filter(|case| case.verdict.is_failure());
-            entries.extend(failures.map(|case| of_case(subject, case)));
-            entries.extend(of_manners(subject, testee));
+            entries.extend(failures.map(|case| case_entry(subject, case)));
+            entries.extend(protocol_entries(subject, testee));
         }
     }
     entries.extend(report.unreadable.iter().map(|unreadable| Entry {
@@ -55,7 +55,7 @@ pub(super) fn write(report: &Report) -> String {
     };
     other(CORRUPTION, Level::Note);
     other(RUN, Level::Error);
-    other(MANNERS, Level::Error);
+    other(PROTOCOL, Level::Error);
     for case in report.subjects.iter().flat_map(cases) {
         if rules.iter().all(|rule| rule.id != case.op) {
             let purpose = format!("Answers to `{}` are right.", case.op);
@@ -88,7 +88,7 @@ fn rule(rule: &RuleReport) -> RuleInfo {
     RuleInfo { id: rule.id.into(), purpose: rule.statement.into(), level, url: rule.url.clone() }
 }
 
-fn of_finding(subject: &Subject, finding: &Finding) -> Option<Entry> {
+fn finding_entry(subject: &Subject, finding: &Finding) -> Option<Entry> {
     let (first, others) = finding.examples.split_first()?;
     let level = match finding.verdict {
         _ if finding.known.is_some() => Level::Note,
@@ -126,7 +126,7 @@ fn corruption_entry(subject: &Subject, corruption: &Corruption) -> Entry {
     entry(CORRUPTION.0, level, &corruption.message, location)
 }
 
-fn of_case(subject: &Subject, case: &Case) -> Entry {
+fn case_entry(subject: &Subject, case: &Case) -> Entry {
     let message = match case.verdict {
         CaseVerdict::Fail if case.path.is_empty() => {
             format!("{}: expected {}, got {}", case.name, case.expected, case.actual)
@@ -145,10 +145,10 @@ fn of_case(subject: &Subject, case: &Case) -> Entry {
     }
 }
 
-fn of_manners(subject: &Subject, testee: &Testee) -> Vec<Entry> {
-    let remarks = testee.manners.iter().map(|remark| remark.message.clone());
+fn protocol_entries(subject: &Subject, testee: &Testee) -> Vec<Entry> {
+    let remarks = testee.protocol_remarks.iter().map(|remark| remark.message.clone());
     let gave_up = testee.gave_up.iter().map(|why| format!("the testee broke: {why}"));
-    remarks.chain(gave_up).map(|text| entry(MANNERS.0, Level::Error, &text, whole(&subject.path))).collect()
+    remarks.chain(gave_up).map(|text| entry(PROTOCOL.0, Level::Error, &text, whole(&subject.path))).collect()
 }
 
 fn entry(rule: &str, level: Level, message: &str, location: Place) -> Entry {

@@ -91,7 +91,7 @@ fn a_report_with_every_rule_broken_keeps_to_it() {
     let mutants = mutants().flat_map(|mutant| mutant.captures(&flight));
     let subject = |bytes: Vec<u8>| {
         let result = check_capture(&bytes[..], None, &definitions).expect("bytes can be read");
-        Subject::of_capture(
+        Subject::from_capture(
             CheckedCapture {
                 path: "a\nb".to_owned(),
                 result: result,

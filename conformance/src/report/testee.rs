@@ -15,17 +15,17 @@ use crate::testee::{case, outcome};
 
 impl Subject {
     /// Of a testee that was asked. `again` is the command that asks one case alone.
-    pub fn of_testee(
+    pub fn from_testee(
         run: &outcome::Outcome<'_>,
         definitions: &Definitions,
         again: &dyn Fn(&str) -> String,
     ) -> Self {
         let verdicts = run.verdicts.iter();
         let cases: Vec<Case> =
-            verdicts.map(|(case, verdict)| of_case(case, verdict, definitions, again)).collect();
+            verdicts.map(|(case, verdict)| case_report(case, verdict, definitions, again)).collect();
         let counts = counts(run.counts());
-        let manners = &run.manners;
-        let remarks = manners.remarks.len() + manners.more;
+        let protocol_remarks = &run.protocol_remarks;
+        let remarks = protocol_remarks.remarks.len() + protocol_remarks.more;
         let gave_up = run.gave_up.clone();
         let outcome =
             Outcome::for_testee(counts.pass + counts.known, counts.fail, remarks, gave_up.as_deref());
@@ -46,8 +46,8 @@ impl Subject {
             counts,
             table: run.table().into_iter().map(row).collect(),
             cases,
-            manners: manners.remarks.iter().map(remark).collect(),
-            more_manners: manners.more as u64,
+            protocol_remarks: protocol_remarks.remarks.iter().map(remark).collect(),
+            more_protocol_remarks: protocol_remarks.more as u64,
             restarts: run.restarts,
             gave_up,
         };
@@ -80,7 +80,7 @@ fn counts(counts: outcome::Counts) -> Counts {
     }
 }
 
-fn of_case(
+fn case_report(
     asked: &case::Case,
     verdict: &outcome::Verdict,
     definitions: &Definitions,
@@ -99,7 +99,7 @@ fn of_case(
         actual: String::new(),
         message: String::new(),
         stderr: String::new(),
-        definition: span.map(|span| Definition::of(definitions.line(span))),
+        definition: span.map(|span| Definition::new(definitions.line(span))),
         reproduce: again(&name),
         known: None,
         name,

@@ -154,7 +154,7 @@ use self::lines::Lines;
 use self::malformed::Malformed;
 use self::per_connection::PerConnection;
 use self::sample::Session;
-use self::trial::{Attempt, Request, SOON, Sent, Step, Strain, Trial};
+use self::trial::{Attempt, Request, SHORT_PAUSE, Sent, Step, Strain, Trial};
 pub(crate) use self::view::{Message, StatusReport};
 use super::RuleContext;
 use crate::flockwave::body_schema::{ExpectedValue, Fault, INTEGER};

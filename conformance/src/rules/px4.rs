@@ -215,7 +215,7 @@ impl<T: Default + Clone> PerChannel<T> {
     }
 
     /// The state of a channel that was opened.
-    fn of(&mut self, channel: &Channel<'_>) -> Option<&mut T> {
+    fn get(&mut self, channel: &Channel<'_>) -> Option<&mut T> {
         self.0.get_mut(channel.index)
     }
 }

@@ -102,7 +102,7 @@ impl<'d> Flight<'d> {
         let mut order: Vec<usize> = (0..self.topics.len()).collect();
         order.sort_by_key(|topic| {
             let name = &self.definitions.schema.message(self.topics[*topic].message).name;
-            STORY.iter().position(|known| known == name)
+            SESSION_TOPICS.iter().position(|known| known == name)
         });
         order
     }
@@ -203,12 +203,12 @@ impl<'d> Flight<'d> {
 
     /// As a log of PX4.
     pub(crate) fn log(&self) -> Log {
-        Log::of(self)
+        Log::from_flight(self)
     }
 
     /// As MCAP.
     pub(crate) fn bag(&self) -> Bag {
-        Bag::of(self)
+        Bag::from_flight(self)
     }
 
     /// As JSON Lines that name the type of each message.
@@ -263,7 +263,7 @@ fn is_published(message: &Message, definitions: &Definitions) -> bool {
 }
 
 /// Messages of a session, in the order in which a round has them.
-const STORY: [&str; 5] = [
+const SESSION_TOPICS: [&str; 5] = [
     "RegisterExtComponentRequest",
     "RegisterExtComponentReply",
     "ArmingCheckRequest",

@@ -47,7 +47,7 @@ pub(super) trait Sink: Send + Sync {
 
 /// What a connection is, as far as it makes a difference here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Manner {
+pub(super) enum ConnectionKind {
     /// It stands until somebody ends it.
     Persistent,
     /// Datagrams: nobody knows how long the other side is there.
@@ -61,7 +61,7 @@ pub(super) type SessionId = u64;
 
 /// What the server knows of a connection.
 pub(super) struct Session {
-    pub(super) manner: Manner,
+    pub(super) kind: ConnectionKind,
     sink: Arc<dyn Sink>,
     /// Who has logged in.
     pub(super) user: Option<String>,
@@ -145,11 +145,11 @@ impl Hub {
     }
 
     /// A client has connected.
-    pub(super) fn open(&mut self, manner: Manner, sink: Arc<dyn Sink>) -> SessionId {
+    pub(super) fn open(&mut self, kind: ConnectionKind, sink: Arc<dyn Sink>) -> SessionId {
         let id = self.next_session;
         self.next_session += 1;
         let session = Session {
-            manner,
+            kind,
             sink,
             user: None,
             subscriptions: BTreeMap::new(),
@@ -173,7 +173,7 @@ impl Hub {
 
     /// Tells a client which server this is.
     pub(super) fn greet(&mut self, id: SessionId) {
-        if self.sessions.get(&id).is_some_and(|session| session.manner == Manner::Persistent) {
+        if self.sessions.get(&id).is_some_and(|session| session.kind == ConnectionKind::Persistent) {
             let item = LogMessage {
                 message: format!("a simulated fleet of {} UAVs", self.world.uavs.len()),
                 severity: Some(LogSeverity::Info),
@@ -361,7 +361,8 @@ impl Hub {
 
     /// The connections that hear what happens.
     fn listeners(&self) -> Vec<SessionId> {
-        let is_standing = |id: &SessionId| self.sessions.get(id).is_some_and(|s| s.manner != Manner::OneShot);
+        let is_standing =
+            |id: &SessionId| self.sessions.get(id).is_some_and(|s| s.kind != ConnectionKind::OneShot);
         self.sessions.keys().copied().filter(|id| is_standing(id) && self.may_receive(*id)).collect()
     }
 

@@ -84,7 +84,7 @@ impl<T> Outcomes<T> {
     }
 
     /// What becomes of each thing that was asked for.
-    pub(super) fn of<I: Into<String>>(
+    pub(super) fn collect<I: Into<String>>(
         requested: Vec<I>,
         mut ask: impl FnMut(&str) -> Result<T, String>,
     ) -> Result<Self, String> {

@@ -3,13 +3,13 @@
 use serde_json::Value;
 
 /// How long an operation without an answer is waited for, in seconds of the simulation.
-const PATIENCE: f64 = 5.0;
+const ANSWER_TIMEOUT: f64 = 5.0;
 
 /// At what percentages a client is told how an operation is getting on.
 const MILESTONES: [u8; 3] = [25, 50, 75];
 
 /// Where an operation stops until the client says that it may go on.
-const SUSPENSION: u8 = 50;
+const SUSPEND_AT: u8 = 50;
 
 /// An operation.
 #[derive(Debug)]
@@ -78,7 +78,7 @@ impl Operation {
 
     /// An operation that nothing is ever heard of.
     pub(super) fn unanswered(receipt: String) -> Self {
-        Self { ending: Ending::Silence, ..Self::lasting(receipt, PATIENCE, Value::Null) }
+        Self { ending: Ending::Silence, ..Self::lasting(receipt, ANSWER_TIMEOUT, Value::Null) }
     }
 
     /// Cancels it; it still comes to its end.
@@ -119,7 +119,7 @@ impl Operation {
         match (reached, &self.ending) {
             (Some(milestone), _) => {
                 self.last_reported = milestone;
-                self.is_suspended = self.is_suspending && milestone == SUSPENSION;
+                self.is_suspended = self.is_suspending && milestone == SUSPEND_AT;
                 Some(if self.is_suspended {
                     Report::Suspension(milestone)
                 } else {

@@ -5,7 +5,7 @@ use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Instant;
 
 /// How many bytes may wait. A client that doesn't read so much is cut off: nobody else shall suffer for it.
-const LIMIT: usize = 64 << 20;
+const MAX_BYTES: usize = 64 << 20;
 
 /// A queue between the server and a connection.
 #[derive(Debug, Default)]
@@ -41,7 +41,7 @@ impl Outbox {
         }
         state.bytes += text.len();
         state.texts.push_back(text);
-        if state.bytes > LIMIT {
+        if state.bytes > MAX_BYTES {
             *state = State { is_closed: true, ..State::default() };
         }
         self.has_news.notify_all();

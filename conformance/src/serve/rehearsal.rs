@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use super::Options;
 use super::family;
-use super::hub::{Hub, Manner, SessionId, Sink};
+use super::hub::{ConnectionKind, Hub, SessionId, Sink};
 use crate::model::Rule;
 use crate::rules::flockwave::{
     FlockwaveRule, RULES, ack_06, env_25, sio_01, sio_02, sio_03, tcp_01, tcp_02, tcp_03, tcp_04, udp_01,
@@ -61,7 +61,7 @@ impl Rehearsal {
         );
         hub.ports = [("tcp", 5001), ("udp", 5001)].into();
         let received = Arc::new(RecordingSink::default());
-        let session = hub.open(Manner::Persistent, Arc::<RecordingSink>::clone(&received));
+        let session = hub.open(ConnectionKind::Persistent, Arc::<RecordingSink>::clone(&received));
         Self { hub, session, received, time: Duration::ZERO }
     }
 

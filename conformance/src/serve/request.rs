@@ -38,11 +38,11 @@ pub(super) enum Incoming {
 impl Incoming {
     /// Reads what came in.
     pub(super) fn parse(bytes: &[u8]) -> Self {
-        serde_json::from_slice(bytes).map_or(Self::Ignored, Self::of)
+        serde_json::from_slice(bytes).map_or(Self::Ignored, Self::from_value)
     }
 
     /// The same of a message that was read.
-    pub(super) fn of(message: Value) -> Self {
+    pub(super) fn from_value(message: Value) -> Self {
         let Value::Object(mut message) = message else { return Self::Ignored };
         let Some(Value::String(id)) = message.remove("id") else { return Self::Ignored };
         if message.contains_key("refs") {

@@ -213,7 +213,7 @@ impl Uav {
             _ => STANDBY_DRAIN,
         };
         self.charge = (self.charge - drain * seconds).max(0.0);
-        self.heed_battery();
+        self.react_to_battery();
         let before = self.position;
         self.fly(seconds);
         for (axis, velocity) in self.velocity.iter_mut().enumerate() {
@@ -225,7 +225,7 @@ impl Uav {
     }
 
     /// What a low battery makes it do by itself.
-    fn heed_battery(&mut self) {
+    fn react_to_battery(&mut self) {
         let is_busy = matches!(
             self.activity,
             Activity::TakingOff | Activity::Hovering | Activity::FlyingTo(_) | Activity::Returning

@@ -18,10 +18,10 @@ use super::target::Target;
 use crate::net::Connection;
 
 /// How many lines may wait to be judged; then the testee waits. Few, since each may be as long as the limit allows.
-const BACKLOG: usize = 8;
+const MAX_QUEUED_LINES: usize = 8;
 
 /// How often is looked whether a process that says nothing has ended.
-const GLANCE: Duration = Duration::from_millis(100);
+const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// What comes from a testee.
 #[derive(Debug)]
@@ -55,7 +55,7 @@ impl Link {
     pub(super) fn open(options: &Options, is_again: bool) -> Result<Self, String> {
         let until = Instant::now() + options.start_timeout;
         let (to, questions) = channel();
-        let (lines, from) = sync_channel(BACKLOG);
+        let (lines, from) = sync_channel(MAX_QUEUED_LINES);
         let limit = options.line_limit;
         let peer = match &options.target {
             Target::Command(command) => {
@@ -96,7 +96,7 @@ impl Link {
             Received::Lost(how) => how,
             Received::Nothing => format!("nothing within {} s", options.start_timeout.as_secs_f32()),
         };
-        Err(wrong + &last_words(&self.kill()))
+        Err(wrong + &remaining_stderr(&self.kill()))
     }
 
     /// Sends a line, sooner or later; if it can't be sent, the testee has ended, and that is seen elsewhere.
@@ -119,10 +119,10 @@ impl Link {
     pub(super) fn receive(&mut self, until: Instant) -> Received {
         loop {
             let left = until.saturating_duration_since(Instant::now());
-            match self.from.recv_timeout(left.min(GLANCE)) {
+            match self.from.recv_timeout(left.min(POLL_INTERVAL)) {
                 Ok(said) => return said,
                 Err(RecvTimeoutError::Disconnected) => return Received::Closed,
-                Err(RecvTimeoutError::Timeout) if left <= GLANCE => return Received::Nothing,
+                Err(RecvTimeoutError::Timeout) if left <= POLL_INTERVAL => return Received::Nothing,
                 Err(RecvTimeoutError::Timeout) => {}
             }
             // What it left behind may hold its output open, and ends with it.
@@ -192,7 +192,7 @@ fn advice(error: &io::Error) -> &'static str {
 }
 
 /// What to add to a message of something that the end of standard error may explain.
-pub(super) fn last_words(stderr: &str) -> String {
+pub(super) fn remaining_stderr(stderr: &str) -> String {
     if stderr.is_empty() { String::new() } else { format!("\nIts standard error ends:\n{stderr}") }
 }
 

@@ -19,7 +19,7 @@ use super::case::Case;
 use super::compare::compare;
 use super::link::{Link, Received};
 use super::options::{Options, excerpt};
-use super::outcome::{Manners, Outcome, Verdict};
+use super::outcome::{Outcome, ProtocolRemarks, Verdict};
 use super::protocol::{Answer, Hello};
 
 /// Asks a testee the selected cases (indices, which are the ids on the wire); an error where it can't be started or
@@ -52,7 +52,7 @@ pub fn run<'c>(
     Ok(Outcome {
         hello: Some(hello),
         verdicts: verdicts.collect(),
-        manners: state.manners,
+        protocol_remarks: state.protocol_remarks,
         restarts: state.restarts,
         gave_up: state.gave_up,
     })
@@ -80,7 +80,7 @@ struct Shared<'r> {
 struct State {
     queue: VecDeque<usize>,
     verdicts: Vec<(usize, Verdict)>,
-    manners: Manners,
+    protocol_remarks: ProtocolRemarks,
     restarts: u32,
     /// Those since the last case that was found to be to blame.
     futile: u32,
@@ -99,7 +99,7 @@ impl Shared<'_> {
     }
 
     fn remark(&self, what: String) {
-        self.state().manners.remark(what);
+        self.state().protocol_remarks.remark(what);
     }
 }
 

@@ -283,7 +283,7 @@ fn mutants() -> Vec<(&'static str, Writer, &'static str)> {
 }
 
 /// Rules that a mutant breaks beside its own, as it can't be otherwise.
-const ALSO: [(&str, &str); 1] = [("PX-FMT-03", "PX-FMT-01")];
+const ALSO_VIOLATED: [(&str, &str); 1] = [("PX-FMT-03", "PX-FMT-01")];
 
 #[test]
 fn what_is_said_of_a_breach_tells_what_and_where() {
@@ -294,7 +294,8 @@ fn what_is_said_of_a_breach_tells_what_and_where() {
         let own: Vec<&String> = found.iter().filter(|(rule, _)| *rule == id).map(|(_, text)| text).collect();
         assert!(own.len() == 1 && own[0].starts_with(said), "{id}: {found:?}");
         let others: Vec<&str> = found.iter().map(|(rule, _)| *rule).filter(|rule| *rule != id).collect();
-        let allowed: Vec<&str> = ALSO.iter().filter(|(of, _)| *of == id).map(|(_, also)| *also).collect();
+        let allowed: Vec<&str> =
+            ALSO_VIOLATED.iter().filter(|(of, _)| *of == id).map(|(_, also)| *also).collect();
         assert_eq!(others, allowed, "{id}: {found:?}");
     }
 }
@@ -366,7 +367,7 @@ fn a_finding_tells_where_it_is_defined_and_what_was_expected() {
     let (_folder, definitions) = definitions();
     for (id, log, _) in mutants() {
         let result = check_ulog(&log.bytes[..], &definitions);
-        let group = result.findings.of(rule(id).expect("a rule")).next().expect("a finding");
+        let group = result.findings.groups_of(rule(id).expect("a rule")).next().expect("a finding");
         let line = group.definition.map(|span| definitions.line(span));
         let line = line.map(|line| line.text.split('#').next().unwrap_or_default().trim().to_owned());
         let expected = match id {
@@ -446,7 +447,7 @@ fn equal_findings_are_counted() {
     }
     let result = judge(&log);
     let rule = rule("PX-BOOL-01").expect("a rule");
-    let groups: Vec<_> = result.findings.of(rule).collect();
+    let groups: Vec<_> = result.findings.groups_of(rule).collect();
     assert_eq!((groups.len(), groups[0].count, groups[0].examples.len()), (1, 5, 3));
     assert_eq!(result.findings.verdict(rule), Verdict::Fail);
 }

@@ -32,12 +32,12 @@ struct Script<'d> {
 
 impl Script<'static> {
     fn new() -> Self {
-        Self::of(&FLIGHT)
+        Self::with_flight(&FLIGHT)
     }
 }
 
 impl<'d> Script<'d> {
-    fn of(typical: &'d Flight<'d>) -> Self {
+    fn with_flight(typical: &'d Flight<'d>) -> Self {
         Self { typical, flight: Flight { messages: Vec::new(), ..typical.clone() } }
     }
 
@@ -853,7 +853,7 @@ fn without_masks_registrations_say_who_is_asked() {
     }
     let definitions = Definitions::load(folder.path()).expect("definitions");
     let flight = Flight::new(&definitions);
-    let mut script = Script::of(&flight);
+    let mut script = Script::with_flight(&flight);
     script.register(10, 3);
     script.talk(100, 105, &[3, 5]);
     script.request(105 * PERIOD, 105, &[]);
@@ -883,7 +883,7 @@ fn without_masks_who_goes_on_to_answer_was_registered_again() {
     let definitions = Definitions::load(folder.path()).expect("definitions");
     let flight = Flight::new(&definitions);
     let left = |after: &dyn Fn(&mut Script<'_>)| {
-        let mut script = Script::of(&flight);
+        let mut script = Script::with_flight(&flight);
         script.register(10, 3);
         script.talk(100, 105, &[3]);
         script.unregister(105 * PERIOD - 100, 3);
@@ -911,7 +911,7 @@ fn without_masks_who_goes_on_to_answer_was_registered_again() {
     });
     assert_eq!(missing, 0);
     // Topics aren't in order among each other: it came again after it had left.
-    let mut script = Script::of(&flight);
+    let mut script = Script::with_flight(&flight);
     script.register(10, 3);
     script.talk(100, 105, &[3]);
     script.register(105 * PERIOD - 100, 3);
@@ -931,7 +931,7 @@ fn fields_that_a_release_lacks_are_not_judged() {
     }
     let definitions = Definitions::load(folder.path()).expect("definitions");
     let flight = Flight::new(&definitions);
-    let mut script = Script::of(&flight);
+    let mut script = Script::with_flight(&flight);
     script.register(10, 3);
     script.talk(100, 105, &[3]);
     script.reply(105 * PERIOD, 9, 200);
@@ -1001,7 +1001,7 @@ fn flags_that_no_mode_requires_are_shown_each_with_its_count() {
         let expected = ["attitude_invalid", "flight_time_limit_exceeded", "wind_limit_exceeded"].map(of);
         assert_eq!(found, expected);
         assert_eq!(result.findings.verdict(shown), Verdict::Shown);
-        let group = result.findings.of(shown).next().expect("a group");
+        let group = result.findings.groups_of(shown).next().expect("a group");
         assert_eq!(group.examples[0].1.to_string(), "set, and mode_req_attitude is 0: no mode requires it");
     }
     // Twelve flags of this release have a requirement.

@@ -476,7 +476,7 @@ fn reports_say_what_a_recording_is() {
     let result = checked(&session.to_bytes());
     let checked =
         CheckedCapture { path: "hill.jsonl".to_owned(), result: result, notes: Vec::new(), elapsed: 1 };
-    let subject = Subject::of_capture(checked, &definitions, &Settings::default());
+    let subject = Subject::from_capture(checked, &definitions, &Settings::default());
     let text = subject_text(&subject);
     for part in ["Flockwave, 8 connections, 1 min", "UAV-INF 24", "SOAR-LIST", "conforms"] {
         assert!(text.contains(part), "{part}: {text}");

@@ -74,7 +74,7 @@ fn findings_tell_where_it_is_defined_and_what_was_expected() {
             assert_eq!(captures.len(), Encoding::ALL.len(), "{id}: {}", mutant.name);
             for (title, bytes) in captures {
                 let result = check_capture(&bytes[..], None, &definitions).expect("bytes");
-                let group = result.findings.of(rule).next().expect("a finding");
+                let group = result.findings.groups_of(rule).next().expect("a finding");
                 let detail = &group.examples[0].1;
                 assert!(
                     !detail.expected.is_empty() && !detail.actual.is_empty(),

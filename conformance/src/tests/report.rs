@@ -287,7 +287,7 @@ fn each_kind_tells_where_in_the_record_and_what_stood_there() {
     let of = |path: &str, bytes: &[u8]| {
         let result = check_capture(bytes, None, &definitions).expect("bytes can be read");
         let checked = CheckedCapture { path: path.to_owned(), result: result, notes: Vec::new(), elapsed: 0 };
-        let subject = Subject::of_capture(checked, &definitions, &Settings::default());
+        let subject = Subject::from_capture(checked, &definitions, &Settings::default());
         Report::new(Action::Check, String::new(), &definitions, vec![subject], Vec::new(), Vec::new())
     };
     let line = json!({"op": "publish", "topic": "/fmu/in/unregister_ext_component", "msg": {"timestamp": 1}});

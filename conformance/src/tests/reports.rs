@@ -24,14 +24,14 @@ fn checked(mut judge: FlockwaveChecker<'_>, recording: &[u8]) -> (String, u64) {
         number += 1;
         judge.line(line, number, false);
     }
-    let at_once = judge.seen_at_once();
+    let at_once = judge.num_known_reports();
     (format!("{:#?}", judge.finish(recording.len() as u64)), at_once)
 }
 
 /// Judges a recording in both ways, which come to the same, and says how many reports were seen at once.
 fn compare(recording: &[u8], definitions: &Definitions) -> u64 {
-    let (quick, at_once) = checked(FlockwaveChecker::of(definitions), recording);
-    let (thorough, none) = checked(FlockwaveChecker::of(definitions).thorough(), recording);
+    let (quick, at_once) = checked(FlockwaveChecker::new(definitions), recording);
+    let (thorough, none) = checked(FlockwaveChecker::new(definitions).thorough(), recording);
     // The first line that differs says more than both texts.
     let difference = quick.lines().zip(thorough.lines()).find(|(one, other)| one != other);
     assert_eq!(difference, None, "{}", String::from_utf8_lossy(recording));
@@ -248,7 +248,7 @@ fn beginning() -> Vec<u8> {
 fn recording(lines: Vec<(Content, Style)>) -> Vec<u8> {
     let mut recording = beginning();
     let mut time = 1_790_000_000.0;
-    for (number, ((mut body, is_of_server, refs), style)) in lines.into_iter().enumerate() {
+    for (number, ((mut body, is_from_server, refs), style)) in lines.into_iter().enumerate() {
         time += style.after;
         if let Some(event) = style.event {
             let line = json!({ "t": time, "conn": style.connection, "dir": "event", "event": event });
@@ -261,7 +261,8 @@ fn recording(lines: Vec<(Content, Style)>) -> Vec<u8> {
         {
             body.insert("type".to_owned(), of);
         }
-        let id = style.id.unwrap_or_else(|| format!("{}-{number}", if is_of_server { "say" } else { "ask" }));
+        let id =
+            style.id.unwrap_or_else(|| format!("{}-{number}", if is_from_server { "say" } else { "ask" }));
         let mut message = json!({ "$fw.version": style.version });
         if style.is_body_first {
             message["body"] = body;
@@ -273,7 +274,7 @@ fn recording(lines: Vec<(Content, Style)>) -> Vec<u8> {
         if let Some(refs) = refs {
             message["refs"] = refs.into();
         }
-        let direction = if is_of_server { "in" } else { "out" };
+        let direction = if is_from_server { "in" } else { "out" };
         let line = json!({ "t": time, "conn": style.connection, "dir": direction, "msg": message });
         let mut line = line.to_string().into_bytes();
         if style.is_wide {

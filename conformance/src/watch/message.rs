@@ -2,7 +2,7 @@
 
 use super::roster::{ID_LIMIT, List, UAV_LIMIT};
 use super::state::State;
-use super::words::kept;
+use super::words::truncated;
 use crate::json::Tree;
 
 /// A message.
@@ -68,7 +68,7 @@ fn news(message: &Tree<'_>) -> News {
 
 /// A text, or what stands in its place.
 fn words(value: &Tree<'_>) -> String {
-    value.as_str().map_or_else(|| kept(&value.to_string()), kept)
+    value.as_str().map_or_else(|| truncated(&value.to_string()), truncated)
 }
 
 fn server(body: &Tree<'_>) -> String {

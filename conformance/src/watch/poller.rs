@@ -23,7 +23,7 @@ const SILENCE: Duration = Duration::from_secs(2);
 const ANSWER_LIMIT: Duration = Duration::from_secs(3);
 
 /// How often it is looked who has been silent for too long.
-const LOOK: Duration = Duration::from_millis(50);
+const CHECK_INTERVAL: Duration = Duration::from_millis(50);
 
 /// For how many UAVs it is asked at once, and how many bytes their ids may have: the answer has to fit into a
 /// datagram.
@@ -82,7 +82,7 @@ impl Poller {
         if self.open.is_some() || self.next_look > now {
             return None;
         }
-        self.next_look = now + LOOK;
+        self.next_look = now + CHECK_INTERVAL;
         let ids = self.silent(now);
         if ids.is_empty() {
             return None;
@@ -202,16 +202,16 @@ mod tests {
         let mut poller = Poller::new(false, now);
         assert_eq!(asked(&mut poller, now), named(&[("SYS-VER", 0), ("SYS-TIME", 0), ("UAV-LIST", 0)]));
         receive(&mut poller, &list(120), now);
-        let now = now + LOOK;
+        let now = now + CHECK_INTERVAL;
         assert_eq!(asked(&mut poller, now), named(&[("UAV-INF", 50)]));
         // A notification is no answer.
         receive(&mut poller, &states(None, 0..1), now);
-        assert_eq!(asked(&mut poller, now + LOOK), []);
+        assert_eq!(asked(&mut poller, now + CHECK_INTERVAL), []);
         receive(&mut poller, &states(Some("watch-4"), 0..50), now);
         assert_eq!(asked(&mut poller, now), named(&[("UAV-INF", 50)]));
         // The answer gets lost, or comes without its envelope, so that it could be anything.
         receive(&mut poller, &states(None, 0..1), now);
-        assert_eq!(asked(&mut poller, now + LOOK), []);
+        assert_eq!(asked(&mut poller, now + CHECK_INTERVAL), []);
         let now = now + ANSWER_LIMIT;
         assert_eq!(asked(&mut poller, now), named(&[("UAV-INF", 50)]));
     }
@@ -222,7 +222,7 @@ mod tests {
         let mut poller = Poller::new(true, now);
         asked(&mut poller, now);
         receive(&mut poller, &list(60), now);
-        let now = now + LOOK;
+        let now = now + CHECK_INTERVAL;
         assert_eq!(asked(&mut poller, now), named(&[("UAV-INF", 50)]));
         receive(&mut poller, &states(None, 0..50), now);
         assert_eq!(asked(&mut poller, now), named(&[("UAV-INF", 10)]));

@@ -11,7 +11,7 @@ pub(crate) const ID_LIMIT: usize = 256;
 
 /// For how long a UAV stays of which the server told by itself, although a list doesn't have it: the list may be older,
 /// and some servers tell of UAVs that they don't list.
-const GRACE: Duration = Duration::from_secs(10);
+const GRACE_PERIOD: Duration = Duration::from_secs(10);
 
 /// A list of ids.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -78,7 +78,7 @@ impl<T: Default> Roster<T> {
             self.members.retain(|id, member| {
                 let is_fresh = member
                     .last_reported
-                    .is_some_and(|last_reported| now.saturating_duration_since(last_reported) < GRACE);
+                    .is_some_and(|last_reported| now.saturating_duration_since(last_reported) < GRACE_PERIOD);
                 is_fresh || listed.contains(id.as_str())
             });
         }
@@ -111,11 +111,11 @@ mod tests {
         assert!(roster.update(&list(&["glider-1", "glider-2"]), now));
         roster.admit("glider-2").expect("room").last_reported = Some(now);
         roster.admit("glider-3").expect("room").last_reported = Some(now);
-        assert!(roster.update(&list(&["glider-4"]), now + GRACE / 2));
+        assert!(roster.update(&list(&["glider-4"]), now + GRACE_PERIOD / 2));
         assert_eq!(ids(&roster), ["glider-2", "glider-3", "glider-4"]);
-        assert!(!roster.update(&List { is_whole: false, ..list(&["glider-5"]) }, now + GRACE));
+        assert!(!roster.update(&List { is_whole: false, ..list(&["glider-5"]) }, now + GRACE_PERIOD));
         assert_eq!(ids(&roster).len(), 4, "a list that was cut says nothing of the others");
-        assert!(roster.update(&list(&["glider-4"]), now + GRACE));
+        assert!(roster.update(&list(&["glider-4"]), now + GRACE_PERIOD));
         assert_eq!(ids(&roster), ["glider-4"]);
     }
 

@@ -14,10 +14,10 @@ use crate::flockwave::transport::endpoint::Endpoint;
 const CONNECT_LIMIT: Duration = Duration::from_secs(10);
 
 /// How long a server may say nothing at all, though it is asked every few seconds, until it counts as gone.
-const PATIENCE: Duration = Duration::from_secs(15);
+const SILENCE_LIMIT: Duration = Duration::from_secs(15);
 
 /// How often it is looked whether there is something to ask, and whether anybody still wants to know.
-const LOOK: Duration = Duration::from_millis(100);
+const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// How long it is waited before a server that is gone is tried again: each time twice as long, up to the last.
 const FIRST_PAUSE: Duration = Duration::from_secs(1);
@@ -58,7 +58,7 @@ impl Session {
 }
 
 /// Nobody wants to know more.
-struct Over;
+struct Closed;
 
 struct Watch {
     endpoint: Endpoint,
@@ -68,7 +68,7 @@ struct Watch {
 }
 
 impl Watch {
-    fn run(&mut self) -> Result<(), Over> {
+    fn run(&mut self) -> Result<(), Closed> {
         let mut pause = FIRST_PAUSE;
         loop {
             let mut has_heard = false;
@@ -81,27 +81,27 @@ impl Watch {
             }
             self.emit(Event::Lost { reason, pause })?;
             if (self.is_over)(pause) {
-                return Err(Over);
+                return Err(Closed);
             }
             pause = (pause * 2).min(LAST_PAUSE);
         }
     }
 
     /// Talks with the server until the connection ends; why it ended.
-    fn talk(&mut self, client: &mut dyn Client, has_heard: &mut bool) -> Result<String, Over> {
+    fn talk(&mut self, client: &mut dyn Client, has_heard: &mut bool) -> Result<String, Closed> {
         let mut poller = Poller::new(matches!(self.endpoint, Endpoint::Http { .. }), Instant::now());
         let mut last = Instant::now();
         let mut farewell = None;
         loop {
             if (self.is_over)(Duration::ZERO) {
-                return Err(Over);
+                return Err(Closed);
             }
             let message = match exchange(client, &mut poller) {
                 Ok(Received::Message(bytes)) => Message::read(&bytes),
                 Ok(Received::TooLong) => Message { refs: None, news: News::Unreadable },
-                Ok(Received::Silence) if last.elapsed() < PATIENCE => continue,
+                Ok(Received::Silence) if last.elapsed() < SILENCE_LIMIT => continue,
                 Ok(Received::Silence) => {
-                    return Ok(format!("it has said nothing for {} s", PATIENCE.as_secs()));
+                    return Ok(format!("it has said nothing for {} s", SILENCE_LIMIT.as_secs()));
                 }
                 Ok(Received::End) => {
                     return Ok(farewell.unwrap_or_else(|| "it ended the connection".to_owned()));
@@ -118,8 +118,8 @@ impl Watch {
         }
     }
 
-    fn emit(&mut self, event: Event) -> Result<(), Over> {
-        if (self.on_event)(event) { Ok(()) } else { Err(Over) }
+    fn emit(&mut self, event: Event) -> Result<(), Closed> {
+        if (self.on_event)(event) { Ok(()) } else { Err(Closed) }
     }
 }
 
@@ -128,5 +128,5 @@ fn exchange(client: &mut dyn Client, poller: &mut Poller) -> io::Result<Received
     while let Some(request) = poller.next(Instant::now()) {
         client.send(request.as_bytes())?;
     }
-    client.receive(Instant::now() + LOOK)
+    client.receive(Instant::now() + POLL_INTERVAL)
 }

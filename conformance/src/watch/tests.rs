@@ -17,10 +17,10 @@ use crate::watch::session::{Event, Session};
 use serde_json::{Value, json};
 
 /// How long something may take that has to happen.
-const PATIENCE: Duration = Duration::from_secs(60);
+const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// The ways to connect, but for host and port.
-const WAYS: [(Transport, &str); 5] = [
+const TRANSPORTS: [(Transport, &str); 5] = [
     (Transport::Tcp, ""),
     (Transport::Udp, ""),
     (Transport::Http, ""),
@@ -47,7 +47,7 @@ impl Watched {
 
     /// Takes what happens until something is so.
     fn until(&mut self, what: &str, is_so: impl Fn(&Self) -> bool) {
-        let end = Instant::now() + PATIENCE;
+        let end = Instant::now() + TIMEOUT;
         while !is_so(self) {
             let left = end.saturating_duration_since(Instant::now());
             let event = self.events.recv_timeout(left).unwrap_or_else(|error| panic!("{what}: {error}"));
@@ -67,7 +67,7 @@ impl Watched {
 
 #[test]
 fn a_fleet_is_seen_over_every_transport() {
-    for (transport, rest) in WAYS {
+    for (transport, rest) in TRANSPORTS {
         let errors = vec![error("glider-2=193").expect("a code")];
         let (_server, address) = serve(Options { uavs: 60, errors, ..Options::default() }, transport);
         let mut watched = Watched::new(&format!("{}://{address}{rest}", transport.name()));
@@ -104,7 +104,7 @@ fn a_server_that_goes_away_and_comes_back_is_seen_again() {
     assert_eq!(watched.fleet.len(), 5, "what was known stays known");
     let options = Options { uavs: 2, ..Options::default() };
     // The port is free again in a moment, on any system.
-    let end = Instant::now() + PATIENCE;
+    let end = Instant::now() + TIMEOUT;
     let _server = loop {
         match Server::start(options.clone(), &[(Transport::Tcp, address)]) {
             Ok(server) => break server,

@@ -323,7 +323,7 @@ impl<R: Read> Reader<R> {
             }
             return self.search(offset, Malformed::Parts { opcode: op::CHUNK });
         };
-        let packing = Packing::of(&head.packing);
+        let packing = Packing::from_name(&head.packing);
         if packing.is_some() && head.packed > Self::MAX_PACKED {
             return self.search(offset, Malformed::Length { opcode: op::CHUNK, length });
         }

@@ -88,7 +88,7 @@ pub struct Record<'l> {
     /// What it is.
     pub subscription: &'l Subscription,
     /// Its type.
-    pub of: MessageType<'l>,
+    pub message_type: MessageType<'l>,
     /// The message as it lies in memory, perhaps without the padding at its end.
     pub payload: &'l [u8],
 }
@@ -175,7 +175,7 @@ impl Log {
             return None;
         }
         let subscription = self.subscription(id)?;
-        Some(Record { subscription, of: self.types.get(of), payload })
+        Some(Record { subscription, message_type: self.types.get(of), payload })
     }
 
     /// The type of the data of an id, if that is subscribed and has one.

@@ -7,7 +7,7 @@ use super::kind::{HEADER, Header, LARGEST, SYNC};
 use super::problem::Resync;
 
 /// So many sound messages that follow each other are no accident.
-const RUN: usize = 4;
+const SOUND_RUN: usize = 4;
 
 /// The same where the log or a section ends, so that there may be no more.
 const RUN_AT_END: usize = 2;
@@ -27,7 +27,7 @@ const LARGEST_POSSIBLE_START: usize = 1_024;
 const TEXT: usize = 64;
 
 /// How far ahead is looked: a message and a run behind it, all of them as large as can be.
-pub(super) const LOOKAHEAD: usize = (RUN + 1) * LARGEST;
+pub(super) const LOOKAHEAD: usize = (SOUND_RUN + 1) * LARGEST;
 
 /// What the bytes of a section start with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -129,7 +129,7 @@ enum Walk {
 
 /// How much the look of a message says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Looks {
+enum Plausibility {
     /// Its kind is known and its contents are in order: less than one in a hundred thousand starts is so
     /// by accident.
     Sound,
@@ -157,7 +157,7 @@ impl Look<'_> {
         };
         let is_sound = || match header.kind {
             b'B' => self.is_first && header.is_believable(),
-            _ => self.looks(header, &message[HEADER..]) == Looks::Sound,
+            _ => self.looks(header, &message[HEADER..]) == Plausibility::Sound,
         };
         (goes_on && is_sound()).then_some(Beginning::Message(header))
     }
@@ -196,13 +196,15 @@ impl Look<'_> {
                 .map(|_| Resync::Synchronisation);
         }
         let is_start = match self.looks(header, rest.get(HEADER..header.total())?) {
-            Looks::Sound => true,
+            Plausibility::Sound => true,
             // The first data of an id isn't sound, since its size isn't known.
-            Looks::Possible => self.ids.allow(&rest[HEADER..]) && header.total() <= LARGEST_POSSIBLE_START,
-            Looks::Wrong => false,
+            Plausibility::Possible => {
+                self.ids.allow(&rest[HEADER..]) && header.total() <= LARGEST_POSSIBLE_START
+            }
+            Plausibility::Wrong => false,
         };
         let is_run = is_start
-            && match self.walk(at, RUN) {
+            && match self.walk(at, SOUND_RUN) {
                 Walk::Enough => true,
                 Walk::End { sound } | Walk::Truncated { sound } => sound >= RUN_AT_END,
                 Walk::Corrupt => false,
@@ -235,9 +237,9 @@ impl Look<'_> {
                 return if is_cut { Walk::Truncated { sound } } else { Walk::Corrupt };
             };
             match self.looks(header, payload) {
-                Looks::Sound => sound += 1,
-                Looks::Possible => {}
-                Looks::Wrong => return Walk::Corrupt,
+                Plausibility::Sound => sound += 1,
+                Plausibility::Possible => {}
+                Plausibility::Wrong => return Walk::Corrupt,
             }
             if sound >= wanted {
                 return Walk::Enough;
@@ -247,16 +249,20 @@ impl Look<'_> {
         Walk::Enough
     }
 
-    fn looks(&self, header: Header, payload: &[u8]) -> Looks {
+    fn looks(&self, header: Header, payload: &[u8]) -> Plausibility {
         if !header.is_known() {
-            return if header.kind.is_ascii_alphabetic() { Looks::Possible } else { Looks::Wrong };
+            return if header.kind.is_ascii_alphabetic() {
+                Plausibility::Possible
+            } else {
+                Plausibility::Wrong
+            };
         }
         if !header.is_believable() {
-            return Looks::Wrong;
+            return Plausibility::Wrong;
         }
         let is_sound = match (header.kind, payload) {
             (b'D', id) if self.ids.expect(header.size, id) => true,
-            (b'D', _) => return Looks::Possible,
+            (b'D', _) => return Plausibility::Possible,
             (b'F', text) => is_format(text),
             (b'I' | b'P', entry) | (b'M' | b'Q', [_, entry @ ..]) => is_entry(entry),
             (b'A', [_, _, _, name @ ..]) => name.iter().take(TEXT).copied().all(is_word),
@@ -267,7 +273,7 @@ impl Look<'_> {
             // Flag bits are only at the start of a log, which needs no search.
             _ => false,
         };
-        if is_sound { Looks::Sound } else { Looks::Wrong }
+        if is_sound { Plausibility::Sound } else { Plausibility::Wrong }
     }
 }
 

@@ -58,14 +58,14 @@ impl<'d> Listeners<'d> {
 
     /// A record.
     pub(in crate::check) fn record(&mut self, exchange: &Exchange<'_>, findings: &mut Findings) {
-        let (message, report) = (Message::of(exchange), StatusReport::of(exchange));
+        let (message, report) = (Message::from_exchange(exchange), StatusReport::from_exchange(exchange));
         let views = Views { exchange, message, report };
         views.show(&mut self.all, self.definitions, findings);
     }
 
     /// A status report whose message was checked already.
     pub(in crate::check) fn checked_report(&mut self, exchange: &Exchange<'_>, findings: &mut Findings) {
-        let views = Views { exchange, message: None, report: StatusReport::of(exchange) };
+        let views = Views { exchange, message: None, report: StatusReport::from_exchange(exchange) };
         views.show(&mut self.all[..self.on_reports], self.definitions, findings);
     }
 

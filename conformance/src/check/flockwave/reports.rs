@@ -76,7 +76,7 @@ struct Fields<'d> {
 struct Line<'l> {
     time: Option<f64>,
     name: Option<&'l str>,
-    is_of_server: bool,
+    is_from_server: bool,
     message: Option<Message<'l>>,
 }
 
@@ -100,15 +100,15 @@ type States<'l> = Vec<(Cow<'l, str>, Tree<'l>)>;
 
 impl<'d> Reports<'d> {
     /// Reads those of these definitions.
-    pub(super) fn of(definitions: &'d Definitions) -> Self {
+    pub(super) fn new(definitions: &'d Definitions) -> Self {
         let members = definitions.defined_schemas().members(TYPE, Direction::Notification, "status");
-        let fields = members.filter(|members| members.len() <= MAX_FIELDS).and_then(Fields::of);
-        Self { fields, known: Known::of(definitions), kinds: Vec::new() }
+        let fields = members.filter(|members| members.len() <= MAX_FIELDS).and_then(Fields::new);
+        Self { fields, known: Known::new(definitions), kinds: Vec::new() }
     }
 
     /// Takes each line for one that isn't plain to see.
     pub(super) fn none(definitions: &'d Definitions) -> Self {
-        Self { fields: None, known: Known::of(definitions), kinds: Vec::new() }
+        Self { fields: None, known: Known::new(definitions), kinds: Vec::new() }
     }
 
     /// What a line says, if it is a report of which there is nothing to be told beside these findings.
@@ -123,7 +123,7 @@ impl<'d> Reports<'d> {
         let body = message.body.filter(|body| body.is_report)?;
         let id = message.id.filter(|id| (1..=MAX_ID).contains(&id.len()))?;
         let states = body.states?;
-        if !line.is_of_server || !are_different(&states) {
+        if !line.is_from_server || !are_different(&states) {
             return None;
         }
         let version = message.version?;
@@ -161,7 +161,7 @@ impl<'d> Reports<'d> {
             match &*key {
                 "t" if line.time.is_none() => line.time = Some(time(&tokens.token()?)?),
                 "conn" if line.name.is_none() => line.name = Some(plain(tokens)?),
-                "dir" if !line.is_of_server && plain(tokens)? == "in" => line.is_of_server = true,
+                "dir" if !line.is_from_server && plain(tokens)? == "in" => line.is_from_server = true,
                 "msg" if line.message.is_none() => line.message = Some(self.message(tokens, findings)?),
                 _ => return Err(Unclear),
             }
@@ -220,7 +220,7 @@ impl<'d> Reports<'d> {
 }
 
 impl<'d> Fields<'d> {
-    fn of(members: Members<'d>) -> Option<Self> {
+    fn new(members: Members<'d>) -> Option<Self> {
         Some(Self {
             id: members.field("id")?,
             timestamp: members.field("timestamp")?,

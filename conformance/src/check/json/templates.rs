@@ -64,7 +64,7 @@ impl Templates {
             return;
         }
         let template =
-            open.defined.and_then(|(id, _)| Template::of(plans, id, text, open.key, open.num_bytes));
+            open.defined.and_then(|(id, _)| Template::new(plans, id, text, open.key, open.num_bytes));
         let next = self.known.len();
         self.known.extend(template.map(|template| Known { channel, template, next }));
     }

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use uavspec_codegen::source::{SourceId, Span};
 
-use super::pattern::of_exactly;
+use super::pattern::exact;
 use super::{Entry, Lists, Stale, StaleReason};
 
 /// How much of a message is written as what failures begin with, in characters: more would only break more often.
@@ -27,7 +27,7 @@ pub(super) fn texts(lists: &Lists, stale: &[Stale]) -> BTreeMap<SourceId, String
             }
             StaleReason::PassesInPart { failing, .. } => {
                 let span = lists.entries[*entry].spans.selector;
-                values.entry(*entry).or_default().push((span, quote(of_exactly(failing))));
+                values.entry(*entry).or_default().push((span, quote(exact(failing))));
             }
             StaleReason::Passes | StaleReason::MatchesNothing | StaleReason::Idle | StaleReason::Expired => {
                 removed[*entry] = true

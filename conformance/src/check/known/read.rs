@@ -201,12 +201,12 @@ impl Reader<'_> {
                 if rule.is_none() {
                     self.mistake("known-rule", span, format!("no rule `{id}`"), "`uavspec rules` lists all");
                 }
-                let subject = self.pattern(values.subject, Pattern::of_names);
-                let file = self.pattern(values.file, Pattern::of_paths);
+                let subject = self.pattern(values.subject, Pattern::for_names);
+                let file = self.pattern(values.file, Pattern::for_paths);
                 Some((Selector::Rule { rule: rule?, subject, file }, span))
             }
             (None, Some((_, span))) => {
-                let case = self.pattern(values.case, Pattern::of_names)?;
+                let case = self.pattern(values.case, Pattern::for_names)?;
                 Some((Selector::Case(case), span))
             }
             (Some(_), Some((_, span))) => {

@@ -174,7 +174,7 @@ fn a_rule_is_narrowed_down_by_subject_and_file() {
     assert_eq!(whys(&list, Scope::Rules, &[passed("old/a.ulg"), speed, flaps]), [StaleReason::Passes]);
     let idle = of_rule("PX-RANGE-01", "", "old/a.ulg", Outcome::Idle);
     assert_eq!(whys(&list, Scope::Rules, &[idle]), [StaleReason::Idle]);
-    let unread = of_unread("old/a.ulg").collect::<Vec<_>>();
+    let unread = unread_outcome("old/a.ulg").collect::<Vec<_>>();
     assert_eq!(unread.len(), RULES.len());
     assert_eq!(whys(&list, Scope::Rules, &unread), []);
 }

@@ -43,7 +43,7 @@ enum Header {
 
 /// How the messages of a channel are judged, and how many were.
 pub(super) struct CdrChecker {
-    of: MessageId,
+    message_id: MessageId,
     /// What the file says that its messages are, where that isn't the definition.
     stated: Option<Rc<Stated>>,
     plan: Plan,
@@ -60,15 +60,15 @@ pub(super) struct CdrChecker {
 
 impl CdrChecker {
     pub(super) fn new(
-        of: MessageId,
+        message_id: MessageId,
         stated: Option<Rc<Stated>>,
         definitions: &Definitions,
         topic: &str,
     ) -> Self {
-        let ty = stated.as_ref().map_or_else(|| definitions.types().get(of), |stated| stated.root());
-        let plan = Plan::new(ty, Some(of), &definitions.schema, topic, &px4::VALUES);
+        let ty = stated.as_ref().map_or_else(|| definitions.types().get(message_id), |stated| stated.root());
+        let plan = Plan::new(ty, Some(message_id), &definitions.schema, topic, &px4::VALUES);
         Self {
-            of,
+            message_id,
             plan,
             timestamp: timestamp_offset(ty),
             stated,
@@ -87,7 +87,7 @@ impl CdrChecker {
     /// Whether messages of PX4 lack the time that each of them has.
     pub(super) fn lacks_timestamp(&self, definitions: &Definitions) -> Option<bool> {
         let schema = &definitions.schema;
-        let is_px4 = schema.package_of(schema.message(self.of)).form == Form::Msg(Dialect::Px4);
+        let is_px4 = schema.package_of(schema.message(self.message_id)).form == Form::Msg(Dialect::Px4);
         is_px4.then_some(self.timestamp.is_none())
     }
 
@@ -101,7 +101,7 @@ impl CdrChecker {
         definitions: &Definitions,
         findings: &mut Findings,
     ) -> Option<Seen> {
-        let definition = Some(definitions.schema.message(self.of).span);
+        let definition = Some(definitions.schema.message(self.message_id).span);
         let mut report = |rule: &'static Rule, detail: Detail| {
             let excerpt = || detail.excerpt(hexadecimal(payload));
             findings.report(rule, channel.topic, location, definition, excerpt);
@@ -122,7 +122,8 @@ impl CdrChecker {
         }
         self.bodies += 1;
         let stated = self.stated.clone();
-        let ty = stated.as_ref().map_or_else(|| definitions.types().get(self.of), |stated| stated.root());
+        let ty =
+            stated.as_ref().map_or_else(|| definitions.types().get(self.message_id), |stated| stated.root());
         let message = match ty.decode_cdr(payload) {
             Ok(message) => message,
             Err(error) => {
@@ -144,7 +145,7 @@ impl CdrChecker {
     ) -> Option<DynamicView<'v>> {
         let memory = seen.memory.as_deref()?;
         let stated = self.stated.as_ref().map(|stated| stated.root());
-        stated.unwrap_or_else(|| definitions.types().get(self.of)).view_uorb(memory).ok()
+        stated.unwrap_or_else(|| definitions.types().get(self.message_id)).view_uorb(memory).ok()
     }
 
     /// Looks at the header of a payload.

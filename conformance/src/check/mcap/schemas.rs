@@ -78,18 +78,18 @@ impl Schemas {
     pub(super) fn compared(
         &mut self,
         id: u16,
-        of: MessageId,
+        message_id: MessageId,
         is_json: bool,
         definitions: &Definitions,
     ) -> ComparedSchema {
         let Some(schema) = self.by_id.get_mut(&id) else { return (Basis::NoSchema, None, None) };
         let Some(text) = &schema.text else { return (Basis::TooLong, None, None) };
-        let compared = schema.compared.entry((of, is_json));
+        let compared = schema.compared.entry((message_id, is_json));
         let compared = compared.or_insert_with(|| match (schema.encoding.as_str(), is_json) {
             // So rosbag2 writes types whose definitions it doesn't find.
             _ if text.is_empty() => (Basis::NoSchema, None, None),
-            ("ros2msg", false) => types(&schema.name, text, of, definitions),
-            ("jsonschema", true) => (json(text, of, definitions), None, None),
+            ("ros2msg", false) => types(&schema.name, text, message_id, definitions),
+            ("jsonschema", true) => (json(text, message_id, definitions), None, None),
             (encoding, _) => (Basis::Encoding(encoding.escape_debug().to_string()), None, None),
         });
         compared.clone()
@@ -97,11 +97,11 @@ impl Schemas {
 }
 
 /// What the text of a schema as `ros2msg` is beside a definition.
-fn types(name: &str, text: &[u8], of: MessageId, definitions: &Definitions) -> ComparedSchema {
+fn types(name: &str, text: &[u8], message_id: MessageId, definitions: &Definitions) -> ComparedSchema {
     match Stated::read(name, text) {
         Err(error) => (Basis::Unreadable(error), None, None),
         Ok(stated) => {
-            let comparison = compare_declared(stated.root(), definitions.types().get(of));
+            let comparison = compare_declared(stated.root(), definitions.types().get(message_id));
             let (differs, version) = (comparison != Comparison::Equal, stated.version());
             (Basis::Compared(Arc::new(comparison)), differs.then(|| Rc::new(stated)), version)
         }
@@ -109,8 +109,8 @@ fn types(name: &str, text: &[u8], of: MessageId, definitions: &Definitions) -> C
 }
 
 /// What the text of a JSON Schema is beside a definition.
-fn json(text: &[u8], of: MessageId, definitions: &Definitions) -> Basis {
-    match json_schema::compare(text, of, &definitions.schema) {
+fn json(text: &[u8], message_id: MessageId, definitions: &Definitions) -> Basis {
+    match json_schema::compare(text, message_id, &definitions.schema) {
         Ok(Some(comparison)) => Basis::Compared(Arc::new(comparison)),
         Ok(None) => Basis::NoSchema,
         Err(error) => Basis::Unreadable(error),

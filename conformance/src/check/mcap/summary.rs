@@ -66,7 +66,7 @@ enum ChannelResult {
 }
 
 impl<'c> Row<'c> {
-    fn of(channel: &'c McapChannel) -> Self {
+    fn new(channel: &'c McapChannel) -> Self {
         let (result, message) = match &channel.status {
             CheckStatus::Checked(Basis::Compared(comparison)) => match &**comparison {
                 Comparison::Differs(differences) => {
@@ -106,7 +106,7 @@ impl<'c> Row<'c> {
 }
 
 fn rows<S: Serializer>(channels: &[McapChannel], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(channels.iter().map(Row::of))
+    serializer.collect_seq(channels.iter().map(Row::new))
 }
 
 impl Describe for McapSummary {
@@ -121,7 +121,7 @@ impl Describe for McapSummary {
     }
 
     fn lines(&self) -> Vec<Line> {
-        let rows: Vec<Row<'_>> = self.channels.iter().map(Row::of).collect();
+        let rows: Vec<Row<'_>> = self.channels.iter().map(Row::new).collect();
         let of = |wanted| rows.iter().filter(move |row| row.result == wanted);
         let messages = |wanted| of(wanted).map(|row| (row.topic, shown(&row.message)));
         let text = format!(

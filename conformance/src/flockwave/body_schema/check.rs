@@ -15,10 +15,10 @@ const MAX_DEVIATIONS: usize = 10_000;
 
 /// How many values of a body are looked at. A body has a million at most; but where each of several shapes may hold
 /// them again, each level of it is looked at twice as often as the one above.
-const MAX_LOOKS: usize = 1 << 21;
+const MAX_VISITS: usize = 1 << 21;
 
 /// What it takes to tell a deviation, for each step of the way to it, in looks.
-const LOOKS_PER_DEVIATION: usize = 8;
+const VISITS_PER_DEVIATION: usize = 8;
 
 /// How many fields of an object are listed.
 const MAX_LISTED: usize = 12;
@@ -67,7 +67,7 @@ fn check<'c>(defined_schemas: &'c DefinedSchemas, body: &'c Body, value: &'c Tre
         body: Some(body),
         path: Vec::new(),
         seen: Vec::new(),
-        looks: 0,
+        visits: 0,
         deviations: Vec::new(),
     };
     if let Tree::Object(members) = value {
@@ -89,7 +89,7 @@ fn first<'c>(
         body: None,
         path: Vec::new(),
         seen: Vec::new(),
-        looks: 0,
+        visits: 0,
         deviations: Vec::new(),
     };
     check.value(schema, value);
@@ -104,18 +104,18 @@ struct Check<'c> {
     path: Vec<At<'c>>,
     /// Which fields of the objects on this way have been met, the innermost last.
     seen: Vec<bool>,
-    looks: usize,
+    visits: usize,
     deviations: Vec<Deviation>,
 }
 
 impl<'c> Check<'c> {
     fn is_full(&self) -> bool {
-        self.deviations.len() >= MAX_DEVIATIONS || self.looks >= MAX_LOOKS
+        self.deviations.len() >= MAX_DEVIATIONS || self.visits >= MAX_VISITS
     }
 
     /// Something here isn't as it should be.
     fn deviates(&mut self, fault: Fault, expected: String, actual: String) {
-        self.looks += self.path.len() * LOOKS_PER_DEVIATION;
+        self.visits += self.path.len() * VISITS_PER_DEVIATION;
         let keys: Vec<Cow<'_, str>> = self.path.iter().map(At::key).collect();
         let keys: Vec<&str> = ["body"].into_iter().chain(keys.iter().map(AsRef::as_ref)).collect();
         let fields: Vec<&str> = self.path.iter().filter_map(|at| Some(at.field()?.name.as_str())).collect();
@@ -147,7 +147,7 @@ impl<'c> Check<'c> {
     }
 
     fn value(&mut self, schema: &'c ValueSchema, value: &'c Tree<'c>) {
-        self.looks += 1;
+        self.visits += 1;
         match (schema, value) {
             (ValueSchema::Any, _) | (ValueSchema::Null, Tree::Null) | (ValueSchema::Bool, Tree::Bool(_)) => {}
             (ValueSchema::Integer(low, high), _) => match integer(value) {

@@ -53,7 +53,7 @@ impl DefinedSchemas {
         let object = &self.objects[index];
         let fields = object.fields.iter().map(|field| {
             let (name, schema) = (&*field.name, &field.schema);
-            Member { name, schema, plain: Plain::of(self, schema) }
+            Member { name, schema, plain: Plain::new(self, schema) }
         });
         Some(Members { object, fields: fields.collect() })
     }
@@ -91,22 +91,22 @@ impl Members<'_> {
 }
 
 impl<'s> Plain<'s> {
-    fn of(defined_schemas: &'s DefinedSchemas, schema: &'s ValueSchema) -> Self {
+    fn new(defined_schemas: &'s DefinedSchemas, schema: &'s ValueSchema) -> Self {
         match schema {
             ValueSchema::Tuple(index) => {
                 let tuple = &defined_schemas.tuples[*index];
-                let elements = tuple.elements.iter().map(|element| Scalar::of(&element.schema));
+                let elements = tuple.elements.iter().map(|element| Scalar::new(&element.schema));
                 Self::Tuple(elements.collect(), tuple.length())
             }
             // Whether values repeat is seen from all of them.
-            ValueSchema::List(list) if !list.is_unique => Self::List(Scalar::of(&list.element), list.length),
-            schema => Self::One(Scalar::of(schema)),
+            ValueSchema::List(list) if !list.is_unique => Self::List(Scalar::new(&list.element), list.length),
+            schema => Self::One(Scalar::new(schema)),
         }
     }
 }
 
 impl<'s> Scalar<'s> {
-    fn of(schema: &'s ValueSchema) -> Self {
+    fn new(schema: &'s ValueSchema) -> Self {
         match schema {
             ValueSchema::Integer(low, high) => {
                 let bound = |bound: &i128| i64::try_from((*bound).clamp(i64::MIN.into(), i64::MAX.into()));
@@ -116,7 +116,7 @@ impl<'s> Scalar<'s> {
                     .map_or(Self::Other(schema), |(low, high)| Self::Range(low, high))
             }
             ValueSchema::Either(all) => match &all[..] {
-                [one, ValueSchema::Null] | [ValueSchema::Null, one] => match Self::of(one) {
+                [one, ValueSchema::Null] | [ValueSchema::Null, one] => match Self::new(one) {
                     Self::Range(low, high) => Self::Nullable(low, high),
                     _ => Self::Other(schema),
                 },

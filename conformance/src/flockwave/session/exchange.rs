@@ -149,7 +149,7 @@ impl<'t> Exchange<'t> {
     }
 
     /// Whether it is a message of the server, readable or not.
-    pub(crate) fn is_of_server(&self) -> bool {
+    pub(crate) fn is_from_server(&self) -> bool {
         self.record.direction == record::Direction::In && self.role != Role::Unanswered
     }
 
@@ -161,12 +161,12 @@ impl<'t> Exchange<'t> {
     /// The message, where it is one of the server.
     pub(crate) fn message(&self) -> Option<&'t Tree<'t>> {
         let is_object = |value: &&Tree<'_>| matches!(value, Tree::Object(_));
-        self.record.value.filter(is_object).filter(|_| self.is_of_server())
+        self.record.value.filter(is_object).filter(|_| self.is_from_server())
     }
 
     /// The body of a message of the server that is of this type.
     pub(crate) fn body_of(&self, type_name: &str) -> Option<&'t Tree<'t>> {
-        self.body.filter(|_| self.is_of_server() && self.type_name == Some(type_name))
+        self.body.filter(|_| self.is_from_server() && self.type_name == Some(type_name))
     }
 
     /// The body of a response of the server that is of this type.
@@ -207,7 +207,7 @@ impl<'t> Exchange<'t> {
 
     /// What of a body that the server sends has another shape than its type has for its direction.
     pub(super) fn deviations_from(&self, schemas: BodySchemas<'_>) -> Option<Vec<Deviation>> {
-        let body = self.body.filter(|_| self.is_of_server())?;
+        let body = self.body.filter(|_| self.is_from_server())?;
         schemas.deviations(self.type_name?, self.direction()?, body)
     }
 

@@ -17,7 +17,7 @@ pub enum Revision {
 
 impl Revision {
     /// The revision with a number of Engine.IO's.
-    pub(crate) fn of(number: &str) -> Option<Self> {
+    pub(crate) fn from_number(number: &str) -> Option<Self> {
         match number {
             "3" => Some(Self::Three),
             "4" => Some(Self::Four),

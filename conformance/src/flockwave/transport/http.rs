@@ -19,7 +19,7 @@ const IDLE_LIMIT: Duration = Duration::from_secs(60);
 const REQUEST_LIMIT: Duration = Duration::from_secs(30);
 
 /// How often a connection that waits looks whether it is still wanted.
-const LOOK: Duration = Duration::from_millis(100);
+const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// A request.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -179,7 +179,7 @@ impl Connection {
     fn read_more(&mut self, until: Instant, is_wanted: &dyn Fn() -> bool) -> io::Result<bool> {
         let mut piece = [0; 16 << 10];
         loop {
-            let left = until.saturating_duration_since(Instant::now()).min(LOOK);
+            let left = until.saturating_duration_since(Instant::now()).min(POLL_INTERVAL);
             if left.is_zero() || !is_wanted() {
                 return Ok(false);
             }

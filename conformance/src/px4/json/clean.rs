@@ -113,7 +113,7 @@ impl<'p> Reading<'p, '_> {
                     self.clean.dialects.insert(Dialect::Base64);
                     return if field.check_bytes(&bytes) { Ok(()) } else { Err(Unclear) };
                 }
-                let leaf = Leaf::of(&token).filter(|_| !is_array).ok_or(Unclear)?;
+                let leaf = Leaf::from_token(&token).filter(|_| !is_array).ok_or(Unclear)?;
                 field.keep(self.values, at, leaf);
                 field.check(leaf).map_err(|_| Unclear)
             }
@@ -158,7 +158,7 @@ fn next_field(fields: &[FieldPlan], guess: usize, tokens: &mut Tokens<'_>) -> Re
 
 impl<'t> Leaf<'t> {
     /// The value that a token is; none for numbers that are too large, and for tokens that are not JSON.
-    pub(super) fn of(token: &'t Token<'_>) -> Option<Self> {
+    pub(super) fn from_token(token: &'t Token<'_>) -> Option<Self> {
         Some(match token {
             Token::Null => Self::Null,
             Token::Bool(value) => Self::Bool(*value),

@@ -54,7 +54,7 @@ struct Change {
 impl Template {
     /// The template of a text in which a clean message stands: as the whole of it, or as the value of this key. None
     /// where it is written in a way that templates don't know. Its values take so many bytes in memory.
-    pub(crate) fn of(
+    pub(crate) fn new(
         plans: &Plans,
         id: MessageId,
         text: &str,
@@ -81,7 +81,7 @@ impl Template {
     /// with.
     pub(crate) fn read(&mut self, plans: &Plans, text: &str) -> Option<Clean> {
         self.compare(plans, text)?;
-        self.become_next(plans, text);
+        self.advance(plans, text);
         Some(Clean { timestamp: self.timestamp, dialects: Dialects::default() })
     }
 
@@ -109,7 +109,7 @@ impl Template {
             let start = new - old.checked_sub(step.start)?;
             let mut tokens = Tokens::new(text.get(start..)?);
             let token = tokens.token().ok()?;
-            let leaf = Leaf::of(&token)?;
+            let leaf = Leaf::from_token(&token)?;
             let bytes = match step.slot {
                 None => [0; 8],
                 Some(slot) => {
@@ -125,7 +125,7 @@ impl Template {
     }
 
     /// Takes over a text with what differs in it.
-    fn become_next(&mut self, plans: &Plans, text: &str) {
+    fn advance(&mut self, plans: &Plans, text: &str) {
         let Some(first) = self.changes.first() else { return };
         // What is behind values of another length stands elsewhere.
         if self.text.len() != text.len()
@@ -268,7 +268,7 @@ impl Learner<'_> {
         tokens.peek();
         let start = tokens.at();
         let token = tokens.token()?;
-        let leaf = Leaf::of(&token).ok_or(Unclear)?;
+        let leaf = Leaf::from_token(&token).ok_or(Unclear)?;
         let template = &mut self.template;
         if template.steps.len() == MAX_STEPS {
             return Err(Unclear);

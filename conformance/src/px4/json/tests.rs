@@ -124,7 +124,7 @@ fn a_template_reads_values_as_json_does() {
         "{ \"stamp\": 3, \"m\": {\"raw\":[1,\t5], \"number\":5,\"ratio\" : 5,\"small\":5,\"flag\":true,\
                 \"name\":\"abc\",\"timestamp\":5} }"
             .to_owned();
-    let learnt = |text: &str| Template::of(&plans, id, text, Some("m"), size);
+    let learnt = |text: &str| Template::new(&plans, id, text, Some("m"), size);
     let mut template = learnt(&good).expect("a usual way of writing");
     let mut taken = 0;
     let numbers = [
@@ -246,7 +246,7 @@ proptest! {
             let first = text.clone();
             // Templates are made of clean messages alone.
             let template = plans.read_text(id, &first, false, &mut []).is_ok().then(|| {
-                Template::of(plans, id, &first, None, size).expect("a usual way of writing")
+                Template::new(plans, id, &first, None, size).expect("a usual way of writing")
             });
             for (location, span, piece) in &changes {
                 let places = pieces(&text);

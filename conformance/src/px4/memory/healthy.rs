@@ -24,7 +24,7 @@ pub(super) enum Healthy {
 
 impl Healthy {
     /// Worked out with the constraint itself, which has the last word at the ends of ranges; none if it constrains nothing.
-    pub(super) fn of(constraint: Constraint<'_>) -> Option<Self> {
+    pub(super) fn new(constraint: Constraint<'_>) -> Option<Self> {
         let scalar = match constraint.element {
             Element::Scalar(Scalar::Bool) => return Some(Self::Bool),
             Element::Text(_) => return Some(Self::Text),

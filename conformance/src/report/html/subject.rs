@@ -157,7 +157,7 @@ fn findings(subject: &Subject, anchor: &str) -> Markup {
     html! {
         @if let Some(first) = subject.findings.first().filter(|_| !rules.is_empty()) {
             h3 { "Findings" }
-            @for rule in rules { (of_rule(subject, rule, anchor)) }
+            @for rule in rules { (rule_section(subject, rule, anchor)) }
             (finding::again(&first.reproduce))
         }
     }
@@ -180,7 +180,7 @@ fn anchor(index: usize) -> String {
     format!("subject-{}", index + 1)
 }
 
-fn of_rule(subject: &Subject, rule: &RuleVerdict, anchor: &str) -> Markup {
+fn rule_section(subject: &Subject, rule: &RuleVerdict, anchor: &str) -> Markup {
     let found: Vec<&Finding> = subject.findings.iter().filter(|finding| finding.rule == rule.id).collect();
     // What was only shown is of interest to few.
     let is_open = rule.verdict > Verdict::Shown;

@@ -18,7 +18,7 @@ pub(super) fn section(testee: &Testee) -> Markup {
     let told = &rest[..rest.len().min(MAX_LISTED_ITEMS)];
     html! {
         @if let Some(why) = &testee.gave_up { p.what { "The run ended early: " (shown(why)) } }
-        (manners(testee))
+        (protocol_remarks(testee))
         @if !failures.is_empty() {
             h3 { "Failures" }
             @for case in open { (article(case)) }
@@ -34,15 +34,15 @@ pub(super) fn section(testee: &Testee) -> Markup {
     }
 }
 
-fn manners(testee: &Testee) -> Markup {
+fn protocol_remarks(testee: &Testee) -> Markup {
     html! {
-        @if !testee.manners.is_empty() {
+        @if !testee.protocol_remarks.is_empty() {
             h3 { "Against the protocol" }
             ul {
-                @for remark in &testee.manners {
+                @for remark in &testee.protocol_remarks {
                     li { (shown(&remark.message)) @if remark.count > 1 { ", " (Grouped(remark.count)) " times" } }
                 }
-                @if testee.more_manners > 0 { li { "… and " (Grouped(testee.more_manners)) " more" } }
+                @if testee.more_protocol_remarks > 0 { li { "… and " (Grouped(testee.more_protocol_remarks)) " more" } }
             }
         }
     }

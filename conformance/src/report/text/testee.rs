@@ -28,12 +28,12 @@ pub(super) fn write(subject: &Subject, testee: &Testee, text: &mut String) -> fm
     if more > 0 {
         writeln!(text, "… and {more} more that are known")?;
     }
-    for remark in &testee.manners {
+    for remark in &testee.protocol_remarks {
         let times = if remark.count > 1 { format!(" ({} times)", remark.count) } else { String::new() };
         writeln!(text, "{WARN}manners{WARN:#} {}{times}", shown(&remark.message))?;
     }
-    if testee.more_manners > 0 {
-        writeln!(text, "{WARN}manners{WARN:#} … and {} more", testee.more_manners)?;
+    if testee.more_protocol_remarks > 0 {
+        writeln!(text, "{WARN}manners{WARN:#} … and {} more", testee.more_protocol_remarks)?;
     }
     writeln!(text, "\n{:<18} {:<32} {:>6} {:>6} {:>11}", "op", "type", "pass", "fail", "unsupported")?;
     for row in &testee.table {

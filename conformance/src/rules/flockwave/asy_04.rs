@@ -19,7 +19,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     checks: &[Check::Message(check)],
     covers: &[
         Attribution::new(&OPERATIONS, "receipt", &[Fault::Kind]),
-        Attribution::new(&OPERATIONS, "receipt.*", attribution::UNFIT),
+        Attribution::new(&OPERATIONS, "receipt.*", attribution::INVALID),
         Attribution::new(&["LOG-DATA"], "receipt", attribution::WRONG),
     ],
     bug: Bug::behaviour("Receipts are 70 characters long.").with(&[&env_18::RULE.rule]),

@@ -1,7 +1,7 @@
 //! `FW-ASY-10`.
 //!
 //! That an operation isn't at its end when a recording ends says nothing, and how long one may take isn't laid down. So
-//! its coming to an end is judged where someone tries it, with what takes no time ([`PATIENCE`]).
+//! its coming to an end is judged where someone tries it, with what takes no time ([`MAX_SECONDS`]).
 
 use std::collections::BTreeMap;
 
@@ -57,7 +57,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
                     let id = session.tries(&RULE.rule, "", test);
                     let body = json!({ "type": "UAV-TEST", "receipt": { "kite": "rcpt-50" } });
                     session.answers(&id, json!({ "body": body }));
-                    session.wait(2.0 * PATIENCE);
+                    session.wait(2.0 * MAX_SECONDS);
                     session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
                 })
             },
@@ -67,7 +67,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 /// How long a server may tell nothing of an operation that takes no time, in seconds, while it speaks of other things.
-const PATIENCE: f64 = 18.0;
+const MAX_SECONDS: f64 = 18.0;
 
 /// Of how many operations of a connection the end is waited for at the same time.
 const MAX_OPEN: usize = 1_000;
@@ -81,7 +81,7 @@ struct Ends(PerConnection<Open>);
 
 impl SessionCheck for Ends {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if !exchange.is_of_server() || !exchange.record.connection.is_ordered {
+        if !exchange.is_from_server() || !exchange.record.connection.is_ordered {
             return;
         }
         if matches!(exchange.type_name, Some("ASYNC-RESP" | "ASYNC-TIMEOUT"))
@@ -89,7 +89,7 @@ impl SessionCheck for Ends {
         {
             once(exchange, context);
         }
-        let open = self.0.of(exchange);
+        let open = self.0.get(exchange);
         let Some(now) = exchange.time else { return open.clear() };
         for named in &exchange.operations {
             let goes_on = exchange.type_name == Some("ASYNC-ST")
@@ -141,7 +141,7 @@ fn once(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
 fn pass(open: &mut Open, now: f64, context: &mut RuleContext<'_>) {
     open.retain(|receipt, (location, received)| {
         let waited = now - *received;
-        if waited > PATIENCE {
+        if waited > MAX_SECONDS {
             context.violation("operation", *location, || {
                 let receipt = body::quoted(receipt);
                 Detail::new(format!(
@@ -151,6 +151,6 @@ fn pass(open: &mut Open, now: f64, context: &mut RuleContext<'_>) {
                 .actual("none")
             });
         }
-        waited <= PATIENCE
+        waited <= MAX_SECONDS
     });
 }

@@ -2,7 +2,7 @@
 //!
 //! The end may come before the answer to the request that brings it about, and then may still be the operation's own.
 //! Progress that is told afterwards needn't mean that it goes on for long. So this is judged by what ends the operation
-//! after that answer, and by its coming at all in good time ([`PATIENCE`]) while the server speaks of other things.
+//! after that answer, and by its coming at all in good time ([`MAX_SECONDS`]) while the server speaks of other things.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -32,7 +32,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             make: || {
                 mutant::over("tcp#9", |session| {
                     cancel(session, "rcpt-40");
-                    session.wait(2.0 * PATIENCE);
+                    session.wait(2.0 * MAX_SECONDS);
                     session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
                 })
             },
@@ -62,7 +62,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 /// How long a server may take to end what it has cancelled, in seconds.
-const PATIENCE: f64 = 10.0;
+const MAX_SECONDS: f64 = 10.0;
 
 /// Of how many operations of a connection the end is waited for at the same time.
 const MAX_CANCELLED: usize = 1_000;
@@ -91,7 +91,7 @@ impl SessionCheck for Cancelled {
         if exchange.message().is_none() || !exchange.record.connection.is_ordered {
             return;
         }
-        let waiting = self.0.of(exchange);
+        let waiting = self.0.get(exchange);
         waiting.end(exchange, context);
         waiting.pass(exchange.time, context);
         if exchange.response("ASYNC-CANCEL").is_some() {
@@ -157,7 +157,7 @@ impl Waiting {
     /// Time passes.
     fn pass(&mut self, time: Option<f64>, context: &mut RuleContext<'_>) {
         let Some(now) = time else { return };
-        while self.times.front().is_some_and(|(time, ..)| now - time > PATIENCE) {
+        while self.times.front().is_some_and(|(time, ..)| now - time > MAX_SECONDS) {
             let Some((time, receipt, location)) = self.times.pop_front() else { break };
             // It may have ended since, and another may have its receipt.
             if self.receipts.get(&receipt) != Some(&location) {

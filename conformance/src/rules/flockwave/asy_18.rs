@@ -36,7 +36,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 fn requests() -> Vec<Request> {
-    let cancel = json!({ "type": "ASYNC-CANCEL", "ids": [trial::NOBODY] });
-    let resume = json!({ "type": "ASYNC-RESUME", "ids": [trial::NOBODY], "values": {} });
+    let cancel = json!({ "type": "ASYNC-CANCEL", "ids": [trial::UNKNOWN_ID] });
+    let resume = json!({ "type": "ASYNC-RESUME", "ids": [trial::UNKNOWN_ID], "values": {} });
     vec![Request::new("cancelled", cancel), Request::new("resumed", resume)]
 }

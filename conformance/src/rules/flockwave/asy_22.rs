@@ -48,7 +48,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    if exchange.role == Role::Response && exchange.is_of_server() {
+    if exchange.role == Role::Response && exchange.is_from_server() {
         let Some((name, expected, fits)) = exchange.type_name.and_then(result_of) else { return };
         let wrong = body::members(exchange.body, "result")
             .iter()

@@ -24,7 +24,7 @@ pub(super) const WRONG: &[Fault] = &[Fault::Kind, Fault::Value];
 pub(super) const MISSING: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind];
 
 /// No value as it should be.
-pub(super) const UNFIT: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind, Fault::Value];
+pub(super) const INVALID: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind, Fault::Value];
 
 /// Any violation.
 pub(super) const ALL: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind, Fault::Value, Fault::Further];

@@ -19,8 +19,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     checks: &[Check::Message(check)],
     covers: &[
         Attribution::new(&["CONN-INF"], "status.*", attribution::MISSING),
-        Attribution::new(&["CONN-INF"], "status.*.purpose", attribution::UNFIT),
-        Attribution::new(&["CONN-INF"], "status.*.status", attribution::UNFIT),
+        Attribution::new(&["CONN-INF"], "status.*.purpose", attribution::INVALID),
+        Attribution::new(&["CONN-INF"], "status.*.status", attribution::INVALID),
     ],
     bug: Bug::message("The purpose of connections is a number.", |out| {
         out.each_status("CONN-INF", |status| status["purpose"] = json!(1));

@@ -84,7 +84,7 @@ impl Unreadable {
 
 impl SessionCheck for Unreadable {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if exchange.is_of_server() {
+        if exchange.is_from_server() {
             context.covered();
         }
         if !lines::are_several(exchange, "tcp") && !lines::are_several(exchange, "udp") {

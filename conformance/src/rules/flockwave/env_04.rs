@@ -28,7 +28,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    let is_named = matches!(exchange.role, Role::Response | Role::Notification) && exchange.is_of_server();
+    let is_named = matches!(exchange.role, Role::Response | Role::Notification) && exchange.is_from_server();
     if !is_named || !exchange.record.connection.is_ordered {
         return;
     }

@@ -2,7 +2,7 @@
 //!
 //! No time limit is laid down, and a recording may end before the answer. So a request counts as unanswered only
 //! where no answer comes until the connection or the recording ends, and the server still spoke long after
-//! ([`PATIENCE`]). Who probes a server waits until he knows, and says so: such a request tries the rule, and one that tries another is left to that one.
+//! ([`MAX_SECONDS`]). Who probes a server waits until he knows, and says so: such a request tries the rule, and one that tries another is left to that one.
 
 use serde_json::json;
 
@@ -47,7 +47,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 /// How long a server may take, in seconds: what takes longer is answered with a receipt.
-const PATIENCE: f64 = 30.0;
+const MAX_SECONDS: f64 = 30.0;
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let Some(request) = &exchange.request else { return };
@@ -69,7 +69,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         return context.covered();
     }
     let Some(waited) =
-        request.waited.filter(|waited| exchange.role == Role::Unanswered && *waited > PATIENCE)
+        request.waited.filter(|waited| exchange.role == Role::Unanswered && *waited > MAX_SECONDS)
     else {
         return;
     };

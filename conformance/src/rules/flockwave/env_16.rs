@@ -54,7 +54,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     else {
         return;
     };
-    if exchange.role != Role::Response || !exchange.is_of_server() {
+    if exchange.role != Role::Response || !exchange.is_from_server() {
         return;
     }
     let expected = answer(question, request.is_setting);

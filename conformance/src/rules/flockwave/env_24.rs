@@ -118,14 +118,14 @@ impl SessionCheck for Families {
             self.is_login_needed |= body.get("required") == Some(&Tree::Bool(true));
         }
         if let Some(body) = exchange.response("AUTH-RESP") {
-            self.connections.of(exchange).is_logged_in |= body.get("result") == Some(&Tree::Bool(true));
+            self.connections.get(exchange).is_logged_in |= body.get("result") == Some(&Tree::Bool(true));
         }
         if exchange.role == Role::Response && exchange.tried(&env_07::RULE.rule).is_some() {
             let request = exchange.request.as_ref().and_then(|request| request.type_name.as_deref());
             if let Some(name) = request.filter(|name| !context.definitions.body_schemas().has(name))
                 && let Some(reason) = reason(exchange, name)
             {
-                let unknown = &mut self.connections.of(exchange).unknown;
+                let unknown = &mut self.connections.get(exchange).unknown;
                 if unknown.len() < MAX_REASONS {
                     unknown.insert(reason);
                 }
@@ -149,7 +149,7 @@ impl Families {
         let Some(family) = FAMILIES.iter().find(|family| name.split('-').next() == Some(family)) else {
             return;
         };
-        let families = &mut self.connections.of(exchange).families;
+        let families = &mut self.connections.get(exchange).families;
         let new =
             || Family { is_served: false, reasons: BTreeSet::new(), location: exchange.record.location };
         let family = families.entry(family).or_insert_with(new);

@@ -50,7 +50,7 @@ impl SessionCheck for Order {
             return;
         };
         context.covered();
-        let answered = self.0.of(exchange);
+        let answered = self.0.get(exchange);
         let later = answered.latest.filter(|latest| *latest > request.location);
         if let Some(later) = later.filter(|_| !answered.is_reported) {
             exchange.violates(context, || {

@@ -47,14 +47,14 @@ impl SessionCheck for Unknown {
         if self.is_of_repeated {
             served::served(exchange, context);
         }
-        if !exchange.is_of_server() || !exchange.record.connection.is_ordered {
+        if !exchange.is_from_server() || !exchange.record.connection.is_ordered {
             return;
         }
         if exchange.response("UAV-INF").is_some() {
             return self.inform(exchange, context);
         }
         let list = reply::listed(exchange);
-        let listed = self.connections.of(exchange);
+        let listed = self.connections.get(exchange);
         if exchange.notification("OBJ-DEL").is_some() {
             let is_left = |id: &String| list.as_ref().is_some_and(|gone| !gone.contains(id));
             listed.uavs.retain(is_left);
@@ -90,7 +90,7 @@ impl Unknown {
         if is_repeated != self.is_of_repeated {
             return;
         }
-        let listed = self.connections.of(exchange);
+        let listed = self.connections.get(exchange);
         let known = request.objects.iter().flatten().filter(|id| listed.uavs.contains(*id));
         let unknown = body::members(exchange.body, "error");
         for id in known {

@@ -33,7 +33,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 /// How much is kept, in bytes.
-const LIMIT: usize = 1 << 20;
+const MEMORY_LIMIT: usize = 1 << 20;
 
 /// The longest id that is kept, in bytes: 64 characters of up to four.
 const MAX_ID: usize = 256;
@@ -43,13 +43,13 @@ struct Gone(Ids<()>);
 
 impl Default for Gone {
     fn default() -> Self {
-        Self(Ids::new(LIMIT))
+        Self(Ids::new(MEMORY_LIMIT))
     }
 }
 
 impl SessionCheck for Gone {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if !exchange.is_of_server() || !exchange.record.connection.is_ordered {
+        if !exchange.is_from_server() || !exchange.record.connection.is_ordered {
             return;
         }
         for (id, _) in body::members(exchange.body, "status") {

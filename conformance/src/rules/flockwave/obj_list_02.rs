@@ -46,14 +46,14 @@ struct Listed(PerConnection<BTreeMap<String, BTreeSet<String>>>);
 
 impl SessionCheck for Listed {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if !exchange.is_of_server() || !exchange.record.connection.is_ordered {
+        if !exchange.is_from_server() || !exchange.record.connection.is_ordered {
             return;
         }
         if exchange.notification("OBJ-DEL").is_some() {
             // What comes anew with the id of one that is gone may be of another type.
             let gone = reply::listed(exchange);
             let is_left = |id: &String| gone.as_ref().is_some_and(|gone| !gone.contains(id));
-            self.0.of(exchange).values_mut().for_each(|list| list.retain(is_left));
+            self.0.get(exchange).values_mut().for_each(|list| list.retain(is_left));
             return;
         }
         let request = exchange.response("OBJ-LIST").and(exchange.same_type_request());
@@ -65,7 +65,7 @@ impl SessionCheck for Listed {
             return;
         };
         let (Some(kind), Some(list)) = (filter.first(), reply::listed(exchange)) else { return };
-        let lists = self.0.of(exchange);
+        let lists = self.0.get(exchange);
         for (other, known) in lists.iter().filter(|(other, _)| *other != kind) {
             context.covered();
             if let Some(id) = list.intersection(known).next() {

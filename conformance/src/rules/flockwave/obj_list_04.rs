@@ -58,18 +58,18 @@ struct Listed {
 
 impl SessionCheck for Objects {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if !exchange.is_of_server() || !exchange.record.connection.is_ordered {
+        if !exchange.is_from_server() || !exchange.record.connection.is_ordered {
             return;
         }
         let is_end = exchange.notification("OBJ-DEL").or_else(|| exchange.notification("CONN-DEL")).is_some();
         if is_end {
             let gone = reply::listed(exchange);
             let is_left = |id: &String| gone.as_ref().is_some_and(|gone| !gone.contains(id));
-            return self.0.of(exchange).others.retain(is_left);
+            return self.0.get(exchange).others.retain(is_left);
         }
         let request = exchange.response("OBJ-LIST").and(exchange.same_type_request());
         let (Some(request), Some(list)) = (request, reply::listed(exchange)) else { return };
-        let listed = self.0.of(exchange);
+        let listed = self.0.get(exchange);
         match &request.filter {
             Some(filter) if filter.is_empty() => {}
             Some(_) if listed.others.len() + list.len() <= MAX_OBJECTS => listed.others.extend(list),

@@ -108,7 +108,7 @@ pub(super) fn listed(exchange: &Exchange<'_>) -> Option<BTreeSet<String>> {
 
 /// True if this is a response of the server, and the request in its `refs` is known.
 pub(super) fn refers(exchange: &Exchange<'_>) -> bool {
-    let is_response = exchange.role == Role::Response && exchange.is_of_server();
+    let is_response = exchange.role == Role::Response && exchange.is_from_server();
     is_response && exchange.record.connection.is_ordered && exchange.reference != Reference::Unclear
 }
 

@@ -39,20 +39,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 /// How much is kept, in bytes.
-const LIMIT: usize = 1 << 20;
+const MEMORY_LIMIT: usize = 1 << 20;
 
 /// The connections that are to be closed.
 struct Closing(Remembered<u64, ()>);
 
 impl Default for Closing {
     fn default() -> Self {
-        Self(Remembered::new(LIMIT))
+        Self(Remembered::new(MEMORY_LIMIT))
     }
 }
 
 impl SessionCheck for Closing {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if !exchange.is_of_server() || !exchange.record.connection.is_ordered {
+        if !exchange.is_from_server() || !exchange.record.connection.is_ordered {
             return;
         }
         if self.0.remove(&exchange.serial).is_some() {

@@ -43,7 +43,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         return;
     }
     let request = exchange.request.as_ref().and_then(|request| request.type_name.as_deref());
-    if exchange.role != Role::Response || !exchange.is_of_server() || request != Some("SYS-PING") {
+    if exchange.role != Role::Response || !exchange.is_from_server() || request != Some("SYS-PING") {
         return;
     }
     if !is_trial {

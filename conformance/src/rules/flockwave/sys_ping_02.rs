@@ -34,7 +34,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let request = exchange.request.as_ref().and_then(|request| request.type_name.as_deref());
-    if exchange.role != Role::Response || !exchange.is_of_server() || request != Some("SYS-PING") {
+    if exchange.role != Role::Response || !exchange.is_from_server() || request != Some("SYS-PING") {
         return;
     }
     context.covered();

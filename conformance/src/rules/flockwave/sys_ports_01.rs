@@ -19,7 +19,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-PORTS",
     },
     checks: &[Check::Message(check)],
-    covers: &[Attribution::new(&["SYS-PORTS"], "ports.**", attribution::UNFIT)],
+    covers: &[Attribution::new(&["SYS-PORTS"], "ports.**", attribution::INVALID)],
     bug: Bug::message("Ports are texts.", |out| {
         for port in out.ports() {
             *port = json!(port.to_string());

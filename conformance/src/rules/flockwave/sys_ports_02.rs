@@ -46,11 +46,11 @@ struct Used(PerConnection<Option<(&'static str, u16)>>);
 impl SessionCheck for Used {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         if exchange.role == Role::Event && exchange.record.text == "connect" {
-            *self.0.of(exchange) = exchange.record.note.and_then(in_use);
+            *self.0.get(exchange) = exchange.record.note.and_then(in_use);
             return;
         }
         let Some(body) = exchange.response("SYS-PORTS") else { return };
-        let Some((transport, port)) = *self.0.of(exchange) else { return };
+        let Some((transport, port)) = *self.0.get(exchange) else { return };
         let Some(Tree::Int(listed)) = body.get("ports").and_then(|ports| ports.get(transport)) else {
             return;
         };

@@ -59,7 +59,7 @@ impl SessionCheck for Versions {
             other => other.to_string(),
         };
         let now = FIELDS.map(|field| body.get(field).map(text));
-        let Some(before) = self.0.of(exchange).replace(now.clone()) else { return };
+        let Some(before) = self.0.get(exchange).replace(now.clone()) else { return };
         context.covered();
         let changed = FIELDS.iter().zip(before).zip(now).find(|((_, before), now)| before != now);
         if let Some(((field, before), now)) = changed {

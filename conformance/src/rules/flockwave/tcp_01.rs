@@ -58,7 +58,7 @@ struct SplitMessages(Lines);
 
 impl SessionCheck for SplitMessages {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if exchange.is_of_server() && lines::is_called(exchange.record.connection, "tcp") {
+        if exchange.is_from_server() && lines::is_called(exchange.record.connection, "tcp") {
             context.covered();
         }
         if lines::are_several(exchange, "tcp") {

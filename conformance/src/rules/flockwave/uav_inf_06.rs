@@ -19,7 +19,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     covers: &[],
     bug: Bug::behaviour("An unknown UAV makes the whole request fail."),
     trial: Some(Trial::Requests(|_| {
-        vec![Request::new("", json!({ "type": "UAV-INF", "ids": [trial::NOBODY] }))]
+        vec![Request::new("", json!({ "type": "UAV-INF", "ids": [trial::UNKNOWN_ID] }))]
     })),
     mutants: &[
         Mutant { name: "the request is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },

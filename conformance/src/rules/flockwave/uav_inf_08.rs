@@ -32,7 +32,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 /// How much is kept, in bytes.
-const LIMIT: usize = 4 << 20;
+const MEMORY_LIMIT: usize = 4 << 20;
 
 /// The longest id that is kept, in bytes: 64 characters of up to four.
 const MAX_ID: usize = 256;
@@ -42,7 +42,7 @@ struct Latest(Ids<i128>);
 
 impl Default for Latest {
     fn default() -> Self {
-        Self(Ids::new(LIMIT))
+        Self(Ids::new(MEMORY_LIMIT))
     }
 }
 

@@ -61,14 +61,14 @@ struct Listed {
 
 impl SessionCheck for Uavs {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if !exchange.is_of_server() || !exchange.record.connection.is_ordered {
+        if !exchange.is_from_server() || !exchange.record.connection.is_ordered {
             return;
         }
         if exchange.notification("OBJ-DEL").is_some() {
-            return *self.0.of(exchange) = Listed::default();
+            return *self.0.get(exchange) = Listed::default();
         }
         let Some(list) = reply::listed(exchange) else { return };
-        let listed = self.0.of(exchange);
+        let listed = self.0.get(exchange);
         if let Some(request) = exchange.response("OBJ-LIST").and(exchange.same_type_request()) {
             let is_of_uavs = |filter: &BTreeSet<String>| filter.len() == 1 && filter.contains("uav");
             if request.filter.as_ref().is_some_and(is_of_uavs) && listed.objects.len() < MAX_LISTS {

@@ -63,7 +63,7 @@ impl Trials {
 
 impl SessionCheck for Trials {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        self.has_received |= exchange.is_of_server() && lines::is_called(exchange.record.connection, "udp");
+        self.has_received |= exchange.is_from_server() && lines::is_called(exchange.record.connection, "udp");
         if let Some(trials) = self.connections.closed(exchange) {
             for (how, outcome) in trials {
                 context.covered();
@@ -83,7 +83,7 @@ impl SessionCheck for Trials {
         if let (Some(how), true) = (exchange.tried(context.rule), is_answered || is_over) {
             let location =
                 exchange.request.as_ref().map_or(exchange.record.location, |request| request.location);
-            let trials = self.connections.of(exchange);
+            let trials = self.connections.get(exchange);
             let how = if trials.len() < MAX_WAYS { how } else { "" };
             let outcome = trials.entry(how.to_owned()).or_insert(Outcome { is_answered, location });
             outcome.is_answered |= is_answered;

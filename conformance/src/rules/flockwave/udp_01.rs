@@ -31,7 +31,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    if !exchange.is_of_server() || !lines::is_called(exchange.record.connection, "udp") {
+    if !exchange.is_from_server() || !lines::is_called(exchange.record.connection, "udp") {
         return;
     }
     context.covered();

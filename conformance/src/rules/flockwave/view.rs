@@ -32,7 +32,7 @@ pub(crate) struct Message<'t> {
 
 impl<'t> Message<'t> {
     /// The message of a record, if it is one of the server.
-    pub(crate) fn of(exchange: &'t Exchange<'t>) -> Option<Self> {
+    pub(crate) fn from_exchange(exchange: &'t Exchange<'t>) -> Option<Self> {
         let value = exchange.message()?;
         let Exchange { role, id, body, type_name, ref deviations, .. } = *exchange;
         Some(Self { role, value, id, body, type_name, deviations: deviations.as_deref(), exchange })
@@ -80,7 +80,7 @@ pub(crate) struct StatusReport<'t>(&'t Exchange<'t>);
 
 impl<'t> StatusReport<'t> {
     /// The status report of a record, if it is one.
-    pub(crate) fn of(exchange: &'t Exchange<'t>) -> Option<Self> {
+    pub(crate) fn from_exchange(exchange: &'t Exchange<'t>) -> Option<Self> {
         exchange.notification(STATUS).map(|_| Self(exchange))
     }
 

@@ -295,7 +295,7 @@ pub(super) struct Ids([u64; 4]);
 
 impl Ids {
     /// Those of which a mask has a bit.
-    pub(super) fn of_mask(mask: u32) -> Self {
+    pub(super) fn from_mask(mask: u32) -> Self {
         Self([mask.into(), 0, 0, 0])
     }
 

@@ -1,7 +1,7 @@
 //! `PX-EXT-03`.
 //!
 //! That an answer isn't in a recording doesn't yet say that none was sent: a logger may take only some of them. So
-//! a component is judged once it answered some requests in a row ([`IN_A_ROW`]), which also gives it time to start.
+//! a component is judged once it answered some requests in a row ([`MAX_MISSES`]), which also gives it time to start.
 //! It has to answer a request if its bit is set in the mask of this one and still in that of the next, since it may
 //! leave at any time, and a flight controller doesn't wait for those that were slow too often. Releases without
 //! masks leave what was said of registrations.
@@ -31,7 +31,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
 
 /// How many requests in a row a component answers until its answers are known to be in the recording; and how many
 /// answers without a time stand behind the next request until they are known to be late.
-const IN_A_ROW: u8 = 3;
+const MAX_MISSES: u8 = 3;
 
 /// A request that was sent, and what came of it.
 struct SentRequest {
@@ -77,7 +77,7 @@ impl Listener for Silence {
         if !self.requests.push(request) {
             self.requests_sent.clear();
         }
-        let who = request.mask.map_or(self.registered, Ids::of_mask);
+        let who = request.mask.map_or(self.registered, Ids::from_mask);
         let [answered, late, behind] = [Ids::default(); 3];
         let mut sent = SentRequest { request, who, answered, late, behind };
         for reply in self.waiting.take() {
@@ -139,12 +139,12 @@ impl Silence {
             let in_a_row = &mut self.in_a_row[usize::from(id)];
             let behind = &mut self.behind_in_a_row[usize::from(id)];
             *behind = if oldest.behind.contains(id) { behind.saturating_add(1) } else { 0 };
-            if *behind >= IN_A_ROW {
+            if *behind >= MAX_MISSES {
                 report_violation(topic, &oldest, id, context);
             }
             if oldest.answered.contains(id) {
                 *in_a_row = in_a_row.saturating_add(1);
-            } else if *in_a_row < IN_A_ROW {
+            } else if *in_a_row < MAX_MISSES {
                 *in_a_row = 0;
             } else {
                 report_violation(topic, &oldest, id, context);

@@ -2,7 +2,7 @@
 //!
 //! Which flag belongs to which requirement, their names say. A flag is called as its requirement, with words more
 //! that say what is wrong ([`STATES`]): `mode_req_local_position_relaxed` and `local_position_invalid_relaxed`.
-//! Where the names don't say it, a table does ([`OTHERS`]). Flags that belong to none aren't looked at.
+//! Where the names don't say it, a table does ([`RENAMED_REQUIREMENTS`]). Flags that belong to none aren't looked at.
 
 use uavspec_codegen::dynamic::{DynamicView, Value};
 
@@ -37,7 +37,7 @@ const REQUIREMENT: &str = "mode_req_";
 const STATES: [&str; 6] = ["invalid", "lost", "missing", "auto", "control", "signal"];
 
 /// Flags whose requirement has another name.
-const OTHERS: [(&str, &str); 2] = [
+const RENAMED_REQUIREMENTS: [(&str, &str); 2] = [
     ("wind_limit_exceeded", "wind_and_flight_time_compliance"),
     ("flight_time_limit_exceeded", "wind_and_flight_time_compliance"),
 ];
@@ -63,9 +63,9 @@ impl Checker for Flags {
     }
 
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
-        let (Some(values), Some(fields)) = (message.values, self.channels.of(channel)) else { return };
+        let (Some(values), Some(fields)) = (message.values, self.channels.get(channel)) else { return };
         // All messages of a channel have the same fields.
-        let fields = fields.get_or_insert_with(|| Fields::of(values));
+        let fields = fields.get_or_insert_with(|| Fields::new(values));
         let is_set = |at: &usize| values.field(*at).map(is_set);
         for (flag, requirement) in &fields.pairs {
             context.covered();
@@ -82,7 +82,7 @@ impl Checker for Flags {
 }
 
 impl Fields {
-    fn of(values: DynamicView<'_>) -> Self {
+    fn new(values: DynamicView<'_>) -> Self {
         let mut pairs = Vec::new();
         for (requirement, (name, _)) in values.fields().enumerate() {
             let Some(required) = name.strip_prefix(REQUIREMENT) else { continue };
@@ -110,7 +110,7 @@ fn is_of(flag: &str, required: &str) -> bool {
             || STATES.contains(&word)
     };
     let is_same = flag.split('_').all(is_known) && rest.peek().is_none();
-    is_same && !flag.starts_with(REQUIREMENT) || OTHERS.contains(&(flag, required))
+    is_same && !flag.starts_with(REQUIREMENT) || RENAMED_REQUIREMENTS.contains(&(flag, required))
 }
 
 /// The last flags have one that is set without being required.

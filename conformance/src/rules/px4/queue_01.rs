@@ -51,7 +51,7 @@ impl Checker for Bursts {
     }
 
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
-        let Some(burst) = self.channels.of(channel) else { return };
+        let Some(burst) = self.channels.get(channel) else { return };
         let (Some(timestamp), Some(length)) = (message.timestamp, burst.length) else { return };
         // 0 is the time of what was never published.
         if timestamp != burst.timestamp || timestamp == 0 {

@@ -37,7 +37,7 @@ impl Checker for Times {
     }
 
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
-        let (Some(timestamp), Some(latest)) = (message.timestamp, self.latest.of(channel)) else {
+        let (Some(timestamp), Some(latest)) = (message.timestamp, self.latest.get(channel)) else {
             return;
         };
         if timestamp < *latest && timestamp != 0 {

@@ -11,7 +11,7 @@ use super::Flight;
 use crate::capture::MCAP_MAGIC;
 
 /// What stands between the definitions of a schema.
-const RULER: &str = "================================================================================";
+const SEPARATOR: &str = "================================================================================";
 
 /// A file of MCAP without chunks.
 #[derive(Clone, Debug)]
@@ -37,7 +37,7 @@ pub(crate) struct BagChannel {
 
 impl Bag {
     /// The file of a flight.
-    pub(super) fn of(flight: &Flight<'_>) -> Self {
+    pub(super) fn from_flight(flight: &Flight<'_>) -> Self {
         let schema = &flight.definitions.schema;
         let channels = flight.topics.iter().map(|topic| {
             let message = schema.message(topic.message);
@@ -118,7 +118,7 @@ fn text_of(schema: &Schema, of: MessageId) -> String {
         if id != of {
             let name = ros_name(schema, message).replace("/msg/", "/");
             // Writing to a string can't fail.
-            let _ = write!(text, "{RULER}\nMSG: {name}\n");
+            let _ = write!(text, "{SEPARATOR}\nMSG: {name}\n");
         }
         text += &fields(schema, message);
         for field in &message.fields {

@@ -42,7 +42,7 @@ fn command(hub: &mut Hub, request: obj_cmd::Request) -> Answer {
     let command = request.command.as_str();
     let arguments = limited(request.args.unwrap_or_default())?;
     let mut lost = Vec::new();
-    let outcomes = Outcomes::of(request.ids, |id| {
+    let outcomes = Outcomes::collect(request.ids, |id| {
         let is_fixture = FIXTURES.iter().any(|fixture| fixture.id == id);
         let said = match hub.uav(id) {
             Some(_) if command == "lose" => {

@@ -94,7 +94,7 @@ pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Ans
         Request::UavList(_) => Ok(list(hub).into()),
         Request::UavPreflt(asked) => {
             let outcomes =
-                Outcomes::of(asked.ids, |id| hub.uav(id).map(|uav| checks(uav)).ok_or_else(no_such))?;
+                Outcomes::collect(asked.ids, |id| hub.uav(id).map(|uav| checks(uav)).ok_or_else(no_such))?;
             let (status, error) = outcomes.into_maps();
             Ok(uav_preflt::Response { status, error }.into())
         }
@@ -117,7 +117,7 @@ fn state(hub: &mut Hub, ids: Vec<ObjectId>) -> Answer {
     if hub.has_bug(&uav_inf_06::RULE) && ids.iter().any(|id| hub.uav(&id.0).is_none()) {
         return Err(no_such());
     }
-    let outcomes = Outcomes::of(ids, |id| hub.uav(id).map(|uav| uav.status()).ok_or_else(no_such))?;
+    let outcomes = Outcomes::collect(ids, |id| hub.uav(id).map(|uav| uav.status()).ok_or_else(no_such))?;
     let (status, error) = outcomes.into_maps();
     Ok(uav_inf::Response { status, error }.into())
 }
@@ -152,7 +152,7 @@ fn checks(uav: &Uav) -> PreflightCheckInfo {
 
 fn versions(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>) -> Obeyed<BTreeMap<String, String>> {
     let version = BTreeMap::from([("simulation".to_owned(), env!("CARGO_PKG_VERSION").to_owned())]);
-    Outcomes::of(ids, |id| reach(hub, session, id, |_| Ok(version.clone())))
+    Outcomes::collect(ids, |id| reach(hub, session, id, |_| Ok(version.clone())))
 }
 
 /// Tells a UAV something, or asks it. Nothing is heard of one that sleeps: then this is the receipt under which that
@@ -178,7 +178,7 @@ fn start_each(
     apply: impl Fn(&mut Uav) -> Result<(), String>,
     operation: impl Fn(String) -> Operation,
 ) -> Obeyed {
-    Outcomes::of(ids, |id| match reach(hub, session, id, &apply)? {
+    Outcomes::collect(ids, |id| match reach(hub, session, id, &apply)? {
         Outcome::Value(()) => hub.start(session, &operation).map(Outcome::Receipt),
         Outcome::Receipt(receipt) => Ok(Outcome::Receipt(receipt)),
     })
@@ -212,7 +212,7 @@ fn obey(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>, command: Command)
     // A UAV that sleeps hears these all the same.
     let is_always_heard = matches!(command, Command::Sleep | Command::WakeUp);
     let apply = |uav: &mut Uav| uav.command(command).map(|()| true);
-    Outcomes::of(ids, |id| match hub.uav(id) {
+    Outcomes::collect(ids, |id| match hub.uav(id) {
         Some(uav) if is_always_heard => apply(uav).map(Outcome::Value),
         _ => reach(hub, session, id, apply),
     })

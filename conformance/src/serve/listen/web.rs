@@ -9,7 +9,7 @@ use crate::flockwave::transport::http::{Connection, Incoming, Request, Response}
 use crate::flockwave::transport::{ONE_SHOT_PATH, SOCKET_IO_PATH};
 
 /// Serves a connection. One-shots and Socket.IO have the same port, where a client expects them so.
-pub(super) fn converse(shared: &Arc<Shared>, stream: TcpStream) -> io::Result<()> {
+pub(super) fn serve_connection(shared: &Arc<Shared>, stream: TcpStream) -> io::Result<()> {
     let mut connection = Connection::new(stream)?;
     let is_wanted = || !shared.has_ended();
     loop {

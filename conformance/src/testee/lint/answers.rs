@@ -2,16 +2,16 @@
 
 use serde_json::Value;
 
-use super::{Bench, Check, Manner};
+use super::{Bench, Check, CheckOutcome};
 use crate::testee::case::{Case, Input};
 use crate::testee::wire::to_base64;
 
 /// How many questions are asked where there should be several.
-const SEVERAL: usize = 16;
+const NUM_CASES: usize = 16;
 
 /// How large a long question is, in bytes: images of a firmware's parameters or of a mission come near to it, and no
 /// buffer of a usual size holds it.
-const LONG: usize = 1 << 20;
+const LONG_REQUEST_LENGTH: usize = 1 << 20;
 
 /// Integers that some type of a usual size doesn't hold, and the outermost that every reader of JSON keeps.
 const IDS: [i64; 15] = [
@@ -81,7 +81,7 @@ pub(super) const ONLY_ANSWERS: Check = Check {
     attempt: only_answers,
 };
 
-fn answers_have_ids(bench: &mut Bench<'_>) -> Manner {
+fn answers_have_ids(bench: &mut Bench<'_>) -> CheckOutcome {
     bench.attempt(|bench, session| {
         for case in several(bench)? {
             session.send_case(case);
@@ -97,7 +97,7 @@ fn answers_have_ids(bench: &mut Bench<'_>) -> Manner {
     })
 }
 
-fn one_answer_each(bench: &mut Bench<'_>) -> Manner {
+fn one_answer_each(bench: &mut Bench<'_>) -> CheckOutcome {
     bench.attempt(|bench, session| {
         for case in several(bench)? {
             session.send_case(case);
@@ -112,7 +112,7 @@ fn one_answer_each(bench: &mut Bench<'_>) -> Manner {
     })
 }
 
-fn ids_of_any_size(bench: &mut Bench<'_>) -> Manner {
+fn ids_of_any_size(bench: &mut Bench<'_>) -> CheckOutcome {
     bench.attempt(|bench, session| {
         let case = bench.plain_case()?;
         for id in IDS {
@@ -128,7 +128,7 @@ fn ids_of_any_size(bench: &mut Bench<'_>) -> Manner {
     })
 }
 
-fn questions_in_one_write(bench: &mut Bench<'_>) -> Manner {
+fn questions_in_one_write(bench: &mut Bench<'_>) -> CheckOutcome {
     bench.attempt(|bench, session| {
         let mut lines = String::new();
         for case in several(bench)? {
@@ -142,7 +142,7 @@ fn questions_in_one_write(bench: &mut Bench<'_>) -> Manner {
     })
 }
 
-fn question_in_many_writes(bench: &mut Bench<'_>) -> Manner {
+fn question_in_many_writes(bench: &mut Bench<'_>) -> CheckOutcome {
     bench.attempt(|bench, session| {
         let case = bench.plain_case()?;
         let (first, question) = session.question(case);
@@ -157,16 +157,18 @@ fn question_in_many_writes(bench: &mut Bench<'_>) -> Manner {
     })
 }
 
-fn long_question(bench: &mut Bench<'_>) -> Manner {
+fn long_question(bench: &mut Bench<'_>) -> CheckOutcome {
     let Some(case) = bench.known_case(|case| case.input != Input::Nothing).cloned() else {
-        return Manner::NotApplicable("none of its ops on types of the definitions has an input".to_owned());
+        return CheckOutcome::NotApplicable(
+            "none of its ops on types of the definitions has an input".to_owned(),
+        );
     };
     bench.attempt(|bench, session| {
         let (id, mut question) = session.question(&case);
         let (member, long): (&str, Value) = match case.input {
             // Three bytes become four letters.
-            Input::Bytes(_) => ("bytes", to_base64(&vec![0; LONG / 4 * 3]).into()),
-            Input::Value(_) | Input::Nothing => ("value", "x".repeat(LONG).into()),
+            Input::Bytes(_) => ("bytes", to_base64(&vec![0; LONG_REQUEST_LENGTH / 4 * 3]).into()),
+            Input::Value(_) | Input::Nothing => ("value", "x".repeat(LONG_REQUEST_LENGTH).into()),
         };
         question[member] = long;
         session.send(id, &question);
@@ -175,16 +177,16 @@ fn long_question(bench: &mut Bench<'_>) -> Manner {
     })
 }
 
-fn only_answers(bench: &mut Bench<'_>) -> Manner {
-    bench.strays.summary().map_or(Manner::Good, Manner::Bad)
+fn only_answers(bench: &mut Bench<'_>) -> CheckOutcome {
+    bench.strays.summary().map_or(CheckOutcome::Good, CheckOutcome::Bad)
 }
 
 /// Cases to ask at once: such as the testee knows, where there are any, and again from the first where they are few.
 fn several<'b>(bench: &'b Bench<'_>) -> Result<impl Iterator<Item = &'b Case>, String> {
     let plain = bench.plain_case()?;
-    let mut known: Vec<&Case> = bench.known_cases().take(SEVERAL).collect();
+    let mut known: Vec<&Case> = bench.known_cases().take(NUM_CASES).collect();
     if known.is_empty() {
         known.push(plain);
     }
-    Ok(known.into_iter().cycle().take(SEVERAL))
+    Ok(known.into_iter().cycle().take(NUM_CASES))
 }

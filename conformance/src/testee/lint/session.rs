@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 use crate::testee::case::Case;
-use crate::testee::link::{Link, Received, last_words};
+use crate::testee::link::{Link, Received, remaining_stderr};
 use crate::testee::options::{Options, excerpt};
 use crate::testee::protocol::{Answer, Hello};
 
@@ -57,10 +57,10 @@ pub(super) struct Strays {
 
 impl Strays {
     /// Most that are kept.
-    const MOST: usize = 5;
+    const MAX_KEPT: usize = 5;
 
     fn push(&mut self, what: String) {
-        if self.first.len() < Self::MOST {
+        if self.first.len() < Self::MAX_KEPT {
             self.first.push(what);
         } else {
             self.more += 1;
@@ -172,7 +172,7 @@ impl<'o> Session<'o> {
                 }
                 Received::Lost(how) => format!("{how}, without an answer to {}", self.missing()),
             };
-            return Err(wrong + &last_words(&self.link.kill()));
+            return Err(wrong + &remaining_stderr(&self.link.kill()));
         }
         Ok(())
     }
@@ -189,7 +189,7 @@ impl<'o> Session<'o> {
         let parted = self.link.part(self.options.timeout, |line| {
             received.take(line);
         });
-        parted.map_err(|wrong| wrong + &last_words(&self.link.kill()))
+        parted.map_err(|wrong| wrong + &remaining_stderr(&self.link.kill()))
     }
 
     /// The answer to a question.

@@ -132,7 +132,7 @@ fn one_time_that_is_wrong_is_one_finding() {
         at(&mut log, times.iter().copied());
         let result = judge(&log);
         let found: Vec<u64> =
-            result.findings.of(rule("PX-TIME-01").expect("a rule")).map(|group| group.count).collect();
+            result.findings.groups_of(rule("PX-TIME-01").expect("a rule")).map(|group| group.count).collect();
         found.first().copied().unwrap_or_default()
     };
     let [second, third, fourth] = [2, 3, 4].map(|number| FIRST + number * PERIOD);

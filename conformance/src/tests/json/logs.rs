@@ -20,11 +20,11 @@ fn as_json(bytes: &[u8], definitions: &Definitions, types: &Types) -> (String, V
         let Some(record) = log.take(&item, &mut |_, _| {}) else { continue };
         let topic = &record.subscription.topic;
         let defined = definitions.message_of_topic(topic).map(|id| types.get(id));
-        if !defined.is_some_and(|defined| compare(record.of, defined) == Comparison::Equal) {
+        if !defined.is_some_and(|defined| compare(record.message_type, defined) == Comparison::Equal) {
             continue;
         }
         // Infinity has no JSON.
-        let view = record.of.view_uorb(record.payload).expect("a payload");
+        let view = record.message_type.view_uorb(record.payload).expect("a payload");
         let Ok(message) = view.to_json_text() else { continue };
         // Padding has names in logs, and none in JSON.
         let mut message: serde_json::Value = serde_json::from_str(&message).expect("JSON");

@@ -71,7 +71,7 @@ pub(crate) fn problems(bytes: &[u8]) -> (Vec<String>, usize) {
         }
         let mut tell = |offset, problem: LogProblem| found.push(format!("{offset}: {problem}"));
         if let Some(record) = log.take(&item, &mut tell) {
-            record.of.view_uorb(record.payload).expect("data of the right size");
+            record.message_type.view_uorb(record.payload).expect("data of the right size");
             records += 1;
         }
     }

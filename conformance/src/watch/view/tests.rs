@@ -15,7 +15,7 @@ use super::super::session::Event;
 use super::*;
 use crate::definitions::Definitions;
 
-static CODES: LazyLock<Codes> = LazyLock::new(|| Codes::of(&Definitions::built_in()));
+static CODES: LazyLock<Codes> = LazyLock::new(|| Codes::new(&Definitions::built_in()));
 
 const FLEET: &str = r#"{"body": {"type": "UAV-INF", "status": {
     "glider-1": {"id": "glider-1", "timestamp": 60000, "mode": "loiter", "errors": [],

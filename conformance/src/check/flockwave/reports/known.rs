@@ -60,7 +60,7 @@ struct Outcome {
 }
 
 impl<K> Entry<K> {
-    fn of(key: K, outcome: Option<Outcome>) -> Self {
+    fn new(key: K, outcome: Option<Outcome>) -> Self {
         Self { key, outcome, is_settled: false, reported_uavs: BTreeSet::new(), times: 0 }
     }
 
@@ -87,7 +87,7 @@ impl<K> Entry<K> {
 
 impl<'d> Known<'d> {
     /// Nothing is known yet.
-    pub(super) fn of(definitions: &'d Definitions) -> Self {
+    pub(super) fn new(definitions: &'d Definitions) -> Self {
         Self { definitions, versions: Vec::new(), kinds: Vec::new(), latest: 0 }
     }
 
@@ -100,7 +100,7 @@ impl<'d> Known<'d> {
                 return None;
             }
             let outcome = self.check(version, "");
-            self.versions.push(Entry::of(version.into(), outcome));
+            self.versions.push(Entry::new(version.into(), outcome));
         }
         self.versions[at].settled("", findings).map(|_| at)
     }
@@ -134,7 +134,7 @@ impl<'d> Known<'d> {
         // What a state adds is the same in any version.
         let with = self.check("1.0", &format!("\"{uav}\":{state}"));
         let outcome = with.zip(self.check("1.0", "")).and_then(|(with, without)| with.beyond(without));
-        self.kinds.push(Entry::of((kind.fields, kind.nulls, kind.errors.into()), outcome));
+        self.kinds.push(Entry::new((kind.fields, kind.nulls, kind.errors.into()), outcome));
         Some(self.kinds.len() - 1)
     }
 
@@ -158,7 +158,7 @@ impl<'d> Known<'d> {
         let definitions = self.definitions;
         let exchange = Sessions::default().follow(&record, definitions.body_schemas());
         let mut findings = Findings::default();
-        let message = Message::of(&exchange)?;
+        let message = Message::from_exchange(&exchange)?;
         let mut all = Vec::new();
         let checks = RULES.iter().flat_map(|of| of.checks.iter().map(|check| (&of.rule, check)));
         for (rule, check) in checks {

@@ -10,7 +10,7 @@ use serde_json::json;
 use crate::flockwave::transport::engine::{Kind, Packet, Revision};
 use crate::flockwave::transport::{MESSAGE_LIMIT, socketio};
 use crate::rules::flockwave::{sio_01, sio_03};
-use crate::serve::hub::{Manner, SessionId, Sink};
+use crate::serve::hub::{ConnectionKind, SessionId, Sink};
 use crate::serve::listen::Shared;
 use crate::serve::outbox::Outbox;
 
@@ -34,7 +34,7 @@ struct State {
     /// The session in the hub, once the client has joined the namespace.
     joined: Option<SessionId>,
     /// Whether it takes no more messages: where it has that bug.
-    is_deaf: bool,
+    has_stopped_reading: bool,
     last_received: Instant,
     last_ping: Instant,
 }
@@ -84,7 +84,12 @@ impl Session {
             outbox: Arc::default(),
             is_upgraded: AtomicBool::new(false),
             is_polled: AtomicBool::new(false),
-            state: Mutex::new(State { joined: None, is_deaf: false, last_received: now, last_ping: now }),
+            state: Mutex::new(State {
+                joined: None,
+                has_stopped_reading: false,
+                last_received: now,
+                last_ping: now,
+            }),
         };
         let opening = json!({
             "sid": sid,
@@ -166,7 +171,7 @@ impl Session {
     fn take_message(&self, shared: &Shared, text: &str) {
         let packet = socketio::Packet::parse(text);
         if shared.has_bug(&sio_03::RULE) && matches!(packet, None | Some(socketio::Packet::Other)) {
-            self.state().is_deaf = true;
+            self.state().has_stopped_reading = true;
         }
         match packet {
             Some(socketio::Packet::Connect { namespace }) if namespace == "/" => {
@@ -191,8 +196,8 @@ impl Session {
                 if let Some(number) = receipt {
                     push(&self.outbox, Kind::Message, socketio::receipt(number));
                 }
-                let State { joined, is_deaf, .. } = *self.state();
-                if let Some(joined) = joined.filter(|_| !is_deaf) {
+                let State { joined, has_stopped_reading, .. } = *self.state();
+                if let Some(joined) = joined.filter(|_| !has_stopped_reading) {
                     shared.receive(joined, text.as_bytes());
                 }
             }
@@ -207,7 +212,7 @@ impl Session {
         if state.joined.is_none() {
             let event = if shared.has_bug(&sio_01::RULE) { "flockwave" } else { socketio::EVENT };
             let sink = PacketSink { outbox: Arc::clone(&self.outbox), event };
-            state.joined = Some(shared.open(Manner::Persistent, Arc::new(sink)));
+            state.joined = Some(shared.open(ConnectionKind::Persistent, Arc::new(sink)));
         }
     }
 
