@@ -111,8 +111,8 @@ fn compare(what: &str, bytes: usize, mut contestants: Vec<Contestant<'_>>) {
             .zip(&contestant.times)
             .map(|(first, other)| other.as_secs_f64() / first.as_secs_f64())
             .collect();
-        let beside = if location == 0 { String::new() } else { ratio(&ratios) };
-        println!("  {:<34} {throughput:>8.0} MB/s   {beside}", contestant.name);
+        let others = if location == 0 { String::new() } else { ratio(&ratios) };
+        println!("  {:<34} {throughput:>8.0} MB/s   {others}", contestant.name);
     }
 }
 
@@ -162,11 +162,11 @@ fn json() {
     let validator = jsonschema::validator_for(&schema).expect("a schema");
     let uavspec = || {
         let result = check_capture(text.as_bytes(), of, &definitions).expect("memory");
-        assert_eq!((result.checked, result.damage.len()), (LINES as u64, 0));
+        assert_eq!((result.checked, result.corruption.len()), (LINES as u64, 0));
     };
     let thorough = || {
         let result = check_json_thoroughly(text.as_bytes(), of, &definitions);
-        assert_eq!((result.checked, result.damage.len()), (LINES as u64, 0));
+        assert_eq!((result.checked, result.corruption.len()), (LINES as u64, 0));
     };
     let skip = || {
         for line in text.lines() {
@@ -227,12 +227,12 @@ fn flockwave() {
         let uavspec = || {
             let result = check_capture(text.as_bytes(), None, &definitions).expect("memory");
             let findings = result.findings.groups().count();
-            assert_eq!((result.checked, result.damage.len(), findings), (lines, 0, 0));
+            assert_eq!((result.checked, result.corruption.len(), findings), (lines, 0, 0));
         };
         let thorough = || {
-            let mut judge = FlockwaveChecker::new(&definitions).thorough();
-            text.lines().zip(1..).for_each(|(line, number)| judge.line(line.as_bytes(), number, false));
-            assert_eq!(judge.finish(text.len() as u64).checked, lines);
+            let mut run_check = FlockwaveChecker::new(&definitions).thorough();
+            text.lines().zip(1..).for_each(|(line, number)| run_check.line(line.as_bytes(), number, false));
+            assert_eq!(run_check.finish(text.len() as u64).checked, lines);
         };
         let skip = || {
             for line in text.lines() {

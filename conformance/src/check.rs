@@ -390,10 +390,10 @@ impl<'d> CheckRun<'d> {
         }
         self.listeners.end(&mut self.findings);
         let mut corruption: Vec<(String, CorruptPart)> = self.corruption.into_iter().collect();
-        corruption.sort_by_key(|(_, told)| told.number);
-        let told = |(text, told): (String, CorruptPart)| match told.times {
-            1 => (told.location, text),
-            times => (told.location, format!("{text} ({} times)", Grouped(times))),
+        corruption.sort_by_key(|(_, reported)| reported.number);
+        let reported = |(text, reported): (String, CorruptPart)| match reported.times {
+            1 => (reported.location, text),
+            times => (reported.location, format!("{text} ({} times)", Grouped(times))),
         };
         CaptureResult {
             summary,
@@ -401,7 +401,7 @@ impl<'d> CheckRun<'d> {
             duration: self.first.map_or(0, |first| self.last - first),
             records: self.records,
             checked: self.checked,
-            corruption: corruption.into_iter().map(told).collect(),
+            corruption: corruption.into_iter().map(reported).collect(),
             more_corruption: self.more_corruption,
             extent: self.extent,
             findings: self.findings,

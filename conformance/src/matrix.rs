@@ -42,8 +42,8 @@ pub(crate) fn conforming(definitions: &Definitions) -> Vec<(&'static str, Captur
     let flights =
         Encoding::ALL.into_iter().filter_map(|encoding| Some((encoding.name(), encoding.write(&flight)?)));
     let sources = flights.chain([("Flockwave", Session::new().to_bytes())]);
-    let judged = sources.map(|(name, bytes)| (name, check_bytes(&bytes, definitions)));
-    judged.filter_map(|(name, result)| Some((name, result?))).collect()
+    let checked = sources.map(|(name, bytes)| (name, check_bytes(&bytes, definitions)));
+    checked.filter_map(|(name, result)| Some((name, result?))).collect()
 }
 
 /// Checks all mutants of all rules, made from a flight of some definitions.

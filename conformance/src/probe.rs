@@ -213,7 +213,7 @@ impl Probe<'_, '_> {
     fn finish(mut self) -> Probed {
         self.leave();
         let (result, unrecorded) = self.tape.finish();
-        Probed { result: result, notes: self.notes, failure: self.failure, unrecorded }
+        Probed { result, notes: self.notes, failure: self.failure, unrecorded }
     }
 
     /// A new connection.
@@ -303,8 +303,8 @@ impl Probe<'_, '_> {
             return None;
         }
         let Request { how, body, member, is_repeated } = request;
-        let (id, asked) = (self.next_id(), Instant::now());
-        let until = asked + self.answer_timeout();
+        let (id, sent_at) = (self.next_id(), Instant::now());
+        let until = sent_at + self.answer_timeout();
         let mut message = json!({ "$fw.version": "1.0", "id": id });
         if let Some((key, value)) = member {
             message[key] = value;
@@ -315,7 +315,7 @@ impl Probe<'_, '_> {
         }
         let answer = self.post_message(&id, &message, Some(Trial { rule, how }), until);
         match answer {
-            Some(_) => self.slowest = self.slowest.max(asked.elapsed()),
+            Some(_) => self.slowest = self.slowest.max(sent_at.elapsed()),
             None => self.silences += 1,
         }
         answer

@@ -152,7 +152,7 @@ fn every_family_is_answered_over_every_transport() {
 }
 
 #[test]
-fn the_server_says_rightly_where_it_listens() {
+fn reports_the_ports_it_listens_on() {
     let server = serve(Options::default());
     let ports = ask(&mut *client(&server, WAYS[0]), "a", &json!({ "type": "SYS-PORTS" }));
     for transport in ALL {
@@ -178,7 +178,7 @@ fn it_listens_at_addresses_of_the_newer_kind_as_well() {
 }
 
 #[test]
-fn clients_hear_of_the_fleet_by_themselves() {
+fn sends_status_reports_without_a_request() {
     let server = serve(Options { rate: 20.0, ..Options::default() });
     for way in WAYS.into_iter().filter(|(transport, _)| *transport != Transport::Http) {
         let mut client = client(&server, way);
@@ -209,7 +209,7 @@ fn requests_may_come_in_pieces_and_several_at_once() {
 }
 
 #[test]
-fn who_has_said_all_still_gets_the_answers() {
+fn answers_after_the_client_closed_its_output() {
     let server = serve(Options::default());
     let mut client = client(&server, WAYS[0]);
     client.send(request("a", &json!({ "type": "UAV-LIST" })).as_bytes()).expect("it is sent");
@@ -348,8 +348,8 @@ fn a_flight_is_seen_by_others() {
         "b",
         &json!({ "type": "OBJ-CMD", "ids": ["glider-2"], "command": "battery", "args": [15] }),
     );
-    let told = until(&mut *watcher, |message| message["body"]["type"] == "SYS-MSG");
-    let item = &told["body"]["items"][0];
+    let reported = until(&mut *watcher, |message| message["body"]["type"] == "SYS-MSG");
+    let item = &reported["body"]["items"][0];
     assert_eq!((&item["sender"], &item["severity"]), (&json!("glider-2"), &json!("error")));
     until(&mut *watcher, |message| state(message)["errors"] == json!([1, 134]));
 }
@@ -409,16 +409,16 @@ fn what_is_no_socket_io_is_refused() {
         ("/socket.io/?EIO=4&transport=polling&sid=nobody", 400),
         ("/socket.io/?EIO=4&transport=polling&j=0", 400),
     ] {
-        let said = ureq::get(format!("http://{location}{path}")).call().expect_err(path);
-        assert!(matches!(said, ureq::Error::StatusCode(code) if code == status), "{path}: {said}");
+        let output = ureq::get(format!("http://{location}{path}")).call().expect_err(path);
+        assert!(matches!(output, ureq::Error::StatusCode(code) if code == status), "{path}: {output}");
     }
     let namespace =
         "ws://ADDRESS/socket.io/?EIO=4&transport=websocket".replace("ADDRESS", &location.to_string());
     let (mut socket, _) = tungstenite::connect(namespace).expect("a WebSocket");
     socket.read().expect("the session is opened");
     socket.send("40/wind,".into()).expect("it is sent");
-    let said = socket.read().expect("an answer");
-    assert_eq!(said.to_text().expect("text"), "44/wind,{\"message\":\"Invalid namespace\"}");
+    let output = socket.read().expect("an answer");
+    assert_eq!(output.to_text().expect("text"), "44/wind,{\"message\":\"Invalid namespace\"}");
 }
 
 #[test]
@@ -565,7 +565,7 @@ fn bugs_of_socket_io_show() {
 }
 
 #[test]
-fn all_clients_hear_that_the_server_ends() {
+fn notifies_all_clients_of_the_shutdown() {
     let server = serve(Options::default());
     let ways: Vec<_> = WAYS.into_iter().filter(|(transport, _)| *transport != Transport::Http).collect();
     let mut clients: Vec<_> = ways.iter().map(|way| client(&server, *way)).collect();
@@ -597,7 +597,7 @@ fn program(arguments: &[&str]) -> (Child, String) {
 }
 
 #[test]
-fn the_program_says_where_it_listens_and_ends_as_it_is_told() {
+fn serve_prints_its_addresses_and_stops_on_request() {
     let (mut child, line) = program(&["--tcp", "127.0.0.1:0", "--until-stdin-closes"]);
     let mut client =
         connect(&line.trim().parse().expect("an endpoint"), Instant::now() + PATIENCE).expect("a connection");
@@ -615,7 +615,7 @@ fn the_program_says_where_it_listens_and_ends_as_it_is_told() {
 }
 
 #[test]
-fn wrong_usage_is_told() {
+fn reports_wrong_usage() {
     let run = |arguments: &[&str]| {
         let output = Command::new(env!("CARGO_BIN_EXE_uavspec"))
             .arg("serve")
@@ -632,14 +632,14 @@ fn wrong_usage_is_told() {
         (&["--login", "pilot"], "NAME:PASSWORD"),
         (&["--speed", "0"], "0.01"),
     ] {
-        let (status, _, said) = run(arguments);
-        assert_eq!(status, Some(2), "{said}");
-        assert!(said.contains(wrong), "{said}");
+        let (status, _, output) = run(arguments);
+        assert_eq!(status, Some(2), "{output}");
+        assert!(output.contains(wrong), "{output}");
     }
     let server = serve(Options::default());
-    let (status, _, said) = run(&["--tcp", &address(&server, Transport::Tcp).to_string()]);
+    let (status, _, output) = run(&["--tcp", &address(&server, Transport::Tcp).to_string()]);
     assert_eq!(status, Some(3));
-    assert!(said.contains("can't be listened at"), "{said}");
+    assert!(output.contains("can't be listened at"), "{output}");
     let (status, printed, _) = run(&["--list-bugs"]);
     assert_eq!(status, Some(0));
     assert!(

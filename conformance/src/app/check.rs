@@ -179,7 +179,7 @@ fn check_file(
     let result = check::check_capture(source, message_id, definitions)?;
     Ok(CheckedCapture {
         path: path.display().to_string(),
-        result: result,
+        result,
         notes: Vec::new(),
         elapsed: started.elapsed().as_millis(),
     })

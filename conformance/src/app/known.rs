@@ -37,12 +37,12 @@ pub(super) struct Known {
 impl KnownArgs {
     /// Reads the lists; what is wrong with them has been told.
     pub(super) fn read(&self) -> Result<Known, Status> {
-        let told = |error: String| {
+        let print_error = |error: String| {
             anstream::eprintln!("{error}");
             Status::Usage
         };
-        let lists = Lists::read(&self.known).map_err(|error| told(error.to_string()))?;
-        let today = Date::today().map_err(|error| told(format!("error: {error}")))?;
+        let lists = Lists::read(&self.known).map_err(|error| print_error(error.to_string()))?;
+        let today = Date::today().map_err(|error| print_error(format!("error: {error}")))?;
         Ok(Known { lists, stale: Vec::new(), today, is_fixing: self.fix_known })
     }
 }

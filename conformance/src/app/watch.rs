@@ -74,8 +74,8 @@ pub(super) fn watch(args: &WatchArgs) -> Status {
     let (sender, inputs) = sync_channel(WAITING_LIMIT);
     let session = {
         let sender = sender.clone();
-        let tell = move |event| sender.send(Input::Server(event, Instant::now())).is_ok();
-        Session::start(args.endpoint.clone(), tell)
+        let on_event = move |event| sender.send(Input::Server(event, Instant::now())).is_ok();
+        Session::start(args.endpoint.clone(), on_event)
     };
     let status = if args.once || !io::stdout().is_terminal() {
         watch_once(args, &codes, &inputs)

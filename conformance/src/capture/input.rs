@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn folders_are_searched_for_what_can_be_judged() {
+    fn searches_folders_for_captures() {
         let folder = tempfile::tempdir().expect("a folder");
         let below = folder.path().join("day/one");
         fs::create_dir_all(&below).expect("a folder");

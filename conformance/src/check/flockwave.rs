@@ -231,8 +231,9 @@ impl<'d> FlockwaveChecker<'d> {
     fn record(&mut self, happening: &ParsedLine<'_>, location: Location) -> Result<(), String> {
         let ParsedLine { name, direction, time, content, text, trial, note } = *happening;
         let index = self.connection(name.unwrap_or_default())?;
-        let name_kept = std::mem::take(&mut self.names[index]);
-        let connection = Connection { index, name: &name_kept, is_ordered: name.is_some_and(is_ordered) };
+        let connection_name = std::mem::take(&mut self.names[index]);
+        let connection =
+            Connection { index, name: &connection_name, is_ordered: name.is_some_and(is_ordered) };
         let value = match content {
             Content::Message(value) | Content::Report(value) => Some(value),
             Content::Raw | Content::Event => None,
@@ -245,7 +246,7 @@ impl<'d> FlockwaveChecker<'d> {
         } else {
             self.run.exchanged(&record);
         }
-        self.names[index] = name_kept;
+        self.names[index] = connection_name;
         Ok(())
     }
 

@@ -348,15 +348,15 @@ impl<'d> JsonChecker<'d> {
             return None;
         }
         let defined = definition.map(|id| (id, self.run.number_channel()));
-        let name_told = match which {
+        let shown_name = match which {
             // Whose it is says why it isn't known.
             _ if definition.is_none() => name,
             NameKind::Type => name.rsplit('/').next().unwrap_or(name),
             NameKind::Topic => topic_of(name),
         };
-        let name_told = name_told.escape_debug().to_string();
+        let shown_name = shown_name.escape_debug().to_string();
         let key = Some(which.key());
-        let mut open = Open { name: name_told, defined, key, messages: 0, num_bytes: 0, line };
+        let mut open = Open { name: shown_name, defined, key, messages: 0, num_bytes: 0, line };
         if let Some(channel) = open.channel() {
             self.run.opened(&channel);
             if self.run.wants_values(channel.index) {

@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_deviation_is_told_with_its_place() {
+    fn reports_the_first_deviation_with_its_location() {
         let map = ExpectedValue::Map(&ExpectedValue::List(&ExpectedValue::Text));
         assert_eq!(mismatch(map, r#"{"a/b": ["x", 7]}"#), Some(("/a~1b/1".to_owned(), "7".to_owned())));
     }

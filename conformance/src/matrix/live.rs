@@ -179,8 +179,8 @@ fn violated(result: &CaptureResult) -> BTreeSet<&'static str> {
 }
 
 fn covered(result: &CaptureResult) -> BTreeSet<&'static str> {
-    let is_exercised = |rule: &&&'static crate::model::Rule| result.findings.covered(rule) > 0;
-    crate::rules::RULES.iter().filter(is_exercised).map(|rule| rule.id).collect()
+    let is_covered = |rule: &&&'static crate::model::Rule| result.findings.covered(rule) > 0;
+    crate::rules::RULES.iter().filter(is_covered).map(|rule| rule.id).collect()
 }
 
 /// A recording in memory.

@@ -221,22 +221,22 @@ mod tests {
         findings
     }
 
-    fn told(findings: &Findings) -> Vec<String> {
+    fn messages_of(findings: &Findings) -> Vec<String> {
         findings.groups().flat_map(Group::messages).collect()
     }
 
     #[test]
     fn a_message_that_is_no_example_is_not_forgotten() {
         let odd = ["153 is no bool", "153 is no bool", "153 is no bool", "15 is no bool", "94 is no bool"];
-        assert_eq!(told(&reported(&odd[..3])), odd[..3]);
+        assert_eq!(messages_of(&reported(&odd[..3])), odd[..3]);
         for all in [&odd[..4], &odd] {
             let findings = reported(all);
-            let messages = told(&findings);
+            let messages = messages_of(&findings);
             assert_eq!(messages.last().map(String::as_str), all.last().copied());
             for start in ["153", "15", "1", "94", ""] {
                 let begin = |messages: &[&str]| messages.iter().all(|message| message.starts_with(start));
-                let told: Vec<&str> = messages.iter().map(String::as_str).collect();
-                assert_eq!(begin(&told), begin(all), "{start} of {all:?}");
+                let reported: Vec<&str> = messages.iter().map(String::as_str).collect();
+                assert_eq!(begin(&reported), begin(all), "{start} of {all:?}");
             }
             assert_eq!(findings.groups().map(|group| group.count).sum::<u64>(), all.len() as u64);
         }

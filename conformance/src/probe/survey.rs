@@ -126,8 +126,8 @@ impl Probe<'_, '_> {
 
     /// The devices of a UAV, and a channel of one.
     fn devices(&mut self, uavs: &[String]) {
-        let asked = with_unknown_id(&uavs[..uavs.len().min(2)]);
-        let trees = self.query_for_trial(&env_24::RULE, json!({ "type": "DEV-LIST", "ids": asked }));
+        let ids = with_unknown_id(&uavs[..uavs.len().min(2)]);
+        let trees = self.query_for_trial(&env_24::RULE, json!({ "type": "DEV-LIST", "ids": ids }));
         let channel = trees.as_ref().and_then(|answer| {
             let trees = answer["body"]["devices"].as_object()?;
             trees.iter().find_map(|(id, tree)| channel(&format!("/{id}"), tree, 0))

@@ -170,7 +170,7 @@ impl Compiler<'_> {
                     self.sequence(placed, message_type, field, counter, within, steps);
                 }
                 Shape::Single | Shape::Array(_) => {
-                    self.field(placed, message_type, field, counter, within, steps)
+                    self.field(placed, message_type, field, counter, within, steps);
                 }
             }
         }

@@ -158,18 +158,18 @@ impl<'c> Constraint<'c> {
         let is_json = encoding == Encoding::Json;
         let is_bounded = matches!(self.shape, Shape::Array(_) | Shape::Bounded(_))
             || matches!(self.element, Element::Text(_) | Element::String { bound: Some(_) });
-        let asks = |what: fn(&Restriction) -> bool| self.restriction.is_some_and(what);
-        let asked = [
+        let restricts = |what: fn(&Restriction) -> bool| self.restriction.is_some_and(what);
+        let applicable = [
             (is_json, rules.json_type),
             (is_json && is_bounded, rules.length),
             (!is_json && self.element == Element::Scalar(Scalar::Bool), rules.bool),
             (matches!(self.element, Element::Text(_)), rules.text),
-            (asks(|asked| asked.count.is_some()), rules.count),
-            (asks(|asked| asked.low.is_some() || asked.high.is_some()), rules.range),
-            (asks(|asked| asked.known.is_some()), rules.documented),
-            (asks(|asked| asked.forbids_nan), rules.nan),
+            (restricts(|restriction| restriction.count.is_some()), rules.count),
+            (restricts(|restriction| restriction.low.is_some() || restriction.high.is_some()), rules.range),
+            (restricts(|restriction| restriction.known.is_some()), rules.documented),
+            (restricts(|restriction| restriction.forbids_nan), rules.nan),
         ];
-        asked.into_iter().filter(|(is_asked, _)| *is_asked).map(|(_, rule)| rule)
+        applicable.into_iter().filter(|(is_restricted, _)| *is_restricted).map(|(_, rule)| rule)
     }
 
     /// Checks the bytes of a value in memory, little-endian.

@@ -102,12 +102,12 @@ impl Subject {
             notes,
             elapsed,
         };
-        subject.conclude();
+        subject.set_outcome();
         subject
     }
 
     /// Says of a source what its verdicts come to.
-    pub(crate) fn conclude(&mut self) {
+    pub(crate) fn set_outcome(&mut self) {
         let remarks = match self.corrupt_count() {
             0 => Vec::new(),
             1 => vec!["One place of the file can't be read".to_owned()],

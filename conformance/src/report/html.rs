@@ -26,8 +26,8 @@ pub(super) fn write(report: &Report) -> String {
     let Report { outcome, subjects, .. } = report;
     // Those that need no more words stand in the list above only.
     let has_own_section = |subject: &&Subject| subjects.len() == 1 || subject::has_details(subject);
-    let told: Vec<&Subject> = subjects.iter().filter(has_own_section).collect();
-    let shown_first = &told[..told.len().min(MAX_SUBJECTS)];
+    let listed: Vec<&Subject> = subjects.iter().filter(has_own_section).collect();
+    let shown_first = &listed[..listed.len().min(MAX_SUBJECTS)];
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -46,7 +46,7 @@ pub(super) fn write(report: &Report) -> String {
                     @if subjects.len() + report.unreadable.len() > 1 { (subject::list(report)) }
                     @if !report.rules.is_empty() { (rules(&report.rules, shown_first)) }
                     @for (index, subject) in shown_first.iter().enumerate() { (subject::section(subject, index)) }
-                    @let more = told.len() - shown_first.len();
+                    @let more = listed.len() - shown_first.len();
                     @if more > 0 { p.more { "… and " (more) " more; the JSON report tells of all." } }
                 }
                 footer {

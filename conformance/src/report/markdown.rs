@@ -71,10 +71,10 @@ fn rules(page: &mut Page, report: &Report) {
     let columns =
         [text_column("Verdict"), text_column("Rule"), text_column("Level"), text_column("What has to hold")];
     let mut table = Table::new(&[&columns[..], &[number_column("Findings")]].concat());
-    let is_told = |rule: &&RuleReport| !matches!(rule.verdict, Verdict::Pass | Verdict::NotCovered);
-    let mut told: Vec<&RuleReport> = report.rules.iter().filter(is_told).collect();
-    told.sort_by_key(|rule| std::cmp::Reverse(rule.verdict));
-    for rule in told {
+    let is_shown = |rule: &&RuleReport| !matches!(rule.verdict, Verdict::Pass | Verdict::NotCovered);
+    let mut listed: Vec<&RuleReport> = report.rules.iter().filter(is_shown).collect();
+    listed.sort_by_key(|rule| std::cmp::Reverse(rule.verdict));
+    for rule in listed {
         let verdict = rule.verdict.name();
         table.row([
             if rule.verdict == Verdict::Fail { format!("**{verdict}**") } else { verdict.to_owned() },

@@ -89,12 +89,12 @@ impl Outcome {
 
     /// Of a testee, by how many of its cases failed and passed.
     pub(super) fn for_testee(passed: u64, failed: u64, remarks: usize, gave_up: Option<&str>) -> Self {
-        let asked = passed + failed;
+        let requested = passed + failed;
         match gave_up {
             Some(why) => Self::new(OutcomeKind::Incomplete, format!("The testee broke: {why}")),
             None if failed > 0 => Self::new(
                 OutcomeKind::DoesNotConform,
-                format!("Does not conform: {failed} of {asked} cases failed"),
+                format!("Does not conform: {failed} of {requested} cases failed"),
             ),
             None if remarks > 0 => Self::new(OutcomeKind::DoesNotConform, "Does not keep to the protocol"),
             None if passed == 0 => Self::new(OutcomeKind::Nothing, "Nothing was checked"),
@@ -130,9 +130,10 @@ impl Outcome {
         if let [only] = subjects {
             return only.outcome.clone();
         }
-        let mut told = Vec::new();
+        let mut expected = Vec::new();
         for subject in subjects {
-            told.extend(subject.outcome.remarks.iter().map(|remark| format!("{}: {remark}", subject.path)));
+            expected
+                .extend(subject.outcome.remarks.iter().map(|remark| format!("{}: {remark}", subject.path)));
         }
         let outcomes = subjects.iter().map(|subject| subject.outcome.kind);
         // That one of several has nothing to judge says nothing of the others.
@@ -168,7 +169,7 @@ impl Outcome {
                 format!("{count} of {} files could not be read to their ends", subjects.len())
             }
         };
-        Self { remarks: told, ..Self::new(worst, text) }
+        Self { remarks: expected, ..Self::new(worst, text) }
     }
 }
 
@@ -220,11 +221,11 @@ mod tests {
             notes: Vec::new(),
             elapsed: 0,
         };
-        subject.conclude();
+        subject.set_outcome();
         subject
     }
 
-    fn concluded(subjects: &[Subject]) -> (u8, String) {
+    fn outcome_of(subjects: &[Subject]) -> (u8, String) {
         let outcome = Outcome::for_run(Action::Check, subjects, &[], Vec::new());
         assert_eq!(outcome.status, outcome.kind.status());
         (outcome.status, outcome.text)
@@ -232,47 +233,47 @@ mod tests {
 
     #[test]
     fn a_source_is_as_good_as_its_worst_rule() {
-        let told = |checked, verdicts: &[Verdict]| concluded(&[source(checked, verdicts)]);
-        assert_eq!(told(1, &[Verdict::Pass, Verdict::Shown]), (0, "Conforms".to_owned()));
-        assert_eq!(told(1, &[Verdict::Warn]), (0, "Conforms, with 1 SHOULD rule to look at".to_owned()));
+        let expected = |checked, verdicts: &[Verdict]| outcome_of(&[source(checked, verdicts)]);
+        assert_eq!(expected(1, &[Verdict::Pass, Verdict::Shown]), (0, "Conforms".to_owned()));
+        assert_eq!(expected(1, &[Verdict::Warn]), (0, "Conforms, with 1 SHOULD rule to look at".to_owned()));
         let violated = [Verdict::Fail, Verdict::Fail, Verdict::Warn];
-        assert_eq!(told(1, &violated), (1, "Does not conform: 2 MUST rules broken".to_owned()));
-        assert_eq!(told(0, &[Verdict::NotCovered]), (5, "Nothing was judged".to_owned()));
+        assert_eq!(expected(1, &violated), (1, "Does not conform: 2 MUST rules broken".to_owned()));
+        assert_eq!(expected(0, &[Verdict::NotCovered]), (5, "Nothing was judged".to_owned()));
     }
 
     #[test]
     fn several_sources_count_each_rule_once() {
         let (good, bad, empty) = (source(1, &[Verdict::Pass]), source(1, &[Verdict::Fail]), source(0, &[]));
         let all = [good.clone(), bad.clone(), bad.clone(), empty.clone()];
-        assert_eq!(concluded(&all), (1, "Does not conform: 1 MUST rule broken, in 2 of 4 files".to_owned()));
-        assert_eq!(concluded(&[good.clone(), empty.clone()]), (0, "Conforms".to_owned()));
-        assert_eq!(concluded(&[empty.clone(), empty]), (5, "Nothing was judged".to_owned()));
-        assert_eq!(concluded(&[]), (5, "Nothing was judged".to_owned()));
-        assert_eq!(concluded(&[good, bad]).0, 1);
+        assert_eq!(outcome_of(&all), (1, "Does not conform: 1 MUST rule broken, in 2 of 4 files".to_owned()));
+        assert_eq!(outcome_of(&[good.clone(), empty.clone()]), (0, "Conforms".to_owned()));
+        assert_eq!(outcome_of(&[empty.clone(), empty]), (5, "Nothing was judged".to_owned()));
+        assert_eq!(outcome_of(&[]), (5, "Nothing was judged".to_owned()));
+        assert_eq!(outcome_of(&[good, bad]).0, 1);
     }
 
     #[test]
-    fn what_was_not_read_is_told_and_counts_where_nothing_more_can_be() {
+    fn unread_data_is_reported_and_may_change_the_outcome() {
         let read = |extent, verdict| {
             let mut source = source(1, &[verdict]);
             source.extent = extent;
-            source.conclude();
+            source.set_outcome();
             source
         };
-        let told = |extent, verdict| concluded(&[read(extent, verdict)]);
+        let expected = |extent, verdict| outcome_of(&[read(extent, verdict)]);
         for extent in [Extent::EndsEarly, Extent::WithGaps] {
             let text = "Conforms, as far as it can be read";
-            assert_eq!(told(extent, Verdict::Pass), (0, text.to_owned()));
-            assert_eq!(told(extent, Verdict::Fail).0, 1);
+            assert_eq!(expected(extent, Verdict::Pass), (0, text.to_owned()));
+            assert_eq!(expected(extent, Verdict::Fail).0, 1);
         }
         for verdict in [Verdict::Pass, Verdict::Fail] {
             let text = "Could not be read to its end";
-            assert_eq!(told(Extent::Unreadable, verdict), (3, text.to_owned()));
+            assert_eq!(expected(Extent::Unreadable, verdict), (3, text.to_owned()));
         }
         let violated = read(Extent::Unreadable, Verdict::Pass);
         assert_eq!(violated.outcome.remarks, ["Conforms, as far as it can be read"]);
         let all = [violated, source(1, &[Verdict::Fail])];
-        assert_eq!(concluded(&all), (3, "1 of 2 files could not be read to their ends".to_owned()));
+        assert_eq!(outcome_of(&all), (3, "1 of 2 files could not be read to their ends".to_owned()));
     }
 
     #[test]
@@ -289,14 +290,14 @@ mod tests {
 
     #[test]
     fn a_testee_fails_by_its_answers_its_manners_or_its_end() {
-        let told = |passed, failed, remarks, gave_up| {
+        let expected = |passed, failed, remarks, gave_up| {
             let outcome = Outcome::for_testee(passed, failed, remarks, gave_up);
             (outcome.status, outcome.text)
         };
-        assert_eq!(told(9, 0, 0, None), (0, "Conforms".to_owned()));
-        assert_eq!(told(9, 1, 2, None), (1, "Does not conform: 1 of 10 cases failed".to_owned()));
-        assert_eq!(told(9, 0, 2, None), (1, "Does not keep to the protocol".to_owned()));
-        assert_eq!(told(0, 0, 0, None), (5, "Nothing was checked".to_owned()));
-        assert_eq!(told(9, 1, 0, Some("it ended")), (3, "The testee broke: it ended".to_owned()));
+        assert_eq!(expected(9, 0, 0, None), (0, "Conforms".to_owned()));
+        assert_eq!(expected(9, 1, 2, None), (1, "Does not conform: 1 of 10 cases failed".to_owned()));
+        assert_eq!(expected(9, 0, 2, None), (1, "Does not keep to the protocol".to_owned()));
+        assert_eq!(expected(0, 0, 0, None), (5, "Nothing was checked".to_owned()));
+        assert_eq!(expected(9, 1, 0, Some("it ended")), (3, "The testee broke: it ended".to_owned()));
     }
 }

@@ -81,18 +81,19 @@ fn counts(counts: outcome::Counts) -> Counts {
 }
 
 fn case_report(
-    asked: &case::Case,
+    requested: &case::Case,
     verdict: &outcome::Verdict,
     definitions: &Definitions,
     again: &dyn Fn(&str) -> String,
 ) -> Case {
-    let name = asked.name();
-    let span = definitions.message_of_type(&asked.type_name).map(|id| definitions.schema.message(id).span);
+    let name = requested.name();
+    let span =
+        definitions.message_of_type(&requested.type_name).map(|id| definitions.schema.message(id).span);
     let mut found = Case {
-        op: asked.action(),
-        type_name: asked.type_name.clone(),
-        description: asked.description.clone(),
-        rule: asked.rule.clone(),
+        op: requested.action(),
+        type_name: requested.type_name.clone(),
+        description: requested.description.clone(),
+        rule: requested.rule.clone(),
         verdict: CaseVerdict::Pass,
         path: String::new(),
         expected: String::new(),

@@ -142,7 +142,7 @@ fn verdicts(subject: &Subject, noun: &str, text: &mut String) -> fmt::Result {
     };
     writeln!(text, "{PASS}pass{PASS:#}  {} rules{idle}\n", subject.count(Verdict::Pass))?;
     let (failed, warned) = (subject.count(Verdict::Fail), subject.count(Verdict::Warn));
-    let damaged = match subject.extent {
+    let corrupt = match subject.extent {
         Extent::Whole if subject.corruption.is_empty() => String::new(),
         Extent::Whole => format!(", and the {noun} is damaged"),
         Extent::EndsEarly | Extent::WithGaps => ", and not all can be read".to_owned(),
@@ -151,9 +151,9 @@ fn verdicts(subject: &Subject, noun: &str, text: &mut String) -> fmt::Result {
     let known = subject.findings.iter().filter(|finding| finding.known.is_some()).count();
     let known = if known > 0 { format!(", {known} known") } else { String::new() };
     match (failed, warned) {
-        (0, _) if subject.checked == 0 => writeln!(text, "nothing was judged{damaged}"),
-        (0, 0) => writeln!(text, "conforms{known}{damaged}"),
-        (0, _) => writeln!(text, "conforms, {warned} SHOULD to be looked at{known}{damaged}"),
-        _ => writeln!(text, "does not conform: {failed} MUST, {warned} SHOULD{known}{damaged}"),
+        (0, _) if subject.checked == 0 => writeln!(text, "nothing was judged{corrupt}"),
+        (0, 0) => writeln!(text, "conforms{known}{corrupt}"),
+        (0, _) => writeln!(text, "conforms, {warned} SHOULD to be looked at{known}{corrupt}"),
+        _ => writeln!(text, "does not conform: {failed} MUST, {warned} SHOULD{known}{corrupt}"),
     }
 }

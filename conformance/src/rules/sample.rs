@@ -136,7 +136,8 @@ impl<'d> Flight<'d> {
             let message = schema.message(self.topics[topic].message);
             for field in &message.fields {
                 let restriction = schema.restriction(message, field);
-                let Some(value) = restriction.and_then(|asked| violating_value(rule, field, &asked)) else {
+                let Some(value) = restriction.and_then(|requested| violating_value(rule, field, &requested))
+                else {
                     continue;
                 };
                 let mut changed = self.clone();
@@ -232,15 +233,15 @@ impl<'d> Flight<'d> {
 }
 
 /// A value that breaks this rule in this field, and no other; none where the field has nothing to do with it.
-fn violating_value(rule: Rule, field: &Field, asked: &Restriction) -> Option<Value> {
+fn violating_value(rule: Rule, field: &Field, requested: &Restriction) -> Option<Value> {
     let Element::Scalar(scalar) = field.ty.element else { return None };
     let beyond = |bound: Option<Number>, by: i32| match bound? {
         Number::Int(value) => Some(Number::Int(value + i128::from(by))),
         Number::Float(value) => Some(Number::Float(value + f64::from(by))),
     };
     let candidates: Vec<Number> = match rule {
-        Rule::Range => [beyond(asked.high, 1), beyond(asked.low, -1)].into_iter().flatten().collect(),
-        Rule::Count => asked.count.map(|count| Number::Int(i128::from(count) + 1)).into_iter().collect(),
+        Rule::Range => [beyond(requested.high, 1), beyond(requested.low, -1)].into_iter().flatten().collect(),
+        Rule::Count => requested.count.map(|count| Number::Int(i128::from(count) + 1)).into_iter().collect(),
         Rule::Enum => (0..256).map(Number::Int).collect(),
         Rule::Nan => vec![Number::Float(f64::NAN)],
         Rule::Bound | Rule::Text => Vec::new(),
@@ -249,7 +250,7 @@ fn violating_value(rule: Rule, field: &Field, asked: &Restriction) -> Option<Val
         (Number::Int(value), Some((low, high))) => (low..=high).contains(&value),
         (_, bounds) => bounds.is_none(),
     };
-    let breaks = |number: &Number| asked.constraint().broken_by(*number) == Some(rule);
+    let breaks = |number: &Number| requested.constraint().broken_by(*number) == Some(rule);
     Some(match candidates.into_iter().filter(fits).find(breaks)? {
         Number::Int(value) => i64::try_from(value).ok()?.into(),
         // NaN is null.

@@ -361,9 +361,9 @@ impl Hub {
 
     /// The connections that hear what happens.
     fn listeners(&self) -> Vec<SessionId> {
-        let is_standing =
+        let is_persistent =
             |id: &SessionId| self.sessions.get(id).is_some_and(|s| s.kind != ConnectionKind::OneShot);
-        self.sessions.keys().copied().filter(|id| is_standing(id) && self.may_receive(*id)).collect()
+        self.sessions.keys().copied().filter(|id| is_persistent(id) && self.may_receive(*id)).collect()
     }
 
     /// Whether a client needs no login, or has logged in.
@@ -415,8 +415,8 @@ impl Hub {
     }
 
     fn notify_of_uavs(&mut self) {
-        let is_heard = |uav: &&Uav| !uav.is_sleeping() && !self.ghosts.contains(&uav.id);
-        let received: Vec<&Uav> = self.world.uavs.iter().filter(is_heard).collect();
+        let is_reachable = |uav: &&Uav| !uav.is_sleeping() && !self.ghosts.contains(&uav.id);
+        let received: Vec<&Uav> = self.world.uavs.iter().filter(is_reachable).collect();
         let of_some = |uavs: &[&Uav]| {
             let status = uavs.iter().map(|uav| (uav.id.clone(), uav.status())).collect();
             uav_inf::Notification { status: Some(status) }.into()

@@ -86,11 +86,11 @@ impl<T> Outcomes<T> {
     /// What becomes of each thing that was asked for.
     pub(super) fn collect<I: Into<String>>(
         requested: Vec<I>,
-        mut ask: impl FnMut(&str) -> Result<T, String>,
+        mut apply: impl FnMut(&str) -> Result<T, String>,
     ) -> Result<Self, String> {
         let mut outcomes = Self::new();
         for id in each_once(requested)? {
-            let outcome = ask(&id);
+            let outcome = apply(&id);
             outcomes.put(id, outcome);
         }
         Ok(outcomes)

@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn it_tells_how_it_gets_on_and_how_it_ends() {
+    fn reports_progress_and_result() {
         let mut operation = Operation::lasting("r1".to_owned(), 4.0, json!(true));
         let [first, second, third] = [25, 50, 75].map(Report::Progress);
         assert_eq!(reports(&mut operation, 9), [first, second, third, Report::Result(json!(true))]);

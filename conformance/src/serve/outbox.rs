@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn who_does_not_read_is_cut_off() {
+    fn disconnects_a_client_that_does_not_read() {
         let outbox = Outbox::default();
         for _ in 0..70 {
             outbox.push("x".repeat(1 << 20));

@@ -374,7 +374,7 @@ fn body() -> impl Strategy<Value = Value> {
 
 proptest! {
     #[test]
-    fn whatever_is_asked_is_answered_once(
+    fn answers_each_request_once(
         bodies in prop::collection::vec(body(), 1..12),
         bug in prop::option::of(prop::sample::select(&RULES[..])),
     ) {

@@ -103,7 +103,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn requests_are_told_from_what_is_none() {
+    fn distinguishes_requests_from_other_messages() {
         let good = r#"{"$fw.version":"1.0","id":"a","body":{"type":"SYS-VER"},"extra":1}"#;
         assert!(
             matches!(Incoming::parse(good.as_bytes()), Incoming::Request { id, kind, .. } if id == "a" && kind == "SYS-VER")

@@ -64,9 +64,9 @@ pub(crate) fn compare(case: &Case, answer: &Answer, types: &Types) -> Result<(),
 /// What is expected, in words.
 fn describe(case: &Case) -> String {
     let or = if case.expected.rejection { ", or a rejection" } else { "" };
-    let broken = case.rule.as_ref().map(|rule| format!(" ({rule})")).unwrap_or_default();
+    let violated = case.rule.as_ref().map(|rule| format!(" ({rule})")).unwrap_or_default();
     match &case.expected.ok {
-        ExpectedAnswer::Nothing => format!("a rejection{broken}"),
+        ExpectedAnswer::Nothing => format!("a rejection{violated}"),
         ExpectedAnswer::Anything => "acceptance".to_owned() + or,
         ExpectedAnswer::Message(value) | ExpectedAnswer::Exactly(value) => format!("{value}{or}"),
         ExpectedAnswer::Bytes(right) => {

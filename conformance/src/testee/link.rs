@@ -120,7 +120,7 @@ impl Link {
         loop {
             let left = until.saturating_duration_since(Instant::now());
             match self.from.recv_timeout(left.min(POLL_INTERVAL)) {
-                Ok(said) => return said,
+                Ok(text) => return text,
                 Err(RecvTimeoutError::Disconnected) => return Received::Closed,
                 Err(RecvTimeoutError::Timeout) if left <= POLL_INTERVAL => return Received::Nothing,
                 Err(RecvTimeoutError::Timeout) => {}
@@ -148,13 +148,13 @@ impl Link {
     pub(super) fn part(&mut self, within: Duration, mut receive: impl FnMut(&[u8])) -> Result<(), String> {
         self.close();
         let until = Instant::now() + within;
-        let mut said = self.receive(until);
-        while let Received::Line(line) = &said {
+        let mut text = self.receive(until);
+        while let Received::Line(line) = &text {
             receive(line);
             // Lines without end don't win time.
-            said = if Instant::now() < until { self.receive(until) } else { Received::Nothing };
+            text = if Instant::now() < until { self.receive(until) } else { Received::Nothing };
         }
-        match (&mut self.peer, said) {
+        match (&mut self.peer, text) {
             (Peer::Process(process), _) => match process.ended(until) {
                 None => Err("it doesn't end when its standard input does".to_owned()),
                 Some(how) if !how.is_empty() => Err(format!("it ends with {how}")),
@@ -229,7 +229,7 @@ fn read(output: impl Read, lines: &SyncSender<Received>, limit: usize) {
         let most = u64::try_from(limit).unwrap_or(u64::MAX).saturating_add(1);
         let read = output.by_ref().take(most).read_until(b'\n', &mut line);
         let is_whole = line.pop_if(|byte| *byte == b'\n').is_some();
-        let said = match read {
+        let text = match read {
             Ok(_) if is_whole => Received::Line(line),
             Ok(_) if line.len() > limit => Received::TooLong,
             // The last line may lack its end.
@@ -237,8 +237,8 @@ fn read(output: impl Read, lines: &SyncSender<Received>, limit: usize) {
             Ok(_) => Received::Closed,
             Err(error) => Received::Lost(format!("reading from it failed: {error}")),
         };
-        let is_last = matches!(said, Received::TooLong | Received::Closed | Received::Lost(_));
-        if lines.send(said).is_err() || is_last {
+        let is_last = matches!(text, Received::TooLong | Received::Closed | Received::Lost(_));
+        if lines.send(text).is_err() || is_last {
             return;
         }
     }

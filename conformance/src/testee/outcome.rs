@@ -190,15 +190,15 @@ mod tests {
     fn remarks_are_the_same_in_whatever_order_they_come() {
         let all: Vec<String> =
             (0..90).map(|number| format!("an answer without a question: id {}", number % 30)).collect();
-        let told = |remarks: &mut dyn Iterator<Item = &String>| {
+        let reported = |remarks: &mut dyn Iterator<Item = &String>| {
             let mut protocol_remarks = ProtocolRemarks::default();
             remarks.for_each(|remark| protocol_remarks.remark(remark.clone()));
             protocol_remarks
         };
-        let first = told(&mut all.iter());
+        let first = reported(&mut all.iter());
         assert_eq!((first.remarks.len(), first.more), (MAX_REMARKS, 30));
         assert!(first.remarks.iter().all(|(_, count)| *count == 3) && first.remarks.is_sorted());
-        assert_eq!(told(&mut all.iter().rev()), first);
-        assert_eq!(told(&mut all[7..].iter().chain(&all[..7])), first);
+        assert_eq!(reported(&mut all.iter().rev()), first);
+        assert_eq!(reported(&mut all[7..].iter().chain(&all[..7])), first);
     }
 }

@@ -122,7 +122,7 @@ fn what_was_lost_with_a_part_of_the_log_breaks_no_rule() {
     let found = |bytes: &[u8]| {
         let (_folder, definitions) = definitions();
         let result = check_ulog(bytes, &definitions);
-        let found: Vec<&str> = broken(&result).iter().map(|(rule, _)| *rule).collect();
+        let found: Vec<&str> = violated(&result).iter().map(|(rule, _)| *rule).collect();
         assert_ne!(result.extent, Extent::Whole);
         (found, result.corruption.into_iter().map(|(_, text)| text).collect::<Vec<_>>())
     };
@@ -146,7 +146,7 @@ fn what_was_lost_with_a_part_of_the_log_breaks_no_rule() {
     }
 }
 
-fn judge(log: &Writer) -> CaptureResult {
+fn run_check(log: &Writer) -> CaptureResult {
     let (_folder, definitions) = definitions();
     check_ulog(&log.bytes[..], &definitions)
 }
@@ -159,10 +159,10 @@ fn as_log(result: &CaptureResult) -> &LogSummary {
 }
 
 /// The rules that are broken, each with its subject and what is said of the first breach.
-fn broken(result: &CaptureResult) -> Vec<(&'static str, String)> {
-    let said =
+fn violated(result: &CaptureResult) -> Vec<(&'static str, String)> {
+    let message =
         |group: &crate::model::Group| (group.rule.id, format!("{}: {}", group.subject, group.examples[0].1));
-    result.findings.groups().map(said).collect()
+    result.findings.groups().map(message).collect()
 }
 
 fn conforming() -> Writer {
@@ -170,9 +170,9 @@ fn conforming() -> Writer {
 }
 
 #[test]
-fn a_log_that_conforms_breaks_nothing_and_exercises_what_it_can() {
-    let result = judge(&conforming());
-    assert_eq!(broken(&result), []);
+fn a_conforming_log_has_no_violations_and_covers_its_rules() {
+    let result = run_check(&conforming());
+    assert_eq!(violated(&result), []);
     assert_eq!(result.corruption, []);
     assert_eq!((result.records, result.checked), (60, 60));
     assert_eq!(result.duration, 59 * PERIOD);
@@ -286,13 +286,13 @@ fn mutants() -> Vec<(&'static str, Writer, &'static str)> {
 const ALSO_VIOLATED: [(&str, &str); 1] = [("PX-FMT-03", "PX-FMT-01")];
 
 #[test]
-fn what_is_said_of_a_breach_tells_what_and_where() {
+fn a_violation_has_a_message_and_a_location() {
     let mutants = mutants();
-    for (id, log, said) in mutants {
-        let result = judge(&log);
-        let found = broken(&result);
+    for (id, log, message) in mutants {
+        let result = run_check(&log);
+        let found = violated(&result);
         let own: Vec<&String> = found.iter().filter(|(rule, _)| *rule == id).map(|(_, text)| text).collect();
-        assert!(own.len() == 1 && own[0].starts_with(said), "{id}: {found:?}");
+        assert!(own.len() == 1 && own[0].starts_with(message), "{id}: {found:?}");
         let others: Vec<&str> = found.iter().map(|(rule, _)| *rule).filter(|rule| *rule != id).collect();
         let allowed: Vec<&str> =
             ALSO_VIOLATED.iter().filter(|(of, _)| *of == id).map(|(_, also)| *also).collect();
@@ -305,8 +305,8 @@ fn a_topic_may_be_subscribed_again_once_nothing_subscribes_it() {
     let checked = |change: &dyn Fn(&mut Writer)| {
         let mut log = conforming();
         change(&mut log);
-        let result = judge(&log);
-        broken(&result).iter().map(|(rule, _)| *rule).collect::<Vec<_>>()
+        let result = run_check(&log);
+        violated(&result).iter().map(|(rule, _)| *rule).collect::<Vec<_>>()
     };
     // As the same id; as another, once the first is unsubscribed, or means something else.
     let again = |log: &mut Writer, id| _ = log.subscribe(id, 0, "glider");
@@ -344,26 +344,26 @@ fn topics_without_data_have_a_time_all_the_same() {
             log.data(6, &[0; 4]);
             log.data(7, &[0; 4]);
         }
-        let result = judge(&log);
+        let result = run_check(&log);
         let rule = rule("PX-FMT-03").expect("a rule");
         assert_eq!(result.findings.covered(rule), 2, "each topic once");
-        broken(&result)
+        violated(&result)
     };
     for data in [false, true] {
-        let said = "sonde: its format has no `uint64_t timestamp`";
-        assert_eq!(checked(data), [("PX-FMT-03", said.to_owned())]);
+        let message = "sonde: its format has no `uint64_t timestamp`";
+        assert_eq!(checked(data), [("PX-FMT-03", message.to_owned())]);
     }
     // What nothing subscribes is nested, and a format that can't be used has no size.
     let mut log = start();
     log.format("sonde:float x;");
     log.format("rope:sail sails;");
     log.subscribe(6, 0, "rope");
-    assert_eq!(broken(&judge(&log)).iter().map(|(rule, _)| *rule).collect::<Vec<_>>(), ["PX-FMT-02"]);
+    assert_eq!(violated(&run_check(&log)).iter().map(|(rule, _)| *rule).collect::<Vec<_>>(), ["PX-FMT-02"]);
 }
 
 /// What a definition says of it stands beside each finding that has to do with one.
 #[test]
-fn a_finding_tells_where_it_is_defined_and_what_was_expected() {
+fn findings_have_a_definition_and_the_expected_value() {
     let (_folder, definitions) = definitions();
     for (id, log, _) in mutants() {
         let result = check_ulog(&log.bytes[..], &definitions);
@@ -386,7 +386,7 @@ fn a_finding_tells_where_it_is_defined_and_what_was_expected() {
 }
 
 #[test]
-fn what_is_allowed_beside_the_range_breaks_nothing() {
+fn allowed_values_outside_the_range_pass() {
     for change in [
         |glider: &mut Glider| glider.speed = -1.0,
         |glider: &mut Glider| glider.speed = 60.0,
@@ -397,7 +397,7 @@ fn what_is_allowed_beside_the_range_breaks_nothing() {
     ] {
         let mut glider = Glider::at(60 * PERIOD);
         change(&mut glider);
-        assert_eq!(broken(&judge(&log_with(&glider))), []);
+        assert_eq!(violated(&run_check(&log_with(&glider))), []);
     }
 }
 
@@ -405,7 +405,7 @@ fn what_is_allowed_beside_the_range_breaks_nothing() {
 fn values_in_nested_messages_are_named_by_their_way() {
     let mut glider = Glider::at(60 * PERIOD);
     glider.heights[1] = 9001;
-    let found = broken(&judge(&log_with(&glider)));
+    let found = violated(&run_check(&log_with(&glider)));
     assert_eq!(
         found,
         [(
@@ -421,7 +421,7 @@ fn findings_on_values_have_the_path_of_their_field() {
     let mut glider = Glider { is_landed: 2, mode: 8, ..Glider::at(60 * PERIOD) };
     glider.flaps[1] = 1.5;
     glider.heights[1] = 9001;
-    let result = judge(&log_with(&glider));
+    let result = run_check(&log_with(&glider));
     let paths: Vec<&str> = result.findings.groups().map(|group| group.examples[0].1.path.as_str()).collect();
     assert_eq!(paths, ["is_landed", "mode", "flaps[1]", "marks[1].height"]);
 }
@@ -434,8 +434,8 @@ fn a_pause_with_a_dropout_nearby_has_its_reason() {
     }
     log.dropout(400);
     log.data(5, &Glider::at(80 * PERIOD).bytes());
-    let result = judge(&log);
-    assert_eq!(broken(&result), []);
+    let result = run_check(&log);
+    assert_eq!(violated(&result), []);
     assert_eq!(as_log(&result).dropouts, 1);
 }
 
@@ -445,7 +445,7 @@ fn equal_findings_are_counted() {
     for number in 1..=5 {
         log.data(5, &Glider { is_landed: 2, ..Glider::at(number * PERIOD) }.bytes());
     }
-    let result = judge(&log);
+    let result = run_check(&log);
     let rule = rule("PX-BOOL-01").expect("a rule");
     let groups: Vec<_> = result.findings.groups_of(rule).collect();
     assert_eq!((groups.len(), groups[0].count, groups[0].examples.len()), (1, 5, 3));
@@ -454,7 +454,7 @@ fn equal_findings_are_counted() {
 
 /// Real logs conform to all that must hold, and what is known to be odd is found.
 #[test]
-fn real_logs_are_judged_as_they_are_known() {
+fn real_logs_have_the_known_results() {
     let (Some(logs), Some(corpus)) = (shared("corpus/ulog"), shared("corpus/px4")) else { return };
     let mut odd = 0;
     for release in ["1.15", "1.16", "main"] {

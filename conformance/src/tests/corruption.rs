@@ -40,7 +40,7 @@ fn check_places(name: &str, result: &CaptureResult, size: usize) {
 }
 
 #[test]
-fn what_stands_before_a_cut_is_judged() {
+fn checks_records_before_a_truncation() {
     let definitions = Definitions::built_in();
     for (name, bytes, whole) in sources(&definitions) {
         let mut before = 0;
@@ -63,7 +63,7 @@ fn a_flipped_bit_costs_few_messages() {
     let definitions = Definitions::built_in();
     for (name, bytes, whole) in sources(&definitions) {
         let mut random = Random(97);
-        let mut damaged = 0;
+        let mut corrupt = 0;
         let flips = if name == "log" || name == "MCAP" { 1_000 } else { 250 } / extent(1, 4);
         for _ in 0..flips {
             // Magic and flag bits say that nobody should go on who doesn't know them.
@@ -73,7 +73,7 @@ fn a_flipped_bit_costs_few_messages() {
             flipped[at] ^= 1 << bit;
             let result = checked(&flipped, &definitions);
             check_places(name, &result, bytes.len());
-            damaged += u64::from(!result.corruption.is_empty());
+            corrupt += u64::from(!result.corruption.is_empty());
             // What says what messages are may be hit: then those of a topic, and of one that nests it, are lost, and
             // that is told.
             let lost = whole - result.checked.min(whole);
@@ -89,14 +89,14 @@ fn a_flipped_bit_costs_few_messages() {
             );
         }
         assert!(
-            damaged > extent(10, 2),
-            "{name}: only {damaged} of {flips} flipped bits were noticed as damage"
+            corrupt > extent(10, 2),
+            "{name}: only {corrupt} of {flips} flipped bits were noticed as damage"
         );
     }
 }
 
 #[test]
-fn sections_in_the_wrong_order_are_judged() {
+fn checks_sections_in_the_wrong_order() {
     let definitions = Definitions::built_in();
     for (name, bytes, _) in sources(&definitions) {
         let mut random = Random(5);
@@ -113,7 +113,7 @@ fn sections_in_the_wrong_order_are_judged() {
 }
 
 #[test]
-fn noise_is_told_from_the_start() {
+fn reports_noise_from_the_start() {
     let definitions = Definitions::built_in();
     let noise = Random(3).bytes(1 << 20);
     for start in

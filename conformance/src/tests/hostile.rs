@@ -55,7 +55,7 @@ pub(crate) fn checked(definitions: &Definitions) -> Report {
         // The time that it took is no part of what is compared.
         let checked = CheckedCapture {
             path,
-            result: result,
+            result,
             notes: vec!["the <b>wind</b>\u{1b}[1m turned".to_owned()],
             elapsed: 7,
         };

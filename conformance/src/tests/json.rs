@@ -72,7 +72,7 @@ fn check_bytes(bytes: &[u8]) -> CaptureResult {
     check_capture(bytes, None, &definitions).expect("bytes can be read")
 }
 
-fn judge_bare(text: &str) -> CaptureResult {
+fn check_bare(text: &str) -> CaptureResult {
     let (_folder, definitions) = definitions();
     let of = definitions.message_of_topic("glider");
     assert!(of.is_some());
@@ -86,10 +86,10 @@ fn source(result: &CaptureResult) -> &JsonSummary {
     }
 }
 
-fn broken(result: &CaptureResult) -> Vec<(&'static str, String)> {
-    let said =
+fn violated(result: &CaptureResult) -> Vec<(&'static str, String)> {
+    let message =
         |group: &crate::model::Group| (group.rule.id, format!("{}: {}", group.subject, group.examples[0].1));
-    result.findings.groups().map(said).collect()
+    result.findings.groups().map(message).collect()
 }
 
 fn corruption(result: &CaptureResult) -> Vec<String> {
@@ -103,9 +103,9 @@ fn lines_with(last: &str) -> String {
 }
 
 #[test]
-fn json_that_conforms_breaks_nothing_and_exercises_what_it_can() {
+fn conforming_json_has_no_violations_and_covers_its_rules() {
     let result = check_bytes(lines_with(&typed(&glider(60 * PERIOD))).as_bytes());
-    assert_eq!((broken(&result), corruption(&result)), (vec![], vec![]));
+    assert_eq!((violated(&result), corruption(&result)), (vec![], vec![]));
     assert_eq!((result.records, result.checked, result.duration), (60, 60, 59 * PERIOD));
     let found = source(&result);
     assert_eq!((found.lines, found.types, found.skipped), (60, 1, 0));
@@ -246,12 +246,12 @@ fn mutants() -> Vec<(&'static str, String, &'static str)> {
 }
 
 #[test]
-fn what_is_said_of_a_breach_tells_what_and_where() {
+fn a_violation_has_a_message_and_a_location() {
     let mutants = mutants();
-    for (id, last, said) in mutants {
+    for (id, last, message) in mutants {
         let result = check_bytes(lines_with(&last).as_bytes());
-        let found = broken(&result);
-        assert!(found.len() == 1 && found[0].0 == id && found[0].1.starts_with(said), "{id}: {found:?}");
+        let found = violated(&result);
+        assert!(found.len() == 1 && found[0].0 == id && found[0].1.starts_with(message), "{id}: {found:?}");
         assert_eq!(corruption(&result), Vec::<String>::new(), "{id}");
         let group = result.findings.groups().next().expect("a finding");
         assert!(group.examples[0].0 >= Location::Line(60), "{id}: {group:?}");
@@ -260,14 +260,14 @@ fn what_is_said_of_a_breach_tells_what_and_where() {
 }
 
 #[test]
-fn everything_that_is_wrong_with_a_message_is_told() {
+fn reports_every_problem_of_a_message() {
     let mut message = glider(PERIOD);
     message["speed"] = json!(61);
     message["marks"][2] = json!({"timestamp": -1, "height": "high", "depth": 0});
     message["raw"] = json!([1, 2, 3, 4, 5, 600]);
     message.as_object_mut().expect("an object").remove("serial");
     let result = check_bytes(typed(&message).as_bytes());
-    let ids: Vec<(&str, String)> = broken(&result)
+    let ids: Vec<(&str, String)> = violated(&result)
         .into_iter()
         .map(|(id, text)| (id, text[..text.find(':').unwrap_or(0)].to_owned()))
         .collect();
@@ -295,7 +295,7 @@ fn findings_point_into_the_record() {
     let published_record = published("/glider", &message);
     let bare = message.to_string();
     for (record, around) in [(&typed_record, "/message"), (&published_record, "/msg"), (&bare, "")] {
-        let result = if around.is_empty() { judge_bare(record) } else { check_bytes(record.as_bytes()) };
+        let result = if around.is_empty() { check_bare(record) } else { check_bytes(record.as_bytes()) };
         let value: Value = serde_json::from_str(record).expect("JSON");
         let found: Vec<(&str, &str)> = result
             .findings
@@ -322,7 +322,7 @@ fn findings_show_what_was_written_and_not_too_much_of_it() {
     message.as_object_mut().expect("an object").remove("serial");
     message["raw"] = json!([1, {"a": [true, "\u{1b}"]}]);
     message["name"] = json!("x".repeat(10_000));
-    let result = judge_bare(&message.to_string());
+    let result = check_bare(&message.to_string());
     let groups: Vec<_> = result.findings.groups().collect();
     for group in &groups {
         let excerpt = &group.examples[0].1.excerpt;
@@ -364,8 +364,8 @@ fn entries_that_are_not_in_use_are_ignored() {
         let behind = before.replace(&count, "");
         let behind = format!("{},{}}}", behind.trim_end_matches('}'), count.trim_end_matches(','));
         for text in [before, behind] {
-            let result = judge_bare(&format!("{text}\n{}", glider(2 * PERIOD)));
-            let found: Vec<&str> = broken(&result).iter().map(|(rule, _)| *rule).collect();
+            let result = check_bare(&format!("{text}\n{}", glider(2 * PERIOD)));
+            let found: Vec<&str> = violated(&result).iter().map(|(rule, _)| *rule).collect();
             assert_eq!(found, Vec::from_iter(id), "{text}");
             assert_eq!((result.checked, corruption(&result)), (2, vec![]), "{text}");
         }

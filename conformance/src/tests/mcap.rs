@@ -170,9 +170,9 @@ fn source(result: &CaptureResult) -> &McapSummary {
 }
 
 /// The rules that are broken, each with its subject and what is said of the first breach.
-fn broken(result: &CaptureResult) -> Vec<(&'static str, String)> {
-    let said = |group: &Group| (group.rule.id, format!("{}: {}", group.subject, group.examples[0].1));
-    result.findings.groups().map(said).collect()
+fn violated(result: &CaptureResult) -> Vec<(&'static str, String)> {
+    let message = |group: &Group| (group.rule.id, format!("{}: {}", group.subject, group.examples[0].1));
+    result.findings.groups().map(message).collect()
 }
 
 fn corrupt_count(result: &CaptureResult) -> Vec<String> {
@@ -181,7 +181,7 @@ fn corrupt_count(result: &CaptureResult) -> Vec<String> {
 
 /// Nothing is broken or damaged, and all of sixty messages are judged.
 fn assert_conforms(result: &CaptureResult, what: &dyn std::fmt::Debug) {
-    assert_eq!((broken(result), corrupt_count(result)), (vec![], vec![]), "{what:?}");
+    assert_eq!((violated(result), corrupt_count(result)), (vec![], vec![]), "{what:?}");
     assert_eq!((result.records, result.checked, result.duration), (60, 60, 59 * PERIOD), "{what:?}");
     let channels = &source(result).channels;
     assert_eq!(channels.len(), 1, "{what:?}");
@@ -376,12 +376,12 @@ fn mutants() -> Vec<(&'static str, Vec<u8>, &'static str)> {
 }
 
 #[test]
-fn what_is_said_of_a_breach_tells_what_and_where() {
+fn a_violation_has_a_message_and_a_location() {
     let mutants = mutants();
-    for (id, bytes, said) in mutants {
+    for (id, bytes, message) in mutants {
         let result = checked(&bytes);
-        let found = broken(&result);
-        assert!(found.len() == 1 && found[0].0 == id && found[0].1.starts_with(said), "{id}: {found:#?}");
+        let found = violated(&result);
+        assert!(found.len() == 1 && found[0].0 == id && found[0].1.starts_with(message), "{id}: {found:#?}");
         assert_eq!(corrupt_count(&result), Vec::<String>::new(), "{id}");
     }
 }
@@ -389,7 +389,7 @@ fn what_is_said_of_a_breach_tells_what_and_where() {
 #[test]
 fn json_that_conforms_breaks_nothing() {
     let result = checked(&json_with(|_| ()));
-    assert_eq!((broken(&result), corrupt_count(&result)), (vec![], vec![]));
+    assert_eq!((violated(&result), corrupt_count(&result)), (vec![], vec![]));
     assert_eq!((result.records, result.checked, result.duration), (60, 60, 59 * PERIOD));
     assert_eq!(source(&result).channels[0].status, CheckStatus::Checked(Basis::NoSchema));
 }
@@ -413,15 +413,15 @@ fn messages_that_are_packed_by_themselves_are_unpacked() {
     ];
     let result = checked(&file(&records.concat()));
     let expected = [("PX-BOOL-01", "glider.is_landed: 3 where a bool is 0 or 1".to_owned())];
-    assert_eq!((broken(&result), result.checked), (expected.to_vec(), 2));
-    let said = corrupt_count(&result);
-    assert!(said.len() == 2 && said[0].contains("that can't be unpacked: "), "{said:?}");
-    assert!(said[1].ends_with("a packed message of more than 67108864 bytes"), "{said:?}");
+    assert_eq!((violated(&result), result.checked), (expected.to_vec(), 2));
+    let message = corrupt_count(&result);
+    assert!(message.len() == 2 && message[0].contains("that can't be unpacked: "), "{message:?}");
+    assert!(message[1].ends_with("a packed message of more than 67108864 bytes"), "{message:?}");
 }
 
 /// Foxglove writes bytes as base64, and what isn't JSON at all is damage.
 #[test]
-fn json_has_its_dialects_and_its_damage() {
+fn reads_json_dialects_and_reports_corrupt_json() {
     let (name, _) = ros("Glider");
     let mut numbers = good().json();
     numbers["name"] = json!([68, 45, 49, 0]);
@@ -434,14 +434,14 @@ fn json_has_its_dialects_and_its_damage() {
         message(3, b""),
     ];
     let result = checked(&file(&records.concat()));
-    assert_eq!((broken(&result), result.records, result.checked), (vec![], 4, 1));
+    assert_eq!((violated(&result), result.records, result.checked), (vec![], 4, 1));
     assert_eq!(corrupt_count(&result).len(), 3, "{:?}", result.corruption);
     let dialects: Vec<String> = source(&result).dialects.iter().map(|dialect| dialect.to_string()).collect();
     assert_eq!(dialects, ["numbers for char[N] (ROS 2)"]);
 }
 
 #[test]
-fn what_is_judged_by_nothing_says_why() {
+fn unchecked_channels_have_a_reason() {
     let records = [
         schema(1, "std_msgs/msg/String", "ros2msg", b"string data\n"),
         schema(2, "Glider", "protobuf", b"\0\x01"),
@@ -455,7 +455,7 @@ fn what_is_judged_by_nothing_says_why() {
     version_2[1] = 7;
     let messages: Vec<u8> = (1..=5).flat_map(|id| message(id, &version_2)).collect();
     let result = checked(&file(&[records.concat(), messages].concat()));
-    assert_eq!((broken(&result), corrupt_count(&result)), (vec![], vec![]));
+    assert_eq!((violated(&result), corrupt_count(&result)), (vec![], vec![]));
     assert_eq!((result.records, result.checked), (5, 0));
     let found: Vec<_> = source(&result)
         .channels

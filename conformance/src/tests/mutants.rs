@@ -56,7 +56,7 @@ fn the_definitions_of_this_program_show_every_rule() {
 
 /// Of a session, too.
 #[test]
-fn findings_tell_where_it_is_defined_and_what_was_expected() {
+fn findings_have_a_definition_and_the_expected_value() {
     let definitions = Definitions::built_in();
     let flight = Flight::new(&definitions);
     let fields = [

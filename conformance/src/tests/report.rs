@@ -27,7 +27,7 @@ fn both() -> &'static [Report; 2] {
 }
 
 #[test]
-fn the_value_says_what_it_comes_to() {
+fn the_report_has_the_outcome() {
     let [checked, tested] = both();
     assert_eq!(checked.outcome.kind, OutcomeKind::Incomplete, "a file can't be read");
     assert_eq!(checked.outcome.text, "One file could not be read");
@@ -228,8 +228,8 @@ fn junit_has_a_case_for_each_rule_or_question() {
     assert!(is(&whole.test_cases[0], NonSuccessKind::Failure), "{whole:?}");
     let junit = read(tested);
     let [suite] = &junit.test_suites[..] else { panic!("{junit:?}") };
-    let asked = usize::try_from(tested.subjects[0].records).expect("small");
-    assert_eq!(suite.test_cases.len(), asked + 2, "the cases, their manners, and the run itself");
+    let requested = usize::try_from(tested.subjects[0].records).expect("small");
+    assert_eq!(suite.test_cases.len(), requested + 2, "the cases, their manners, and the run itself");
     assert!(
         suite.test_cases.iter().filter(|case| is_error(case)).count() > 2,
         "crashes and hangs are errors"
@@ -282,11 +282,11 @@ fn sarif_has_rules_with_help_and_places_that_editors_open() {
 
 /// Where in its record something is wrong, what was found there and how to see it again: each kind tells it.
 #[test]
-fn each_kind_tells_where_in_the_record_and_what_stood_there() {
+fn each_format_reports_the_path_and_the_value_found() {
     let definitions = Definitions::built_in();
     let of = |path: &str, bytes: &[u8]| {
         let result = check_capture(bytes, None, &definitions).expect("bytes can be read");
-        let checked = CheckedCapture { path: path.to_owned(), result: result, notes: Vec::new(), elapsed: 0 };
+        let checked = CheckedCapture { path: path.to_owned(), result, notes: Vec::new(), elapsed: 0 };
         let subject = Subject::from_capture(checked, &definitions, &Settings::default());
         Report::new(Action::Check, String::new(), &definitions, vec![subject], Vec::new(), Vec::new())
     };
@@ -332,7 +332,7 @@ fn each_kind_tells_where_in_the_record_and_what_stood_there() {
 }
 
 #[test]
-fn a_terminal_is_told_nothing_by_the_input() {
+fn escapes_terminal_sequences_of_the_input() {
     for report in both() {
         let text = report.to_text(Kind::Text);
         let text = anstream::adapter::strip_str(&text).to_string();

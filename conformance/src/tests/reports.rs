@@ -18,14 +18,14 @@ use support::{extent, shared};
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 
 /// All that came of a recording, as text; and how many reports were seen at once.
-fn checked(mut judge: FlockwaveChecker<'_>, recording: &[u8]) -> (String, u64) {
+fn checked(mut run_check: FlockwaveChecker<'_>, recording: &[u8]) -> (String, u64) {
     let mut number = 0;
     for line in recording.split(|byte| *byte == b'\n').filter(|line| !line.is_empty()) {
         number += 1;
-        judge.line(line, number, false);
+        run_check.line(line, number, false);
     }
-    let at_once = judge.num_known_reports();
-    (format!("{:#?}", judge.finish(recording.len() as u64)), at_once)
+    let at_once = run_check.num_known_reports();
+    (format!("{:#?}", run_check.finish(recording.len() as u64)), at_once)
 }
 
 /// Judges a recording in both ways, which come to the same, and says how many reports were seen at once.
@@ -61,7 +61,7 @@ fn recordings_of_a_real_server_come_to_the_same() {
 }
 
 #[test]
-fn definitions_with_other_states_are_judged_by_those() {
+fn checks_states_by_the_given_definitions() {
     let folder = tempfile::TempDir::new().expect("a folder");
     std::fs::write(folder.path().join("Glider.msg"), "uint64 timestamp # [us] Time\n").expect("a file");
     let definitions = Definitions::load(folder.path()).expect("definitions");
@@ -219,7 +219,7 @@ fn style() -> impl Strategy<Value = Style> {
 /// What a recording begins with: the server tells its time, so that it is known when a state is ahead of it, and begins an
 /// operation, which is cancelled.
 fn beginning() -> Vec<u8> {
-    let asked = [
+    let requested = [
         (json!({ "type": "SYS-TIME" }), json!({ "type": "SYS-TIME", "timestamp": 1_790_000_000_000_u64 })),
         (
             json!({ "type": "UAV-RTH", "ids": ["kite"] }),
@@ -236,7 +236,7 @@ fn beginning() -> Vec<u8> {
         format!("{line}\n")
     };
     let mut text = line("event", "event", "connect".into());
-    for (number, (request, answer)) in asked.into_iter().enumerate() {
+    for (number, (request, answer)) in requested.into_iter().enumerate() {
         let (ask, say) = (format!("first-{number}"), format!("then-{number}"));
         text += &line("out", "msg", json!({ "$fw.version": "1.0", "id": ask, "body": request }));
         text += &line("in", "msg", json!({ "$fw.version": "1.0", "id": say, "refs": ask, "body": answer }));
@@ -301,7 +301,7 @@ proptest! {
 
 /// Keys that a tree of `serde_json` can't repeat.
 #[test]
-fn what_stands_twice_is_found() {
+fn finds_duplicate_members() {
     let definitions = Definitions::built_in();
     let line = |message: &str| format!(r#"{{"t":1790000000,"conn":"tcp#1","dir":"in","msg":{message}}}"#);
     let state = r#"{"id":"kite","timestamp":1790000000000}"#;

@@ -12,7 +12,7 @@ fn checked(session: &Session) -> CaptureResult {
 }
 
 /// How often each rule is broken.
-fn broken_by(session: &Session) -> Vec<(&'static str, u64)> {
+fn violated_by(session: &Session) -> Vec<(&'static str, u64)> {
     let result = checked(session);
     assert_eq!(result.corruption, vec![]);
     let mut counts = std::collections::BTreeMap::new();
@@ -66,17 +66,17 @@ fn cancelled(session: &mut Session, id: &str, receipt: &str) {
 fn trials_without_an_answer_count_once_their_connection_has_ended() {
     for rule in ["FW-TCP-02", "FW-ENV-07", "FW-ENV-21", "FW-ENV-24", "FW-UAV-INF-06"] {
         let mut session = over("tcp#2", |session| _ = session.tries(of(rule), "", ping()));
-        assert_eq!(broken_by(&session), [(rule, 1)]);
+        assert_eq!(violated_by(&session), [(rule, 1)]);
         session.lines.pop();
-        assert_eq!(broken_by(&session), [], "{rule}: the end of the connection isn't shown");
+        assert_eq!(violated_by(&session), [], "{rule}: the end of the connection isn't shown");
     }
     let session = over("tcp#2", |session| session.refused(of("FW-SIO-02"), "", "No such transport"));
-    assert_eq!(broken_by(&session), [("FW-SIO-02", 1)]);
+    assert_eq!(violated_by(&session), [("FW-SIO-02", 1)]);
     let session = over("tcp#2", |session| {
         session.refused(of("FW-SIO-02"), "", "No such rule");
         session.lines.last_mut().expect("a line")["trial"] = "FW-NONE-01".into();
     });
-    assert_eq!(broken_by(&session), []);
+    assert_eq!(violated_by(&session), []);
 }
 
 /// Datagrams get lost.
@@ -95,16 +95,16 @@ fn over_udp_one_answer_will_do() {
                 }
             });
             let expected = if answered.is_none() { vec![(rule, 1)] } else { vec![] };
-            assert_eq!(broken_by(&session), expected, "{rule}, {answered:?}");
+            assert_eq!(violated_by(&session), expected, "{rule}, {answered:?}");
         }
     }
     // Where no answer finds its way, nobody knows what ends the service.
     let silence =
         over("udp#1", |session| rules.iter().for_each(|rule| _ = session.tries(of(rule), "", ping())));
-    assert_eq!(broken_by(&silence), [("FW-UDP-02", 1)]);
+    assert_eq!(violated_by(&silence), [("FW-UDP-02", 1)]);
     // What else is tried over UDP may be lost as well.
     for rule in ["FW-ENV-07", "FW-ENV-21", "FW-SYS-PING-01"] {
-        assert_eq!(broken_by(&over("udp#1", |session| _ = session.tries(of(rule), "", ping()))), []);
+        assert_eq!(violated_by(&over("udp#1", |session| _ = session.tries(of(rule), "", ping()))), []);
     }
 }
 
@@ -114,19 +114,19 @@ fn an_error_in_the_place_of_a_body_is_no_service_either() {
         let id = session.tries(of("FW-TCP-03"), "after a line that is no JSON", ping());
         session.answers(&id, json!({ "error": { "message": "No JSON" } }));
     });
-    assert_eq!(broken_by(&session), [("FW-TCP-03", 1)]);
+    assert_eq!(violated_by(&session), [("FW-TCP-03", 1)]);
 }
 
 #[test]
 fn before_a_login_a_ping_may_be_refused_that_tries_nothing() {
     let refused = || json!({ "type": "ACK-NAK", "reason": "Log in first" });
     let session = over("tcp#2", |session| session.exchange_with(ping(), refused()));
-    assert_eq!((broken_by(&session), covered(&session, "FW-SYS-PING-01")), (vec![], 1));
+    assert_eq!((violated_by(&session), covered(&session, "FW-SYS-PING-01")), (vec![], 1));
 }
 
 /// Before a login a server may refuse all alike, whatever it knows.
 #[test]
-fn families_are_judged_by_what_is_refused_otherwise() {
+fn checks_families_by_other_refusals() {
     let asks = |login: Option<bool>, reasons: [&str; 3]| {
         over("tcp#2", |session| {
             if let Some(is_needed) = login {
@@ -142,20 +142,20 @@ fn families_are_judged_by_what_is_refused_otherwise() {
     };
     let alike = ["No UAV-SOAR here", "No DEV-LIST here", "No DEV-SUB here"];
     let other = ["No UAV-SOAR here", "No DEV-LIST here", "DEV-SUB has no paths"];
-    assert_eq!(broken_by(&asks(None, alike)), [("FW-ENV-24", 1)]);
-    assert_eq!(broken_by(&asks(Some(false), alike)), [("FW-ENV-24", 1)]);
-    assert_eq!(broken_by(&asks(Some(true), alike)), []);
-    assert_eq!(broken_by(&asks(None, other)), []);
+    assert_eq!(violated_by(&asks(None, alike)), [("FW-ENV-24", 1)]);
+    assert_eq!(violated_by(&asks(Some(false), alike)), [("FW-ENV-24", 1)]);
+    assert_eq!(violated_by(&asks(Some(true), alike)), []);
+    assert_eq!(violated_by(&asks(None, other)), []);
 }
 
 #[test]
 fn answers_may_be_pipelined() {
     let in_order = over("tcp#2", |session| session.pipelines(of("FW-ENV-25"), &[0, 1, 2]));
-    assert_eq!((broken_by(&in_order), covered(&in_order, "FW-ENV-25")), (vec![], 3));
+    assert_eq!((violated_by(&in_order), covered(&in_order, "FW-ENV-25")), (vec![], 3));
     let reversed = over("tcp#2", |session| session.pipelines(of("FW-ENV-25"), &[2, 1, 0]));
-    assert_eq!(broken_by(&reversed), [("FW-ENV-25", 1)], "once a connection");
+    assert_eq!(violated_by(&reversed), [("FW-ENV-25", 1)], "once a connection");
     let untried = over("tcp#2", |session| session.pipelines(of("FW-TCP-02"), &[2, 1, 0]));
-    assert_eq!(broken_by(&untried), []);
+    assert_eq!(violated_by(&untried), []);
 }
 
 #[test]
@@ -168,7 +168,7 @@ fn objects_may_come_and_go() {
             objects(session, &["beacon"], &["mast"]);
             objects(session, &[], after);
         });
-        assert_eq!(broken_by(&session), []);
+        assert_eq!(violated_by(&session), []);
     }
     // One that comes and goes, as the server tells.
     let session = over("tcp#2", |session| {
@@ -180,14 +180,14 @@ fn objects_may_come_and_go() {
         session.notify(json!({ "type": "UAV-INF", "status": { "mast": state } }));
         objects(session, &["uav"], &["mast"]);
     });
-    assert_eq!(broken_by(&session), []);
+    assert_eq!(violated_by(&session), []);
     // Filters of several types have objects in common.
     let session = over("tcp#2", |session| {
         objects(session, &["uav", "beacon"], &mast);
         objects(session, &["uav"], &["kite"]);
         objects(session, &["beacon"], &["mast"]);
     });
-    assert_eq!(broken_by(&session), []);
+    assert_eq!(violated_by(&session), []);
 }
 
 #[test]
@@ -206,7 +206,7 @@ fn uavs_may_come_and_go() {
             );
             uavs(session, after);
         });
-        assert_eq!(broken_by(&session), [], "{before:?} {between:?} {after:?}");
+        assert_eq!(violated_by(&session), [], "{before:?} {between:?} {after:?}");
     }
     let session = over("tcp#2", |session| {
         uavs(session, &["kite"]);
@@ -217,7 +217,7 @@ fn uavs_may_come_and_go() {
         session.notify(json!({ "type": "UAV-INF", "status": { "kite": { "id": "kite", "timestamp": 1_790_000_000_000_u64 } } }));
         uavs(session, &["kite"]);
     });
-    assert_eq!(broken_by(&session), []);
+    assert_eq!(violated_by(&session), []);
 }
 
 #[test]
@@ -238,12 +238,12 @@ fn what_was_cancelled_may_take_a_while_to_end() {
         session.wait(60.0);
         session.notify(report());
     });
-    assert_eq!((broken_by(&slow), covered(&slow, "FW-ASY-17")), (vec![], 1));
+    assert_eq!((violated_by(&slow), covered(&slow, "FW-ASY-17")), (vec![], 1));
     // Without its end, and where time goes back.
     slow.lines.retain(|line| line["msg"]["body"]["type"] != "ASYNC-RESP");
-    assert_eq!(broken_by(&slow), [("FW-ASY-17", 1)]);
+    assert_eq!(violated_by(&slow), [("FW-ASY-17", 1)]);
     slow.lines[2]["t"] = json!(1.85e9);
-    assert_eq!(broken_by(&slow), []);
+    assert_eq!(violated_by(&slow), []);
     // The end comes before the answer, and the receipt is used again.
     let session = over("tcp#2", |session| {
         session.command("r-1");
@@ -255,14 +255,14 @@ fn what_was_cancelled_may_take_a_while_to_end() {
         session.notify(report());
         session.notify(ended(false));
     });
-    assert_eq!(broken_by(&session), []);
+    assert_eq!(violated_by(&session), []);
     // The server falls silent.
     let session = over("tcp#2", |session| {
         session.command("r-1");
         let id = cancel(session, "r-1");
         cancelled(session, &id, "r-1");
     });
-    assert_eq!(broken_by(&session), []);
+    assert_eq!(violated_by(&session), []);
 }
 
 #[test]
@@ -274,7 +274,7 @@ fn an_operation_that_is_suspended_meanwhile_may_be_resumed() {
         session.notify(json!({ "type": "ASYNC-ST", "id": "r-1", "progress": {}, "suspended": true }));
         session.answers(&id, json!({ "body": { "type": "ASYNC-RESUME", "success": ["r-1"] } }));
     });
-    assert_eq!(broken_by(&session), []);
+    assert_eq!(violated_by(&session), []);
 }
 
 /// An adjustment that is none comes between two times, and the clock does something that isn't due to it.
@@ -293,19 +293,19 @@ fn clocks_that_go_wrong_are_not_due_to_an_adjustment_of_nothing() {
         })
     };
     let none = [None, Some(0), None];
-    assert_eq!(broken_by(&times(none, [0, 0, 0], 0.1)), []);
-    assert_eq!(broken_by(&times(none, [0, 3600, 3600], 0.1)), [("FW-SYS-TIME-03", 1)]);
-    assert_eq!(broken_by(&times(none, [0, 0, 3600], 0.1)), [("FW-SYS-TIME-03", 1)]);
+    assert_eq!(violated_by(&times(none, [0, 0, 0], 0.1)), []);
+    assert_eq!(violated_by(&times(none, [0, 3600, 3600], 0.1)), [("FW-SYS-TIME-03", 1)]);
+    assert_eq!(violated_by(&times(none, [0, 0, 3600], 0.1)), [("FW-SYS-TIME-03", 1)]);
     // It stands still.
-    assert_eq!(broken_by(&times(none, [0, 0, 0], 5.0)), [("FW-SYS-TIME-02", 2)]);
-    assert_eq!(broken_by(&times([None, None, None], [0, 3600, 3600], 0.1)), [("FW-SYS-TIME-02", 1)]);
+    assert_eq!(violated_by(&times(none, [0, 0, 0], 5.0)), [("FW-SYS-TIME-02", 2)]);
+    assert_eq!(violated_by(&times([None, None, None], [0, 3600, 3600], 0.1)), [("FW-SYS-TIME-02", 1)]);
     // It is set as well.
-    assert_eq!(broken_by(&times([None, Some(0), Some(3_600_000)], [0, 0, 3600], 0.1)), []);
+    assert_eq!(violated_by(&times([None, Some(0), Some(3_600_000)], [0, 0, 3600], 0.1)), []);
 }
 
 /// A message in several lines is one deviation; what is none is another.
 #[test]
-fn lines_that_make_up_a_message_are_told_from_others() {
+fn recognises_the_lines_of_a_split_message() {
     let message = json!({
         "$fw.version": "1.0", "id": "a", "body": { "type": "OBJ-DEL", "ids": ["vane", "}{"], "n": [1, 2] },
     });
@@ -313,7 +313,7 @@ fn lines_that_make_up_a_message_are_told_from_others() {
     let count = pretty.lines().count() as u64;
     let says = |connection: &'static str, lines: &str| {
         let session = over(connection, |session| lines.lines().for_each(|line| session.send_raw(line)));
-        broken_by(&session)
+        violated_by(&session)
     };
     assert_eq!(says("tcp#2", &pretty), [("FW-TCP-01", 1)]);
     assert_eq!(says("TCP", &format!("{pretty}\n{pretty}")), [("FW-TCP-01", 2)]);
@@ -334,7 +334,7 @@ fn lines_that_make_up_a_message_are_told_from_others() {
 fn ports_are_those_of_the_transport_in_use() {
     let listed = |connection: &'static str, ports: Value| {
         over(connection, |session| {
-            session.exchange(json!({ "type": "SYS-PORTS" }), json!({ "ports": ports }))
+            session.exchange(json!({ "type": "SYS-PORTS" }), json!({ "ports": ports }));
         })
     };
     for (connection, ports) in [
@@ -342,11 +342,11 @@ fn ports_are_those_of_the_transport_in_use() {
         ("udp#2", json!({ "tcp": 9, "udp": 7002 })),
         ("socketio#2", json!({ "http": 9 })),
     ] {
-        assert_eq!(broken_by(&listed(connection, ports)), []);
+        assert_eq!(violated_by(&listed(connection, ports)), []);
     }
     let wrong = listed("udp#2", json!({ "tcp": 7001, "udp": 7001 }));
-    assert_eq!(broken_by(&wrong), [("FW-SYS-PORTS-02", 1)]);
+    assert_eq!(violated_by(&wrong), [("FW-SYS-PORTS-02", 1)]);
     let mut unknown = listed("tcp#2", json!({ "tcp": 9 }));
     unknown.lines[1]["url"] = "hill".into();
-    assert_eq!(broken_by(&unknown), []);
+    assert_eq!(violated_by(&unknown), []);
 }

@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn a_uav_grows_old_while_its_time_stamp_stands_still() {
+    fn a_uav_ages_while_its_timestamp_does_not_change() {
         let start = Instant::now();
         let at = |seconds: u64| start + Duration::from_secs(seconds);
         let age = |fleet: &Fleet, seconds: u64| {

@@ -163,7 +163,7 @@ mod tests {
     use super::*;
 
     /// All that is asked now: types, and of how many UAVs.
-    fn asked(poller: &mut Poller, now: Instant) -> Vec<(String, usize)> {
+    fn requested(poller: &mut Poller, now: Instant) -> Vec<(String, usize)> {
         let requests = std::iter::from_fn(|| poller.next(now));
         let body = |text: String| serde_json::from_str::<Value>(&text).expect("JSON")["body"].take();
         let in_short = |body: Value| {
@@ -197,63 +197,63 @@ mod tests {
     }
 
     #[test]
-    fn a_large_fleet_is_asked_for_in_parts_one_after_the_other() {
+    fn requests_a_large_fleet_in_consecutive_parts() {
         let now = Instant::now();
         let mut poller = Poller::new(false, now);
-        assert_eq!(asked(&mut poller, now), named(&[("SYS-VER", 0), ("SYS-TIME", 0), ("UAV-LIST", 0)]));
+        assert_eq!(requested(&mut poller, now), named(&[("SYS-VER", 0), ("SYS-TIME", 0), ("UAV-LIST", 0)]));
         receive(&mut poller, &list(120), now);
         let now = now + CHECK_INTERVAL;
-        assert_eq!(asked(&mut poller, now), named(&[("UAV-INF", 50)]));
+        assert_eq!(requested(&mut poller, now), named(&[("UAV-INF", 50)]));
         // A notification is no answer.
         receive(&mut poller, &states(None, 0..1), now);
-        assert_eq!(asked(&mut poller, now + CHECK_INTERVAL), []);
+        assert_eq!(requested(&mut poller, now + CHECK_INTERVAL), []);
         receive(&mut poller, &states(Some("watch-4"), 0..50), now);
-        assert_eq!(asked(&mut poller, now), named(&[("UAV-INF", 50)]));
+        assert_eq!(requested(&mut poller, now), named(&[("UAV-INF", 50)]));
         // The answer gets lost, or comes without its envelope, so that it could be anything.
         receive(&mut poller, &states(None, 0..1), now);
-        assert_eq!(asked(&mut poller, now + CHECK_INTERVAL), []);
+        assert_eq!(requested(&mut poller, now + CHECK_INTERVAL), []);
         let now = now + ANSWER_LIMIT;
-        assert_eq!(asked(&mut poller, now), named(&[("UAV-INF", 50)]));
+        assert_eq!(requested(&mut poller, now), named(&[("UAV-INF", 50)]));
     }
 
     #[test]
     fn over_http_an_answer_needs_no_envelope() {
         let now = Instant::now();
         let mut poller = Poller::new(true, now);
-        asked(&mut poller, now);
+        requested(&mut poller, now);
         receive(&mut poller, &list(60), now);
         let now = now + CHECK_INTERVAL;
-        assert_eq!(asked(&mut poller, now), named(&[("UAV-INF", 50)]));
+        assert_eq!(requested(&mut poller, now), named(&[("UAV-INF", 50)]));
         receive(&mut poller, &states(None, 0..50), now);
-        assert_eq!(asked(&mut poller, now), named(&[("UAV-INF", 10)]));
+        assert_eq!(requested(&mut poller, now), named(&[("UAV-INF", 10)]));
     }
 
     #[test]
-    fn who_is_told_of_is_not_asked_for() {
+    fn does_not_request_recently_reported_uavs() {
         let now = Instant::now();
         let mut poller = Poller::new(false, now);
-        asked(&mut poller, now);
+        requested(&mut poller, now);
         receive(&mut poller, &list(3), now);
         for half in 1..8 {
             let now = now + SILENCE / 2 * half;
             receive(&mut poller, &states(None, 0..3), now);
-            assert!(asked(&mut poller, now).iter().all(|(kind, _)| kind != "UAV-INF"));
+            assert!(requested(&mut poller, now).iter().all(|(kind, _)| kind != "UAV-INF"));
         }
         let now = now + SILENCE * 6;
-        assert_eq!(asked(&mut poller, now), named(&[("UAV-LIST", 0), ("UAV-INF", 3)]));
+        assert_eq!(requested(&mut poller, now), named(&[("UAV-LIST", 0), ("UAV-INF", 3)]));
         receive(&mut poller, r#"{"type": "OBJ-DEL", "ids": ["glider-000"]}"#, now);
         let now = now + ANSWER_LIMIT;
-        assert_eq!(asked(&mut poller, now), named(&[("UAV-INF", 2)]));
+        assert_eq!(requested(&mut poller, now), named(&[("UAV-INF", 2)]));
     }
 
     #[test]
-    fn lists_are_asked_for_now_and_then() {
+    fn requests_lists_periodically() {
         let start = Instant::now();
         let mut poller = Poller::new(false, start);
         let seconds = 0..120;
         let all: Vec<_> =
-            seconds.flat_map(|second| asked(&mut poller, start + Duration::from_secs(second))).collect();
-        let count = |kind: &str| all.iter().filter(|(asked, _)| asked == kind).count();
+            seconds.flat_map(|second| requested(&mut poller, start + Duration::from_secs(second))).collect();
+        let count = |kind: &str| all.iter().filter(|(requested, _)| requested == kind).count();
         assert_eq!((count("SYS-VER"), count("SYS-TIME"), count("UAV-LIST")), (1, 2, 24));
     }
 }

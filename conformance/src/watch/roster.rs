@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn those_that_a_list_lacks_leave_unless_they_were_just_told_of() {
+    fn removes_unlisted_uavs_unless_recently_reported() {
         let now = Instant::now();
         let mut roster = Roster::default();
         assert!(roster.update(&list(&["glider-1", "glider-2"]), now));

@@ -71,12 +71,12 @@ impl Watch {
     fn run(&mut self) -> Result<(), Closed> {
         let mut pause = FIRST_PAUSE;
         loop {
-            let mut has_heard = false;
+            let mut has_received = false;
             let reason = match connect(&self.endpoint, Instant::now() + CONNECT_LIMIT) {
-                Ok(mut client) => self.talk(&mut *client, &mut has_heard)?,
+                Ok(mut client) => self.talk(&mut *client, &mut has_received)?,
                 Err(error) => error.to_string(),
             };
-            if has_heard {
+            if has_received {
                 pause = FIRST_PAUSE;
             }
             self.emit(Event::Lost { reason, pause })?;
@@ -88,7 +88,7 @@ impl Watch {
     }
 
     /// Talks with the server until the connection ends; why it ended.
-    fn talk(&mut self, client: &mut dyn Client, has_heard: &mut bool) -> Result<String, Closed> {
+    fn talk(&mut self, client: &mut dyn Client, has_received: &mut bool) -> Result<String, Closed> {
         let mut poller = Poller::new(matches!(self.endpoint, Endpoint::Http { .. }), Instant::now());
         let mut last = Instant::now();
         let mut farewell = None;
@@ -109,7 +109,7 @@ impl Watch {
                 Err(error) => return Ok(farewell.unwrap_or_else(|| error.to_string())),
             };
             last = Instant::now();
-            *has_heard = true;
+            *has_received = true;
             poller.take(&message, last);
             if let News::Closing(reason) = &message.news {
                 farewell = Some(format!("it said farewell: {reason}"));

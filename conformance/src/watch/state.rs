@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_and_what_is_odd_are_told_apart() {
+    fn distinguishes_missing_and_invalid_values() {
         let state = read(
             r#"{"mode": 7, "position": [504980000, "east", null, -1500], "battery": [0, -1, true],
                 "gps": {}, "heading": 3.5, "heading": 450, "wind": [1, 2], "rssi": [80, null]}"#,
@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn the_gravest_codes_come_first() {
+    fn the_most_severe_codes_come_first() {
         let state = read(r#"{"errors": [1, 0, 66, 199, 1, -1, 193, 65733, "x", 99999999999]}"#);
         let errors = state.errors.known().expect("a list");
         assert_eq!(errors.codes, [193, 199, 65733, 66, 1]);

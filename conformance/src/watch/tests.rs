@@ -34,7 +34,7 @@ struct Watched {
     events: Receiver<Event>,
     _session: Session,
     /// How many messages came that tell of states without having been asked, and how many in answer.
-    told: [usize; 2],
+    reported: [usize; 2],
 }
 
 impl Watched {
@@ -42,7 +42,7 @@ impl Watched {
         let (sender, events) = sync_channel(4);
         let session =
             Session::start(url.parse().expect("an endpoint"), move |event| sender.send(event).is_ok());
-        Self { fleet: Fleet::default(), events, _session: session, told: [0; 2] }
+        Self { fleet: Fleet::default(), events, _session: session, reported: [0; 2] }
     }
 
     /// Takes what happens until something is so.
@@ -54,7 +54,7 @@ impl Watched {
             if let Event::Received(message) = &event
                 && matches!(message.news, News::States(_))
             {
-                self.told[usize::from(message.refs.is_some())] += 1;
+                self.reported[usize::from(message.refs.is_some())] += 1;
             }
             self.fleet.take(event, Instant::now());
         }
@@ -85,12 +85,12 @@ fn a_fleet_is_seen_over_every_transport() {
 }
 
 #[test]
-fn what_a_server_does_not_tell_is_asked_for_again() {
+fn requests_missing_states_again() {
     for transport in [Transport::Tcp, Transport::Udp, Transport::Http] {
         let (_server, address) = serve(Options { rate: 0.0, ..Options::default() }, transport);
         let mut watched = Watched::new(&format!("{}://{address}", transport.name()));
-        watched.until("states come again and again", |watched| watched.told[1] > 2);
-        assert_eq!((watched.fleet.is_complete(), watched.told[0]), (true, 0));
+        watched.until("states come again and again", |watched| watched.reported[1] > 2);
+        assert_eq!((watched.fleet.is_complete(), watched.reported[0]), (true, 0));
     }
 }
 
@@ -117,7 +117,7 @@ fn a_server_that_goes_away_and_comes_back_is_seen_again() {
 }
 
 #[test]
-fn nobody_who_is_there_is_said() {
+fn never_reports_a_present_uav_as_gone() {
     let listener = TcpListener::bind(location()).expect("a port");
     let address = listener.local_addr().expect("an address");
     drop(listener);

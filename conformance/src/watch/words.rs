@@ -26,7 +26,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn whatever_is_kept_is_short_and_harmless(text in any::<String>(), times in 1..50_usize) {
+        fn truncated_text_is_short_and_harmless(text in any::<String>(), times in 1..50_usize) {
             let truncated = truncated(&text.repeat(times));
             // An escape has at most ten characters.
             prop_assert!(truncated.chars().count() <= TEXT_LIMIT * 10 + 1);

@@ -362,14 +362,14 @@ impl<R: Read> Reader<R> {
                 let offset = self.file.offset();
                 (next_record(&mut self.file, size - (offset - *start))?, offset)
             }
-            Records::Packed(window, is_cut_off) => {
+            Records::Packed(window, is_truncated) => {
                 let left = size - window.offset();
                 match next_record(window, left) {
                     Ok(next) => (next, chunk_offset),
                     Err(error) => {
                         let unpacked = window.offset() + window.ahead().len() as u64;
                         // What is missing was told already.
-                        if !*is_cut_off {
+                        if !*is_truncated {
                             let error = error.to_string();
                             self.problems.push_back((chunk_offset, Problem::Unpack { unpacked, error }));
                         }
@@ -385,7 +385,7 @@ impl<R: Read> Reader<R> {
             }
             Next::Passed => {}
             Next::TooLong { opcode, length } => {
-                self.report(record_offset, Problem::TooLong { opcode, length })
+                self.report(record_offset, Problem::TooLong { opcode, length });
             }
             Next::Corrupt => self.corrupt_chunk()?,
             Next::End => self.close()?,
@@ -398,14 +398,14 @@ impl<R: Read> Reader<R> {
         let Some(chunk) = &mut self.chunk else { return Ok(()) };
         let (offset, size) = (chunk.offset, chunk.size);
         match &mut chunk.records {
-            Records::Packed(window, is_cut_off) => {
+            Records::Packed(window, is_truncated) => {
                 let at = window.offset();
                 let problem = if window.is_at_end() && window.ahead().is_empty() {
                     Problem::ChunkSize { stated: size, found: at, is_more: false }
                 } else {
                     Problem::InChunk { at }
                 };
-                if !*is_cut_off {
+                if !*is_truncated {
                     self.report(offset, problem);
                 }
                 self.leave()
@@ -414,9 +414,9 @@ impl<R: Read> Reader<R> {
                 let left = size - (self.file.offset() - *start);
                 self.chunk = None;
                 let ahead = self.file.ahead();
-                let is_cut_off = self.file.is_at_end() && (ahead.len() as u64) < left;
+                let is_truncated = self.file.is_at_end() && (ahead.len() as u64) < left;
                 let is_next = |at: &usize| is_sound(&ahead[*at..], |id| self.declared.has(id));
-                if is_cut_off && !(1..ahead.len()).any(|at| is_next(&at)) {
+                if is_truncated && !(1..ahead.len()).any(|at| is_next(&at)) {
                     return self.pass(offset, left);
                 }
                 let (opcode, length) = sound::head(ahead).unwrap_or_default();

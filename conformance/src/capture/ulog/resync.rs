@@ -233,8 +233,8 @@ impl Look<'_> {
                 };
             };
             let Some(payload) = rest.get(HEADER..header.total()) else {
-                let is_cut = self.is_closed && header.is_believable();
-                return if is_cut { Walk::Truncated { sound } } else { Walk::Corrupt };
+                let is_truncated = self.is_closed && header.is_believable();
+                return if is_truncated { Walk::Truncated { sound } } else { Walk::Corrupt };
             };
             match self.looks(header, payload) {
                 Plausibility::Sound => sound += 1,

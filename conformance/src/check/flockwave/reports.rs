@@ -202,7 +202,7 @@ impl<'d> Reports<'d> {
         let mut states = Vec::with_capacity(self.kinds.len());
         self.kinds.clear();
         let fields = self.fields.as_mut().ok_or(Unclear)?;
-        let mut broken = 0;
+        let mut num_violations = 0;
         tokens.members(|tokens, uav| {
             let Cow::Borrowed(uav) = uav else { return Err(Unclear) };
             let start = tokens.at();
@@ -210,12 +210,12 @@ impl<'d> Reports<'d> {
             let known = self.known.kind(kind, (uav, tokens.since(start)), findings);
             let (kind, count) = known.ok_or(Unclear)?;
             self.kinds.push(kind);
-            broken += count;
+            num_violations += count;
             let members = vec![("timestamp".into(), Tree::Int(timestamp))];
             states.push((uav.into(), Tree::Object(members)));
             Ok(())
         })?;
-        if broken <= MAX_VIOLATIONS { Ok(states) } else { Err(Unclear) }
+        if num_violations <= MAX_VIOLATIONS { Ok(states) } else { Err(Unclear) }
     }
 }
 

@@ -87,9 +87,9 @@ fn from_server(types: &Types) -> Vec<Row<'_>> {
 /// The types with the most messages.
 fn frequent(mut rows: Vec<Row<'_>>) -> String {
     rows.sort_by_key(|row| std::cmp::Reverse(row.total()));
-    let told =
+    let reported =
         rows.iter().take(MAX_LISTED).map(|row| format!("{} {}", shown(row.name), Grouped(row.total())));
-    if rows.is_empty() { "none".to_owned() } else { told.collect::<Vec<_>>().join(", ") }
+    if rows.is_empty() { "none".to_owned() } else { reported.collect::<Vec<_>>().join(", ") }
 }
 
 impl Describe for FlockwaveSummary {

@@ -30,7 +30,7 @@ pub(super) fn texts(lists: &Lists, stale: &[Stale]) -> BTreeMap<SourceId, String
                 values.entry(*entry).or_default().push((span, quote(exact(failing))));
             }
             StaleReason::Passes | StaleReason::MatchesNothing | StaleReason::Idle | StaleReason::Expired => {
-                removed[*entry] = true
+                removed[*entry] = true;
             }
         }
     }

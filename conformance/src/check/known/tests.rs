@@ -59,7 +59,7 @@ fn what_is_listed_is_excused_and_the_list_holds_true() {
 }
 
 #[test]
-fn an_entry_is_stale_when_nothing_fails_or_is_there_or_was_judged() {
+fn an_entry_is_stale_if_nothing_fails_matches_or_was_checked() {
     let list = list(CASES);
     let name = "decode-cdr/soaring/Glider/typical";
     assert_eq!(whys(&list, Scope::Cases, &[case(name, Outcome::Passed)]), [StaleReason::Passes]);
@@ -161,11 +161,14 @@ fn a_rule_is_narrowed_down_by_subject_and_file() {
     let list = list(
         "[[known]]\nrule = \"PX-RANGE-01\"\nsubject = \"glider.flaps\"\nfile = \"old/*.ulg\"\nreason = \"no matter\"\n",
     );
-    let breach = |subject, file| of_rule("PX-RANGE-01", subject, file, failed("2 is outside"));
+    let violation = |subject, file| of_rule("PX-RANGE-01", subject, file, failed("2 is outside"));
     let passed = |file| of_rule("PX-RANGE-01", "", file, Outcome::Passed);
-    assert_eq!(whys(&list, Scope::Rules, &[passed("old/a.ulg"), breach("glider.flaps", "./old/a.ulg")]), []);
+    assert_eq!(
+        whys(&list, Scope::Rules, &[passed("old/a.ulg"), violation("glider.flaps", "./old/a.ulg")]),
+        []
+    );
     // Another subject, file or rule is none of its business.
-    let others = [breach("glider.speed", "old/a.ulg"), breach("glider.flaps", "new/a.ulg")];
+    let others = [violation("glider.speed", "old/a.ulg"), violation("glider.flaps", "new/a.ulg")];
     for other in &others {
         assert_eq!(list.excuse(other.name, &[]), None);
     }
@@ -180,7 +183,7 @@ fn a_rule_is_narrowed_down_by_subject_and_file() {
 }
 
 #[test]
-fn what_is_stale_is_told_with_its_line() {
+fn reports_stale_entries_with_their_line() {
     let text = "\
 # Of the gliders
 

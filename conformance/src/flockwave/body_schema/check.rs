@@ -346,11 +346,11 @@ impl<'c> At<'c> {
 /// The values of a set, the first at least.
 fn one_of(values: impl ExactSizeIterator<Item = String>) -> String {
     let count = values.len();
-    let told = values.take(MAX_VALUES).collect::<Vec<_>>().join(", ");
+    let reported = values.take(MAX_VALUES).collect::<Vec<_>>().join(", ");
     match count {
-        1 => told,
-        ..=MAX_VALUES => format!("one of {told}"),
-        _ => format!("one of {told} and {} more", count - MAX_VALUES),
+        1 => reported,
+        ..=MAX_VALUES => format!("one of {reported}"),
+        _ => format!("one of {reported} and {} more", count - MAX_VALUES),
     }
 }
 

@@ -225,11 +225,11 @@ impl<'t> Exchange<'t> {
 
     /// By how much the server's clock is ahead, going by this answer to a request for the time: bounds, in seconds.
     pub(crate) fn clock_reading(&self) -> Option<(f64, f64)> {
-        let said = self.response("SYS-TIME")?.get("timestamp")?;
+        let server_time = self.response("SYS-TIME")?.get("timestamp")?;
         // What has a fraction counts seconds, or whatever else.
-        let said = seconds(said).filter(|_| matches!(said, Tree::Int(_)))?;
+        let server_time = seconds(server_time).filter(|_| matches!(server_time, Tree::Int(_)))?;
         let request = self.same_type_request()?;
-        Some((said - self.time?, said - request.time?))
+        Some((server_time - self.time?, server_time - request.time?))
     }
 
     /// What findings on it are about: its type.

@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_payload_says_why() {
+    fn reports_why_a_payload_is_invalid() {
         for payload in
             [&b"x"[..], b"9:4", b"1", b":4", b"99999999999999999999999:4", b"\x00\x09\xff4", b"\x01\x01\xffx"]
         {

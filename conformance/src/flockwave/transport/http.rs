@@ -294,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn requests_come_one_after_another_however_they_are_cut() {
+    fn reads_consecutive_requests_split_anywhere() {
         let all = came(&[
             b"POST /api/v1?a=b&eio=4 HTTP/1.1\r\nHost: glider\r\nContent-Le",
             b"ngth: 4\r\n\r\nwi",

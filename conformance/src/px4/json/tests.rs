@@ -73,7 +73,7 @@ fn pieces(text: &str) -> Vec<usize> {
 
 /// Both readers on messages of ROS 2, whose sequences and strings have bounds.
 #[test]
-fn bounds_of_sequences_and_strings_are_kept() {
+fn checks_bounds_of_sequences_and_strings() {
     let mut sources = SourceMap::default();
     let text = "string<=3 name\nuint8[<=2] few\nstring[] any\nwstring<=2[<=1] both\nbyte[] raw\n";
     let file = sources.add("Bounded.msg", text.into()).expect("a file");
@@ -81,7 +81,7 @@ fn bounds_of_sequences_and_strings_are_kept() {
         read(&sources, &[PackageInput::new("demo", Form::Msg(Dialect::Ros2), vec![file])]);
     assert!(mistakes.is_empty(), "{mistakes:?}");
     let plans = Plans::new(&schema, &crate::rules::px4::VALUES);
-    let broken = |text: &str| {
+    let violated = |text: &str| {
         let id = MessageId(0);
         agrees(&plans, id, text).expect("both agree");
         let mut findings = Findings::default();
@@ -95,8 +95,8 @@ fn bounds_of_sequences_and_strings_are_kept() {
     };
     let good =
         r#"{"name":"\u00e4\u00f6\u00fc","few":[1,2],"any":["","a"],"both":["\ud83d\ude00x"],"raw":"AAEC"}"#;
-    assert_eq!(broken(good), Vec::<String>::new());
-    for (from, to, said) in [
+    assert_eq!(violated(good), Vec::<String>::new());
+    for (from, to, text) in [
         (r#""\u00e4\u00f6\u00fc""#, r#""abcd""#, "m.name expected at most 3 characters, found 4"),
         ("[1,2]", "[1,2,3]", "m.few expected at most 2 elements, found 3"),
         ("[1,2]", r#""AQID""#, "m.few expected at most 2 elements, found 3"),
@@ -106,7 +106,7 @@ fn bounds_of_sequences_and_strings_are_kept() {
         (r#"["","a"]"#, r#"["",[]]"#, "m.any any[1]: expected a string, found an array of 0"),
     ] {
         assert!(good.contains(from), "{from}");
-        assert_eq!(broken(&good.replace(from, to)), [said], "{to}");
+        assert_eq!(violated(&good.replace(from, to)), [text], "{to}");
     }
 }
 

@@ -137,14 +137,14 @@ fn corruption(subject: &Subject) -> Markup {
 /// A list of which the first are seen and the others can be opened.
 fn folded<T>(items: &[T], noun: &str, item: impl Fn(&T) -> Markup) -> Markup {
     let (open, rest) = items.split_at(items.len().min(MAX_OPEN));
-    let told = &rest[..rest.len().min(MAX_LISTED_ITEMS)];
+    let listed = &rest[..rest.len().min(MAX_LISTED_ITEMS)];
     html! {
         ul { @for found in open { (item(found)) } }
         @if !rest.is_empty() {
             details {
                 summary { (rest.len()) " more " (noun) @if rest.len() > 1 { "s" } }
-                ul { @for found in told { (item(found)) } }
-                @if told.len() < rest.len() { p.more { "… and " (rest.len() - told.len()) " more" } }
+                ul { @for found in listed { (item(found)) } }
+                @if listed.len() < rest.len() { p.more { "… and " (rest.len() - listed.len()) " more" } }
             }
         }
     }
@@ -185,7 +185,7 @@ fn rule_section(subject: &Subject, rule: &RuleVerdict, anchor: &str) -> Markup {
     // What was only shown is of interest to few.
     let is_open = rule.verdict > Verdict::Shown;
     let (open, rest) = found.split_at(if is_open { found.len().min(MAX_OPEN) } else { 0 });
-    let told = &rest[..rest.len().min(MAX_LISTED_ITEMS)];
+    let listed = &rest[..rest.len().min(MAX_LISTED_ITEMS)];
     html! {
         div.group id={ (anchor) "-" (rule.id) } {
             @if let Some(first) = found.first() {
@@ -202,8 +202,8 @@ fn rule_section(subject: &Subject, rule: &RuleVerdict, anchor: &str) -> Markup {
             @if !rest.is_empty() {
                 details.rest {
                     summary { (rest.len()) @if is_open { " more" } @if rest.len() == 1 { " place" } @else { " places" } }
-                    @for finding in told { (finding::article(finding)) }
-                    @if told.len() < rest.len() { p.more { "… and " (rest.len() - told.len()) " more" } }
+                    @for finding in listed { (finding::article(finding)) }
+                    @if listed.len() < rest.len() { p.more { "… and " (rest.len() - listed.len()) " more" } }
                 }
             }
         }

@@ -15,7 +15,7 @@ const MAX_LISTED_ITEMS: usize = 200;
 pub(super) fn section(testee: &Testee) -> Markup {
     let failures: Vec<&Case> = testee.cases.iter().filter(|case| case.verdict.is_failure()).collect();
     let (open, rest) = failures.split_at(failures.len().min(MAX_OPEN));
-    let told = &rest[..rest.len().min(MAX_LISTED_ITEMS)];
+    let listed = &rest[..rest.len().min(MAX_LISTED_ITEMS)];
     html! {
         @if let Some(why) = &testee.gave_up { p.what { "The run ended early: " (shown(why)) } }
         (protocol_remarks(testee))
@@ -25,8 +25,8 @@ pub(super) fn section(testee: &Testee) -> Markup {
             @if !rest.is_empty() {
                 details.rest {
                     summary { (rest.len()) " more failure" @if rest.len() > 1 { "s" } }
-                    @for case in told { (article(case)) }
-                    @if told.len() < rest.len() { p.more { "… and " (rest.len() - told.len()) " more" } }
+                    @for case in listed { (article(case)) }
+                    @if listed.len() < rest.len() { p.more { "… and " (rest.len() - listed.len()) " more" } }
                 }
             }
         }

@@ -94,9 +94,9 @@ pub(super) fn codes(
         context.covered();
         if let Some(what) = wrong(&codes) {
             message.violates(context, || {
-                let told: Vec<String> = codes.iter().take(16).map(ToString::to_string).collect();
+                let reported: Vec<String> = codes.iter().take(16).map(ToString::to_string).collect();
                 let path = pointer(&["body", "status", uav, "errors"]);
-                Detail::new(what).at(path).actual(format!("[{}]", told.join(", ")))
+                Detail::new(what).at(path).actual(format!("[{}]", reported.join(", ")))
             });
         }
     }

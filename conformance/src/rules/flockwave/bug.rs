@@ -260,7 +260,7 @@ mod tests {
     use super::super::RULES;
 
     #[test]
-    fn each_bug_says_what_the_server_does() {
+    fn each_bug_has_a_description() {
         for of in RULES {
             assert!(of.bug.description.ends_with('.'), "{of:?}");
             assert!(!of.bug.also.iter().any(|rule| rule.id == of.rule.id), "{of:?}");

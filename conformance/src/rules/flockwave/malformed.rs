@@ -96,7 +96,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn kinds_are_told_apart_and_can_be_answered_by_their_id() {
+    fn malformed_requests_have_distinct_ids() {
         let all = all("kind-1");
         assert!(all.len() >= 20, "{}", all.len());
         let hows: BTreeSet<&str> = all.iter().map(|kind| kind.how).collect();

@@ -25,33 +25,36 @@ pub(super) fn partition(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, 
     let mut found: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for part in parts {
         for object in named(exchange, part).filter(|object| request.contains(*object)) {
-            let stands = found.entry(object).or_default();
-            if stands.last() != Some(part) {
-                stands.push(part);
+            let listed_in = found.entry(object).or_default();
+            if listed_in.last() != Some(part) {
+                listed_in.push(part);
             }
         }
     }
-    let stands = |object: &String| found.get(object.as_str()).cloned().unwrap_or_default();
-    let wrong = request.iter().map(|object| (object, stands(object))).filter(|(_, stands)| stands.len() != 1);
+    let listed_in = |object: &String| found.get(object.as_str()).cloned().unwrap_or_default();
+    let wrong = request
+        .iter()
+        .map(|object| (object, listed_in(object)))
+        .filter(|(_, listed_in)| listed_in.len() != 1);
     let wrong: Vec<(&String, Vec<&str>)> = wrong.collect();
     if !wrong.is_empty() {
         exchange.violates(context, || {
-            let told = wrong.iter().take(MAX_LISTED_ITEMS).map(|(object, found)| match found.len() {
+            let reported = wrong.iter().take(MAX_LISTED_ITEMS).map(|(object, found)| match found.len() {
                 0 => format!("{} in none", body::quoted(object)),
                 _ => format!("{} in {}", body::quoted(object), found.join(" and ")),
             });
-            let mut told: Vec<String> = told.collect();
+            let mut reported: Vec<String> = reported.collect();
             if wrong.len() > MAX_LISTED_ITEMS {
-                told.push(format!("{} more", wrong.len() - MAX_LISTED_ITEMS));
+                reported.push(format!("{} more", wrong.len() - MAX_LISTED_ITEMS));
             }
-            let told = told.join(", ");
+            let reported = reported.join(", ");
             Detail::new(format!(
-                "of what was asked for, there is {told}; expected each in exactly one of {}",
+                "of what was asked for, there is {reported}; expected each in exactly one of {}",
                 parts.join(", ")
             ))
             .at("/body")
             .expected(format!("each in exactly one of {}", parts.join(", ")))
-            .actual(told)
+            .actual(reported)
         });
     }
 }

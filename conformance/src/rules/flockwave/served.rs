@@ -107,10 +107,10 @@ pub(super) fn in_error(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, t
         return;
     }
     let Some((request, parts)) = reply::replied(exchange, types) else { return };
-    let stands = |object: &str, part: &str| reply::named(exchange, part).any(|other| other == object);
-    let is_ordered = |object: &String| parts.iter().any(|part| stands(object, part));
+    let listed_in = |object: &str, part: &str| reply::named(exchange, part).any(|other| other == object);
+    let is_ordered = |object: &String| parts.iter().any(|part| listed_in(object, part));
     let wrong = request.first().filter(|_| request.iter().all(is_ordered));
-    if let Some(object) = wrong.filter(|_| !request.iter().any(|object| stands(object, "error"))) {
+    if let Some(object) = wrong.filter(|_| !request.iter().any(|object| listed_in(object, "error"))) {
         exchange.violates(context, || {
             Detail::new(format!("{} has no entry in `error`", body::quoted(object)))
                 .at("/body")

@@ -63,11 +63,12 @@ impl SessionCheck for Versions {
         context.covered();
         let changed = FIELDS.iter().zip(before).zip(now).find(|((_, before), now)| before != now);
         if let Some(((field, before), now)) = changed {
-            let told = |value: Option<String>| {
+            let reported = |value: Option<String>| {
                 value.map_or_else(|| "nothing".to_owned(), |text| body::quoted(&text))
             };
-            exchange
-                .violates(context, || Detail::differs(told(before), told(now)).at(pointer(&["body", field])));
+            exchange.violates(context, || {
+                Detail::differs(reported(before), reported(now)).at(pointer(&["body", field]))
+            });
         }
     }
 

@@ -28,8 +28,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             make: || {
                 let request = json!({ "type": "UAV-INF", "ids": ["nobody"] });
                 let status = json!({ "nobody": { "id": "nobody", "timestamp": 1_790_000_000_000_u64 } });
-                let told = json!({ "type": "UAV-INF", "status": status });
-                mutant::over("tcp#9", |session| session.tries_and_receives(&RULE.rule, "", request, told))
+                let reported = json!({ "type": "UAV-INF", "status": status });
+                mutant::over("tcp#9", |session| session.tries_and_receives(&RULE.rule, "", request, reported))
             },
             also: &[],
         },

@@ -111,7 +111,7 @@ fn text(text: &str) -> Vec<u8> {
 /// The definition of a message as ROS 2 has it, and those of the messages that it nests.
 fn text_of(schema: &Schema, of: MessageId) -> String {
     let mut text = String::new();
-    let mut told = BTreeSet::from([of.0]);
+    let mut reported = BTreeSet::from([of.0]);
     let mut waiting = vec![of];
     while let Some(id) = waiting.pop() {
         let message = schema.message(id);
@@ -123,7 +123,7 @@ fn text_of(schema: &Schema, of: MessageId) -> String {
         text += &fields(schema, message);
         for field in &message.fields {
             if let Element::Message(nested) = field.ty.element
-                && told.insert(nested.0)
+                && reported.insert(nested.0)
             {
                 waiting.push(nested);
             }

@@ -3,7 +3,7 @@
 use crate::check::Summary;
 use serde_json::{Value, json};
 
-use super::{PERIOD, broken, check_bytes, corruption, glider, judge_bare, published, source, type_name};
+use super::{PERIOD, check_bare, check_bytes, corruption, glider, published, source, type_name, violated};
 use crate::tests::support::Writer;
 
 #[test]
@@ -18,8 +18,8 @@ fn messages_come_in_several_forms() {
         (format!("\n {}\n{}", pretty(&one), pretty(&two)), 79),
         (format!("{}\n", pretty(&json!([one, two]))), 80),
     ] {
-        let result = judge_bare(&text);
-        assert_eq!((broken(&result), corruption(&result)), (vec![], vec![]), "{text}");
+        let result = check_bare(&text);
+        assert_eq!((violated(&result), corruption(&result)), (vec![], vec![]), "{text}");
         assert_eq!((result.records, result.checked), (2, 2), "{text}");
         if lines < 10 {
             assert_eq!(source(&result).lines, lines, "{text}");
@@ -36,7 +36,7 @@ fn messages_come_in_several_forms() {
         format!(r#"{{"topic":"/2/fmu/out/glider","msg":{two},"op":"publish"}}"#),
     ];
     let result = check_bytes(mixed.join("\n").as_bytes());
-    assert_eq!((broken(&result), corruption(&result)), (vec![], vec![]));
+    assert_eq!((violated(&result), corruption(&result)), (vec![], vec![]));
     assert_eq!((result.records, result.checked), (6, 4));
     let found = source(&result);
     assert_eq!((found.lines, found.types, found.skipped), (7, 1, 1));
@@ -64,7 +64,7 @@ fn topics_have_the_type_that_was_advertised() {
     lines.push(json!({"op": "subscribe", "topic": "/more", "type": "px4_msgs/msg/Glider"}).to_string());
     lines.push(published("/more", &glider(PERIOD)));
     let result = check_bytes(lines.join("\n").as_bytes());
-    assert_eq!((broken(&result), corruption(&result)), (vec![], vec![]));
+    assert_eq!((violated(&result), corruption(&result)), (vec![], vec![]));
     assert_eq!((result.records, result.checked), (6, 4));
     assert_eq!(source(&result).undefined.iter().collect::<Vec<_>>(), ["/other", "/robot/glider"]);
     assert_eq!(source(&result).skipped, 5);
@@ -78,12 +78,12 @@ fn instances_of_a_topic_are_of_its_type() {
         .map(|topic| published(topic, &glider(PERIOD)))
         .collect();
     let result = check_bytes(lines.join("\n").as_bytes());
-    assert_eq!((broken(&result), corruption(&result)), (vec![], vec![]));
+    assert_eq!((violated(&result), corruption(&result)), (vec![], vec![]));
     assert_eq!((result.checked, source(&result).undefined.len()), (5, 0));
     let mut wrong = glider(PERIOD);
     wrong["speed"] = json!(61);
     let result = check_bytes(published("/fmu/out/glider/1", &wrong).as_bytes());
-    assert_eq!(broken(&result), [("PX-RANGE-01", "glider.speed: 61 is out of range, 0 to 60".to_owned())]);
+    assert_eq!(violated(&result), [("PX-RANGE-01", "glider.speed: 61 is out of range, 0 to 60".to_owned())]);
 }
 
 #[test]
@@ -97,24 +97,24 @@ fn what_rosbridge_writes_is_understood_and_named() {
     });
     message["name"] = json!("RC0xAA==");
     let result = check_bytes(format!("{numbers}\n{}\n", published("/glider", &message)).as_bytes());
-    assert_eq!((broken(&result), corruption(&result), result.checked), (vec![], vec![], 2));
+    assert_eq!((violated(&result), corruption(&result), result.checked), (vec![], vec![], 2));
     let dialects: Vec<String> = source(&result).dialects.iter().map(|dialect| dialect.to_string()).collect();
     assert_eq!(dialects, ["base64 for arrays of uint8 (rosbridge)", "numbers for char[N] (ROS 2)"]);
     message["raw"] = json!("AQID");
     let result = check_bytes(published("/glider", &message).as_bytes());
-    assert_eq!(broken(&result), [("PX-ARR-01", "glider.raw: expected 5 elements, found 3".to_owned())]);
+    assert_eq!(violated(&result), [("PX-ARR-01", "glider.raw: expected 5 elements, found 3".to_owned())]);
 }
 
 #[test]
 fn integers_of_64_bits_are_exact() {
     let mut message = glider(u64::MAX);
     message["serial"] = json!(i64::MAX);
-    let result = judge_bare(&message.to_string());
-    assert_eq!(broken(&result), []);
+    let result = check_bare(&message.to_string());
+    assert_eq!(violated(&result), []);
     let text = message.to_string().replace(&i64::MAX.to_string(), "9223372036854775808");
-    assert_eq!(broken(&judge_bare(&text)).len(), 1);
+    assert_eq!(violated(&check_bare(&text)).len(), 1);
     let text = message.to_string().replace(&u64::MAX.to_string(), "18446744073709551616");
-    assert_eq!(broken(&judge_bare(&text)).len(), 1);
+    assert_eq!(violated(&check_bare(&text)).len(), 1);
 }
 
 #[test]

@@ -6,11 +6,11 @@ use crate::capture::json::{Event, MAX_LENGTH, Problem, Reader};
 use crate::check::check_json;
 use proptest::prelude::*;
 
-use super::{PERIOD, broken, check_bytes, corruption, definitions, glider, judge_bare, source, typed};
+use super::{PERIOD, check_bare, check_bytes, corruption, definitions, glider, source, typed, violated};
 
 /// Something that can't be read, between two messages that can, and what is said of it.
 #[test]
-fn what_cannot_be_read_is_told_with_its_line_and_reading_goes_on() {
+fn reports_unreadable_lines_and_continues() {
     let good = typed(&glider(PERIOD));
     let long = format!("{{\"type\":\"{}\"", "x".repeat(20 << 20));
     let cases: [(&[u8], &str); 12] = [
@@ -27,13 +27,13 @@ fn what_cannot_be_read_is_told_with_its_line_and_reading_goes_on() {
         (b"\xef\xbb\xbf{}", "line 2: no JSON: expected a value at byte 0"),
         (long.as_bytes(), "line 2: 20971530 bytes, where at most 16777216 are read"),
     ];
-    for (bytes, said) in cases {
+    for (bytes, message) in cases {
         let input = [good.as_bytes(), b"\n", bytes, b"\n", good.as_bytes(), b"\n"].concat();
         let result = check_bytes(&input);
         let found = corruption(&result);
-        assert!(found.len() == 1 && found[0].starts_with(said), "{said}: {found:?}");
-        assert_eq!((result.checked, broken(&result)), (2, vec![]), "{said}");
-        assert_eq!((source(&result).lines, result.bytes), (3, input.len() as u64), "{said}");
+        assert!(found.len() == 1 && found[0].starts_with(message), "{message}: {found:?}");
+        assert_eq!((result.checked, violated(&result)), (2, vec![]), "{message}");
+        assert_eq!((source(&result).lines, result.bytes), (3, input.len() as u64), "{message}");
     }
     for open in ["[", "{\"a\":"] {
         let deep = format!("{good}\n{}\n{good}\n", open.repeat(100_000));
@@ -51,27 +51,27 @@ fn what_cannot_be_read_is_told_with_its_line_and_reading_goes_on() {
 }
 
 #[test]
-fn arrays_that_are_broken_are_told() {
+fn reports_malformed_arrays() {
     let one = glider(PERIOD);
-    for (text, checked, said) in [
+    for (text, checked, message) in [
         (format!("[{one},{one}"), 2, vec!["line 1: the array is not closed"]),
         (format!("[{one}\n{one}]"), 2, vec!["line 2: `{` where a comma should be"]),
         (format!("[{one},\n]"), 1, vec!["line 2: `]` where a value should be"]),
         (format!("[{one},,\n{one}]"), 2, vec!["line 1: `,` where a value should be"]),
         (format!("[{one}]\n}}"), 1, vec!["line 2: `}` where a value should be"]),
     ] {
-        let result = judge_bare(&text);
+        let result = check_bare(&text);
         assert_eq!(
             (corruption(&result), result.checked),
-            (said.iter().map(ToString::to_string).collect(), checked),
+            (message.iter().map(ToString::to_string).collect(), checked),
             "{text}"
         );
     }
-    let result = judge_bare(&format!("[{one}, 5, {{}}]"));
+    let result = check_bare(&format!("[{one}, 5, {{}}]"));
     assert_eq!(result.checked, 3);
-    assert_eq!(broken(&result).len(), 12, "{result:?}");
+    assert_eq!(violated(&result).len(), 12, "{result:?}");
     let long = format!("[{one}, \"{}\", {one}]", "x".repeat(20 << 20));
-    let result = judge_bare(&long);
+    let result = check_bare(&long);
     assert_eq!(corruption(&result), ["line 1: 20971522 bytes, where at most 16777216 are read; skipped"]);
     assert_eq!(result.checked, 2);
 }
@@ -101,7 +101,7 @@ fn events(bytes: &[u8], piece: usize) -> (Vec<String>, u64) {
 
 proptest! {
     #[test]
-    fn any_bytes_are_cut_the_same_in_any_pieces(
+    fn splits_any_bytes_the_same_in_any_pieces(
         parts in prop::collection::vec(prop::sample::select(&[
             "{", "}", "[", "]", ",", ":", "\"", "\\", "\n", " ", "\r\n", "1", "null", "{\"a\":[1]}", "\u{feff}", "é",
             "{\"type\":\"x/Glider\",\"message\":{}}",
@@ -160,6 +160,6 @@ fn names_are_bounded_and_shown_harmlessly() {
     let mut message = glider(PERIOD);
     message["\u{1b}[31m"] = 1.into();
     let result = check_bytes(typed(&message).as_bytes());
-    let said = "Glider.\\u{1b}[31m: Glider has no such field; found 1".to_owned();
-    assert_eq!(broken(&result), [("PX-JSON-01", said)]);
+    let message = "Glider.\\u{1b}[31m: Glider has no such field; found 1".to_owned();
+    assert_eq!(violated(&result), [("PX-JSON-01", message)]);
 }

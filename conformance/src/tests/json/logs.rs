@@ -61,14 +61,14 @@ fn findings(result: &CaptureResult, topics: &[String]) -> Vec<(&'static str, Str
     groups
         .map(|group| {
             assert!(of_both.contains(&group.rule.id), "{group:?}");
-            let said = group.examples.iter().map(|(_, detail)| detail.to_string()).collect();
-            (group.rule.id, group.subject.clone(), group.count, said)
+            let message = group.examples.iter().map(|(_, detail)| detail.to_string()).collect();
+            (group.rule.id, group.subject.clone(), group.count, message)
         })
         .collect()
 }
 
 #[test]
-fn real_logs_as_json_are_judged_as_the_logs_are() {
+fn real_logs_as_json_have_the_same_results() {
     let (Some(logs), Some(corpus)) = (shared("corpus/ulog"), shared("corpus/px4")) else { return };
     let definitions = Definitions::load(&corpus.join("1.15")).expect("definitions");
     let types = Types::new(&definitions.schema);

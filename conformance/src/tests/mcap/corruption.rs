@@ -11,7 +11,7 @@ use super::file::{
     start, text,
 };
 use super::{
-    Glider, PERIOD, assert_conforms, broken, checked, corrupt_count, declarations, good, records_with,
+    Glider, PERIOD, assert_conforms, checked, corrupt_count, declarations, good, records_with, violated,
 };
 use crate::tests::support::{Pieces, Random};
 
@@ -26,13 +26,15 @@ fn gliders(numbers: std::ops::RangeInclusive<u64>) -> Vec<u8> {
 
 /// What a file of these parts says of its damage, and how many messages are judged. `{}` in what is expected is the
 /// place of the part with that number.
-fn assert_corruption(parts: &[Vec<u8>], expected: &[(usize, &str)], judged_count: u64) {
+fn assert_corruption(parts: &[Vec<u8>], expected: &[(usize, &str)], checked_count: u64) {
     let result = checked(&parts.concat());
     let offset = |part: usize| parts[..part].iter().map(|part| part.len() as u64).sum();
-    let expected: Vec<String> =
-        expected.iter().map(|(part, said)| format!("{}: {said}", Location::Byte(offset(*part)))).collect();
+    let expected: Vec<String> = expected
+        .iter()
+        .map(|(part, message)| format!("{}: {message}", Location::Byte(offset(*part))))
+        .collect();
     assert_eq!(corrupt_count(&result), expected);
-    assert_eq!((broken(&result), result.checked), (vec![], judged_count));
+    assert_eq!((violated(&result), result.checked), (vec![], checked_count));
 }
 
 #[test]
@@ -40,7 +42,7 @@ fn a_record_that_is_none_is_passed_over() {
     let rest = [gliders(3..=4), end()].concat();
     let before = [start(), declarations(), gliders(1..=2)].concat();
     let huge = |opcode: u8| [&[opcode][..], &(1_u64 << 60).to_le_bytes(), &[7; 30]].concat();
-    for (broken, said) in [
+    for (violated, message) in [
         (vec![0; 50], "a record of the unknown kind 0x00 can't have 0 bytes; 50 bytes passed over"),
         (huge(5), "a message can't have 1,152,921,504,606,846,976 bytes; 39 bytes passed over"),
         (huge(3), "a schema can't have 1,152,921,504,606,846,976 bytes; 39 bytes passed over"),
@@ -61,7 +63,7 @@ fn a_record_that_is_none_is_passed_over() {
             "a message that no record follows where its length ends; 13 bytes passed over",
         ),
     ] {
-        assert_corruption(&[before.clone(), broken, rest.clone()], &[(1, said)], 4);
+        assert_corruption(&[before.clone(), violated, rest.clone()], &[(1, message)], 4);
     }
 }
 
@@ -77,7 +79,7 @@ fn what_later_versions_add_is_passed_over() {
 }
 
 #[test]
-fn chunks_that_are_broken_are_left_and_the_next_is_read() {
+fn skips_corrupt_chunks() {
     let rest = [gliders(5..=6), end()].concat();
     let before = [start(), declarations(), glider(1)].concat();
     let inner = gliders(2..=4);
@@ -93,7 +95,7 @@ fn chunks_that_are_broken_are_left_and_the_next_is_read() {
     let wrong = format!(
         "a chunk with the checksum {checksum:08x}, where its header says 00000007: what it holds was changed"
     );
-    for (broken, said, count) in [
+    for (violated, message, count) in [
         (
             raw_chunk("brotli", length, checksum, whole.0, whole.1),
             "a chunk packed with `brotli`, where zstd, lz4 or nothing are known",
@@ -129,14 +131,14 @@ fn chunks_that_are_broken_are_left_and_the_next_is_read() {
             6,
         ),
     ] {
-        let result = checked(&[&before[..], &broken, &rest].concat());
+        let result = checked(&[&before[..], &violated, &rest].concat());
         let found = corrupt_count(&result);
         let location = Location::Byte(before.len() as u64);
         assert!(
-            found.len() == 1 && found[0].starts_with(&format!("{location}: {said}")),
-            "{said}: {found:#?}"
+            found.len() == 1 && found[0].starts_with(&format!("{location}: {message}")),
+            "{message}: {found:#?}"
         );
-        assert_eq!(result.checked, count, "{said}");
+        assert_eq!(result.checked, count, "{message}");
     }
 }
 
@@ -153,7 +155,7 @@ fn a_chunk_without_end_is_read_as_far_as_it_goes() {
 }
 
 #[test]
-fn declarations_that_contradict_each_other_are_told() {
+fn reports_contradicting_declarations() {
     let other = channel(3, 0, "/glider", "json", &[]);
     let other_schema = schema(1, "Mark", "ros2msg", b"int16 height\n");
     let none = schema(0, "Mark", "ros2msg", b"int16 height\n");
@@ -226,17 +228,17 @@ fn where_a_file_begins_and_ends_is_looked_at() {
     let closed =
         |stated: u32| [record(15, &[&stated.to_le_bytes()]), record(2, &[&[0; 20]]), MAGIC.to_vec()].concat();
     assert_corruption(&[start(), body.clone(), closed(checksum)], &[], 1);
-    let said = format!(
+    let message = format!(
         "data with the checksum {checksum:08x}, where the file says {:08x}: something before was changed",
         checksum ^ 1
     );
-    assert_corruption(&[start(), body, closed(checksum ^ 1)], &[(2, &said)], 1);
+    assert_corruption(&[start(), body, closed(checksum ^ 1)], &[(2, &message)], 1);
     assert_corruption(&[MAGIC.to_vec(), header("")], &[(2, ends_early)], 0);
 }
 
 /// Cut off anywhere, the messages before the cut are judged, or those of whole blocks of a packed chunk.
 #[test]
-fn files_that_are_cut_off_are_judged_up_to_there() {
+fn checks_truncated_files_to_their_end() {
     for form in FORMS {
         let whole = file(&chunked(form, &records_with(&good().cdr())));
         let all = checked(&whole);
@@ -244,7 +246,7 @@ fn files_that_are_cut_off_are_judged_up_to_there() {
         let mut last = 0;
         for cut in (8..whole.len()).step_by(97) {
             let result = checked(&whole[..cut]);
-            assert_eq!(broken(&result), [], "{form:?} {cut}");
+            assert_eq!(violated(&result), [], "{form:?} {cut}");
             assert!(!result.corruption.is_empty(), "{form:?} {cut}");
             assert!(
                 result.corruption.iter().all(|(location, _)| *location <= Location::Byte(cut as u64)),
@@ -259,7 +261,7 @@ fn files_that_are_cut_off_are_judged_up_to_there() {
 
 /// A flipped bit costs a few messages, or a chunk. Where a checksum covers it, it is told.
 #[test]
-fn flipped_bits_cost_little_and_are_told_where_a_checksum_covers_them() {
+fn flipped_bits_lose_few_messages_and_fail_checksums() {
     let mut random = Random(11);
     for form in FORMS {
         let whole = file(&chunked(form, &records_with(&good().cdr())));
@@ -271,18 +273,18 @@ fn flipped_bits_cost_little_and_are_told_where_a_checksum_covers_them() {
             let result = checked(&bytes);
             let is_declared = result.checked > 0;
             assert!(!is_declared || result.records >= least, "{form:?} {at} {}", result.records);
-            for (location, said) in &result.corruption {
-                assert!(*location <= Location::Byte(whole.len() as u64), "{form:?} {at} {said}");
+            for (location, message) in &result.corruption {
+                assert!(*location <= Location::Byte(whole.len() as u64), "{form:?} {at} {message}");
             }
             // Within a chunk, all that is packed or stored has a checksum.
-            let is_covered = form != Form::Unchunked && !broken(&result).is_empty();
-            assert!(!is_covered || !result.corruption.is_empty(), "{form:?} {at} {:?}", broken(&result));
+            let is_covered = form != Form::Unchunked && !violated(&result).is_empty();
+            assert!(!is_covered || !result.corruption.is_empty(), "{form:?} {at} {:?}", violated(&result));
         }
     }
 }
 
 #[test]
-fn noise_behind_the_magic_is_no_more_than_damage() {
+fn noise_after_the_magic_is_corruption_only() {
     let mut random = Random(5);
     for round in 0..400 {
         let length = random.index(5_000);
@@ -380,7 +382,7 @@ fn memory_does_not_grow_with_what_is_passed_over() {
 
 /// Plans take room and time; beyond a limit, channels are told and not judged.
 #[test]
-fn channels_beyond_what_can_be_planned_are_not_judged() {
+fn does_not_check_channels_beyond_the_limit() {
     let marks = "Mark[3000] more\nMark[3] marks\nbool[3] flags\n";
     let text = super::ros2msg(marks).replace("int16 height", "int16 height\nbool is_there");
     let (name, _) = super::ros("Glider");
@@ -389,7 +391,7 @@ fn channels_beyond_what_can_be_planned_are_not_judged() {
         records.extend(channel(id, 1, &format!("/tow/{id}/rope"), "cdr", &[]));
     }
     let result = checked(&file(&records));
-    let standings = super::source(&result).channels.iter().map(|channel| &channel.status);
-    let refused = standings.filter(|standing| **standing == CheckStatus::Checked(Basis::TooMany)).count();
+    let statuses = super::source(&result).channels.iter().map(|channel| &channel.status);
+    let refused = statuses.filter(|status| **status == CheckStatus::Checked(Basis::TooMany)).count();
     assert!((1_500..2_000).contains(&refused), "{refused}");
 }

@@ -10,7 +10,7 @@ use uavspec_codegen::schema::fingerprint::ros_name;
 use uavspec_runtime::cdr::ByteOrder;
 
 use super::file::{channel, file, message, schema};
-use super::{broken, corrupt_count, equal, source};
+use super::{corrupt_count, equal, source, violated};
 
 const ROPE: &str = "\
 uint64 timestamp
@@ -57,9 +57,9 @@ fn checked(payload: &[u8]) -> CaptureResult {
 #[test]
 fn what_conforms_breaks_nothing() {
     let result = checked(&cdr(&rope()));
-    assert_eq!((broken(&result), corrupt_count(&result), result.checked), (vec![], vec![], 1));
-    let standing = &source(&result).channels[0].status;
-    assert_eq!(*standing, crate::check::CheckStatus::Checked(equal()));
+    assert_eq!((violated(&result), corrupt_count(&result), result.checked), (vec![], vec![], 1));
+    let status = &source(&result).channels[0].status;
+    assert_eq!(*status, crate::check::CheckStatus::Checked(equal()));
 }
 
 #[test]
@@ -80,7 +80,7 @@ fn each_mutant_breaks_its_rule() {
         payload[at] = byte;
         payload
     };
-    for (id, payload, said) in [
+    for (id, payload, message) in [
         ("PX-BOOL-01", with(knots + 1, 9), "rope.knots: knots[1]: 9 where a bool is 0 or 1"),
         ("PX-CDR-02", with(name + 4, b'x'), "rope: name at byte "),
         ("PX-CDR-02", with(name, 0xff), "rope: name at byte "),
@@ -89,8 +89,11 @@ fn each_mutant_breaks_its_rule() {
         ("PX-ENUM-01", value("/strands/1/kind", json!(2)), "rope.strands.kind: strands[1].kind: 2 "),
         ("PX-RANGE-01", value("/tension", json!(11.0)), "rope.tension: 11 is out of range, 0 to 10"),
     ] {
-        let found = broken(&checked(&payload));
-        assert!(found.len() == 1 && found[0].0 == id && found[0].1.starts_with(said), "{said}: {found:?}");
+        let found = violated(&checked(&payload));
+        assert!(
+            found.len() == 1 && found[0].0 == id && found[0].1.starts_with(message),
+            "{message}: {found:?}"
+        );
     }
 }
 

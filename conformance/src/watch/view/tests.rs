@@ -177,7 +177,7 @@ fn wide_screens_show_all_and_what_it_means() {
 }
 
 #[test]
-fn of_one_uav_everything_is_told() {
+fn shows_all_details_of_a_uav() {
     let mut watched = Watched::new();
     watched.draw(80, 40, true, 2);
     watched.press(&[KeyCode::Down, KeyCode::Enter]);
@@ -229,7 +229,7 @@ fn colours_say_how_grave_it_is_and_nothing_by_themselves() {
 }
 
 #[test]
-fn what_is_wrong_with_the_server_is_told_and_what_was_known_stays() {
+fn shows_server_errors_and_keeps_known_states() {
     let mut watched = Watched::empty();
     let picture = watched.draw(80, 10, true, 0);
     assert!(picture.has("connecting") && picture.has("no UAV is known yet"));

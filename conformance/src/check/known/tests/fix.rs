@@ -95,7 +95,7 @@ fn sample() -> impl Strategy<Value = Sample> {
 proptest! {
     /// What isn't stale stays byte for byte, and what is left holds true, or is what only a person can mend.
     #[test]
-    fn a_mended_list_holds_true(samples in vec(sample(), 0..6), is_dos in any::<bool>()) {
+    fn a_fixed_list_has_no_stale_entries(samples in vec(sample(), 0..6), is_dos in any::<bool>()) {
         let line_end = if is_dos { "\r\n" } else { "\n" };
         let named = |(at, sample): (usize, &Sample)| {
             sample.text.replace("NAME", &format!("case-{at}/")).replace('\n', line_end)

@@ -62,6 +62,6 @@ pub(super) fn body(response: Result<ureq::http::Response<ureq::Body>, ureq::Erro
     if status.is_success() {
         return Ok(body);
     }
-    let said = String::from_utf8_lossy(&body[..body.len().min(200)]).trim().to_owned();
-    Err(odd(format!("HTTP status {status}: {said}")))
+    let text = String::from_utf8_lossy(&body[..body.len().min(200)]).trim().to_owned();
+    Err(odd(format!("HTTP status {status}: {text}")))
 }

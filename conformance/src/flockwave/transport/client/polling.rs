@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_server_says_before_it_lets_a_client_in_is_heard() {
+    fn receives_messages_sent_before_the_handshake_ends() {
         let session = "0{\"sid\":\"a\"}";
         let (_, early, is_done) =
             opened(Revision::Four, &[session, "42[\"fw\",{}]", "40"]).expect("it opens");
@@ -297,12 +297,12 @@ mod tests {
     }
 
     #[test]
-    fn clients_ask_for_signs_of_life_in_the_older_revision_only() {
-        for (revision, is_asking) in [(Revision::Three, true), (Revision::Four, false)] {
+    fn clients_send_pings_in_revision_3_only() {
+        for (revision, pings_server) in [(Revision::Three, true), (Revision::Four, false)] {
             let mut heartbeat = Heartbeat::new(revision);
             assert_eq!(heartbeat.due(), None);
             heartbeat.next = Instant::now();
-            assert_eq!(heartbeat.due().is_some(), is_asking);
+            assert_eq!(heartbeat.due().is_some(), pings_server);
             assert!(heartbeat.next() > Instant::now());
         }
     }
