@@ -8,7 +8,7 @@
 //! let of = definitions.message_of_type("px4/ArmingCheckRequest");
 //! let record = r#"{"timestamp": 7, "request_id": 300, "valid_registrations_mask": 1}"#;
 //! let result = check_capture(record.as_bytes(), of, &definitions)?;
-//! assert_eq!((result.records, result.judged), (1, 1));
+//! assert_eq!((result.records, result.checked), (1, 1));
 //! let group = result.findings.groups().next().unwrap();
 //! assert_eq!((group.rule.id, group.subject.as_str()), ("PX-JSON-02", "ArmingCheckRequest.request_id"));
 //! let (place, detail) = &group.examples[0];
