@@ -1,7 +1,7 @@
 //! Asks a live Flockwave server, and judges what it says.
 //!
 //! ```text
-//!  survey, commands, trials ──▶ session ──▶ tape ──line──▶ judge ──▶ findings
+//!  survey, commands, trials ──▶ session ──▶ tape ──line──▶ checker ──▶ findings
 //!                                  ▲          └──line──▶ file
 //!                                server
 //! ```

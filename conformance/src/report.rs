@@ -12,17 +12,17 @@
 //! ```
 //! use uavspec_conformance::check::check_capture;
 //! use uavspec_conformance::definitions::Definitions;
-//! use uavspec_conformance::report::{Action, CheckedCapture, Kind, Outcome, Report, Settings, Subject};
+//! use uavspec_conformance::report::{Action, CheckedCapture, Kind, OutcomeKind, Report, Settings, Subject};
 //!
 //! let definitions = Definitions::built_in();
 //! let of = definitions.message_of_type("px4/ArmingCheckRequest");
 //! let record = r#"{"timestamp": 7, "request_id": 30, "valid_registrations_mask": 1}"#;
 //! let result = check_capture(record.as_bytes(), of, &definitions)?;
 //! let checked = CheckedCapture { path: "requests.jsonl".to_owned(), result, notes: Vec::new(), elapsed: 0 };
-//! let subject = Subject::of_capture(checked, &definitions, &Settings::default());
+//! let subject = Subject::from_capture(checked, &definitions, &Settings::default());
 //! let command = "uavspec check requests.jsonl".to_owned();
 //! let report = Report::new(Action::Check, command, &definitions, vec![subject], Vec::new(), Vec::new());
-//! assert_eq!(report.conclusion.outcome, Outcome::Conforms);
+//! assert_eq!(report.outcome.kind, OutcomeKind::Conforms);
 //! assert!(report.to_text(Kind::Markdown).contains("## `requests.jsonl`"));
 //! # Ok::<(), std::io::Error>(())
 //! ```

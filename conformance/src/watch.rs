@@ -1,7 +1,7 @@
 //! The fleet of a live Flockwave server, as people watch it in a terminal.
 //!
 //! ```text
-//!  client ──bytes──▶ message ──▶ asker            what is to be asked next
+//!  client ──bytes──▶ message ──▶ poller           what is to be asked next
 //!     ▲                 │          │
 //!     └────requests─────│──────────┘  session: a thread
 //!                       ▼

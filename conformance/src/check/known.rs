@@ -25,7 +25,7 @@
 //! it.
 //!
 //! ```text
-//!  text ──read──▶ entries ──judge (with what came of the run)──▶ stale entries ──fix──▶ text
+//!  text ──read──▶ entries ──check (with what came of the run)──▶ stale entries ──fix──▶ text
 //!                    └───────excuse (a failure)──▶ its reason
 //! ```
 

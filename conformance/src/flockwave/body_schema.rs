@@ -10,7 +10,7 @@
 //!
 //! let definitions = Definitions::built_in();
 //! let value = Tree::read(r#"{"percentage": 120}"#).unwrap();
-//! let mismatch = definitions.shapes().mismatch("flockwave/Progress", &value).flatten().unwrap();
+//! let mismatch = definitions.defined_schemas().mismatch("flockwave/Progress", &value).flatten().unwrap();
 //! assert_eq!((mismatch.path.as_str(), mismatch.actual.as_str()), ("/body/percentage", "120"));
 //! ```
 
