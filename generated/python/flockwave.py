@@ -1058,7 +1058,7 @@ class ParameterOutcome(TypedDict):
     """True if all parameters were set. In that case, failed is empty or omitted."""
 
     failed: NotRequired[list[str]]
-    """Names of the parameters that are known to have failed."""
+    """Names of the parameters that could not be set, as far as known."""
 
 
 Percentage: TypeAlias = int
@@ -1375,7 +1375,7 @@ Not stated: the meaning of the values. The descriptions are derived from the nam
 
 - "preparation": Preparation of the UAVs.
 - "rth": Return to home.
-- "show": Show.
+- "show": The show itself.
 - "slowdown": Slowdown of the show.
 - "speedup": Speedup of the show.
 """
@@ -1625,7 +1625,7 @@ class AckAckResponse(TypedDict):
 class AckNakResponse(TypedDict):
     """Body of a response of type ACK-NAK.
 
-    The request was refused or failed. It may answer any request. A request that requires a login is answered with it if no user is logged in.
+    The request was refused or failed. ACK-NAK may answer any request. It also answers a request that requires a login if no user is logged in.
 
     The object is closed.
 
@@ -3838,7 +3838,7 @@ class UavFlyResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """True if the UAV confirmed the command, or if the command was sent to a UAV that confirms none; by UAV id."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands."""
 
     error: NotRequired[dict[str, str]]
     """Reason for each failure, by UAV id."""
@@ -3882,7 +3882,7 @@ class UavHaltResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """True if the UAV confirmed the command, or if the command was sent to a UAV that confirms none; by UAV id."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands."""
 
     error: NotRequired[dict[str, str]]
     """Reason for each failure, by UAV id."""
@@ -3928,7 +3928,7 @@ class UavHoverResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """True if the UAV confirmed the command, or if the command was sent to a UAV that confirms none; by UAV id."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands."""
 
     error: NotRequired[dict[str, str]]
     """Reason for each failure, by UAV id."""
@@ -4027,7 +4027,7 @@ class UavLandResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """True if the UAV confirmed the command, or if the command was sent to a UAV that confirms none; by UAV id."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands."""
 
     error: NotRequired[dict[str, str]]
     """Reason for each failure, by UAV id."""
@@ -4111,7 +4111,7 @@ class UavMotorResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """True if the UAV confirmed the command, or if the command was sent to a UAV that confirms none; by UAV id."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands."""
 
     error: NotRequired[dict[str, str]]
     """Reason for each failure, by UAV id."""
@@ -4213,7 +4213,7 @@ class UavRstResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """True if the UAV confirmed the command, or if the command was sent to a UAV that confirms none; by UAV id."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands."""
 
     error: NotRequired[dict[str, str]]
     """Reason for each failure, by UAV id."""
@@ -4257,7 +4257,7 @@ class UavRthResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """True if the UAV confirmed the command, or if the command was sent to a UAV that confirms none; by UAV id."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands."""
 
     error: NotRequired[dict[str, str]]
     """Reason for each failure, by UAV id."""
@@ -4312,7 +4312,7 @@ class UavSignalResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """True if the UAV confirmed the command, or if the command was sent to a UAV that confirms none; by UAV id."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands."""
 
     error: NotRequired[dict[str, str]]
     """Reason for each failure, by UAV id."""
@@ -4356,7 +4356,7 @@ class UavSleepResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """True if the UAV confirmed the command, or if the command was sent to a UAV known to confirm none; by UAV id."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV known to confirm no commands."""
 
     error: NotRequired[dict[str, str]]
     """Reason for each failure, by UAV id."""
@@ -4400,7 +4400,7 @@ class UavTakeoffResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """True if the UAV confirmed the command, or if the command was sent to a UAV that confirms none; by UAV id."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands."""
 
     error: NotRequired[dict[str, str]]
     """Reason for each failure, by UAV id."""
@@ -4534,7 +4534,7 @@ class UavWakeupResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """True if the UAV confirmed the command, or if the command was sent to a UAV known to confirm none; by UAV id."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV known to confirm no commands."""
 
     error: NotRequired[dict[str, str]]
     """Reason for each failure, by UAV id."""
@@ -4798,7 +4798,7 @@ class ErrorCode(OpenIntEnum):
     """Simulated error for tests: triggers a return to home or loitering although nothing is wrong."""
 
     CONTROL = 189
-    """The control algorithm does not give the autopilot usable commands."""
+    """The control algorithm produces no usable commands for the autopilot."""
 
     SENSOR_ERROR = 190
     """Any sensor failure without a dedicated code that still allows a return to home or loitering."""
@@ -4945,7 +4945,7 @@ _KNOWN: dict[int, tuple[Optional[str], str, tuple[int, ...], tuple[int, ...]]] =
     141: ("PROXIMITY", "Proximity sensor fault.", (), ()),
     142: ("ESC", "Electronic speed controller (ESC) fault. Part of the specification since version 2.10.", (), ()),
     188: ("SIMERR", "Simulated error for tests: triggers a return to home or loitering although nothing is wrong.", (), ()),
-    189: ("CONTROL", "The control algorithm does not give the autopilot usable commands.", (), ()),
+    189: ("CONTROL", "The control algorithm produces no usable commands for the autopilot.", (), ()),
     190: ("SENSOR", "Any sensor failure without a dedicated code that still allows a return to home or loitering.", (), ()),
     191: ("ERROR", "Any error without a dedicated code that still allows a return to home or loitering. For fatal errors, see code 255.", (), (255,)),
     192: ("COMPAT", "Incompatible components in hardware or software, for example a Pixhawk autopilot with a FlockCtrl version that does not support it.", (), ()),

@@ -713,7 +713,7 @@ export type ObjectType = "beacon" | "dock" | "other" | "uav" | "weatherStation" 
 export interface ParameterOutcome {
   /** True if all parameters were set. In that case, failed is empty or omitted. */
   success: boolean;
-  /** Names of the parameters that are known to have failed. */
+  /** Names of the parameters that could not be set, as far as known. */
   failed?: string[];
 }
 
@@ -1003,7 +1003,7 @@ export interface TimeAxisScheduleSegment {
  *
  * - "preparation": Preparation of the UAVs.
  * - "rth": Return to home.
- * - "show": Show.
+ * - "show": The show itself.
  * - "slowdown": Slowdown of the show.
  * - "speedup": Speedup of the show.
  */
@@ -1224,7 +1224,7 @@ export interface AckAckResponse {
 /**
  * Body of a response of type ACK-NAK.
  *
- * The request was refused or failed. It may answer any request. A request that requires a login is answered with it if no user is logged in.
+ * The request was refused or failed. ACK-NAK may answer any request. It also answers a request that requires a login if no user is logged in.
  *
  * The object is closed.
  *
@@ -3303,7 +3303,7 @@ export interface UavFlyRequest {
 export interface UavFlyResponse {
   /** The type of the message. */
   type: "UAV-FLY";
-  /** True if the UAV confirmed the command, or if the command was sent to a UAV that confirms none; by UAV id. */
+  /** Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands. */
   result?: { [key: string]: boolean };
   /** Reason for each failure, by UAV id. */
   error?: { [key: string]: string };
@@ -3343,7 +3343,7 @@ export interface UavHaltRequest {
 export interface UavHaltResponse {
   /** The type of the message. */
   type: "UAV-HALT";
-  /** True if the UAV confirmed the command, or if the command was sent to a UAV that confirms none; by UAV id. */
+  /** Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands. */
   result?: { [key: string]: boolean };
   /** Reason for each failure, by UAV id. */
   error?: { [key: string]: string };
@@ -3385,7 +3385,7 @@ export interface UavHoverRequest {
 export interface UavHoverResponse {
   /** The type of the message. */
   type: "UAV-HOVER";
-  /** True if the UAV confirmed the command, or if the command was sent to a UAV that confirms none; by UAV id. */
+  /** Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands. */
   result?: { [key: string]: boolean };
   /** Reason for each failure, by UAV id. */
   error?: { [key: string]: string };
@@ -3477,7 +3477,7 @@ export interface UavLandRequest {
 export interface UavLandResponse {
   /** The type of the message. */
   type: "UAV-LAND";
-  /** True if the UAV confirmed the command, or if the command was sent to a UAV that confirms none; by UAV id. */
+  /** Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands. */
   result?: { [key: string]: boolean };
   /** Reason for each failure, by UAV id. */
   error?: { [key: string]: string };
@@ -3555,7 +3555,7 @@ export interface UavMotorRequest {
 export interface UavMotorResponse {
   /** The type of the message. */
   type: "UAV-MOTOR";
-  /** True if the UAV confirmed the command, or if the command was sent to a UAV that confirms none; by UAV id. */
+  /** Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands. */
   result?: { [key: string]: boolean };
   /** Reason for each failure, by UAV id. */
   error?: { [key: string]: string };
@@ -3649,7 +3649,7 @@ export interface UavRstRequest {
 export interface UavRstResponse {
   /** The type of the message. */
   type: "UAV-RST";
-  /** True if the UAV confirmed the command, or if the command was sent to a UAV that confirms none; by UAV id. */
+  /** Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands. */
   result?: { [key: string]: boolean };
   /** Reason for each failure, by UAV id. */
   error?: { [key: string]: string };
@@ -3689,7 +3689,7 @@ export interface UavRthRequest {
 export interface UavRthResponse {
   /** The type of the message. */
   type: "UAV-RTH";
-  /** True if the UAV confirmed the command, or if the command was sent to a UAV that confirms none; by UAV id. */
+  /** Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands. */
   result?: { [key: string]: boolean };
   /** Reason for each failure, by UAV id. */
   error?: { [key: string]: string };
@@ -3739,7 +3739,7 @@ export interface UavSignalRequest {
 export interface UavSignalResponse {
   /** The type of the message. */
   type: "UAV-SIGNAL";
-  /** True if the UAV confirmed the command, or if the command was sent to a UAV that confirms none; by UAV id. */
+  /** Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands. */
   result?: { [key: string]: boolean };
   /** Reason for each failure, by UAV id. */
   error?: { [key: string]: string };
@@ -3779,7 +3779,7 @@ export interface UavSleepRequest {
 export interface UavSleepResponse {
   /** The type of the message. */
   type: "UAV-SLEEP";
-  /** True if the UAV confirmed the command, or if the command was sent to a UAV known to confirm none; by UAV id. */
+  /** Result for each UAV, by id: true if the command was confirmed, or sent to a UAV known to confirm no commands. */
   result?: { [key: string]: boolean };
   /** Reason for each failure, by UAV id. */
   error?: { [key: string]: string };
@@ -3819,7 +3819,7 @@ export interface UavTakeoffRequest {
 export interface UavTakeoffResponse {
   /** The type of the message. */
   type: "UAV-TAKEOFF";
-  /** True if the UAV confirmed the command, or if the command was sent to a UAV that confirms none; by UAV id. */
+  /** Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands. */
   result?: { [key: string]: boolean };
   /** Reason for each failure, by UAV id. */
   error?: { [key: string]: string };
@@ -3941,7 +3941,7 @@ export interface UavWakeupRequest {
 export interface UavWakeupResponse {
   /** The type of the message. */
   type: "UAV-WAKEUP";
-  /** True if the UAV confirmed the command, or if the command was sent to a UAV known to confirm none; by UAV id. */
+  /** Result for each UAV, by id: true if the command was confirmed, or sent to a UAV known to confirm no commands. */
   result?: { [key: string]: boolean };
   /** Reason for each failure, by UAV id. */
   error?: { [key: string]: string };
@@ -4401,7 +4401,7 @@ export const ErrorCode = {
   ESC: 142,
   /** Simulated error for tests: triggers a return to home or loitering although nothing is wrong. */
   SIMERR: 188,
-  /** The control algorithm does not give the autopilot usable commands. */
+  /** The control algorithm produces no usable commands for the autopilot. */
   CONTROL: 189,
   /** Any sensor failure without a dedicated code that still allows a return to home or loitering. */
   SENSOR_ERROR: 190,
@@ -4517,7 +4517,7 @@ const known = /* @__PURE__ */ new Map<number, readonly [string | null, string, r
   [141, ["PROXIMITY", "Proximity sensor fault.", [], []]],
   [142, ["ESC", "Electronic speed controller (ESC) fault. Part of the specification since version 2.10.", [], []]],
   [188, ["SIMERR", "Simulated error for tests: triggers a return to home or loitering although nothing is wrong.", [], []]],
-  [189, ["CONTROL", "The control algorithm does not give the autopilot usable commands.", [], []]],
+  [189, ["CONTROL", "The control algorithm produces no usable commands for the autopilot.", [], []]],
   [190, ["SENSOR", "Any sensor failure without a dedicated code that still allows a return to home or loitering.", [], []]],
   [191, ["ERROR", "Any error without a dedicated code that still allows a return to home or loitering. For fatal errors, see code 255.", [], [255]]],
   [192, ["COMPAT", "Incompatible components in hardware or software, for example a Pixhawk autopilot with a FlockCtrl version that does not support it.", [], []]],

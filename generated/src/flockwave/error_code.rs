@@ -96,7 +96,7 @@ impl ErrorCode {
     pub const ESC: Self = Self(142);
     /// 188 `SIMERR`: Simulated error for tests: triggers a return to home or loitering although nothing is wrong.
     pub const SIMERR: Self = Self(188);
-    /// 189 `CONTROL`: The control algorithm does not give the autopilot usable commands.
+    /// 189 `CONTROL`: The control algorithm produces no usable commands for the autopilot.
     pub const CONTROL: Self = Self(189);
     /// 190 `SENSOR`: Any sensor failure without a dedicated code that still allows a return to home or loitering.
     pub const SENSOR_ERROR: Self = Self(190);
@@ -518,7 +518,7 @@ static ENTRIES: [Entry; 63] = [
     Entry {
         code: ErrorCode::CONTROL,
         abbreviation: Some("CONTROL"),
-        description: "The control algorithm does not give the autopilot usable commands.",
+        description: "The control algorithm produces no usable commands for the autopilot.",
         see_also: &[],
         alternatives: &[],
     },

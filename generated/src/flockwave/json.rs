@@ -433,7 +433,7 @@ json_messages! {
 pub enum Response {
     /// `ACK-ACK`: The request succeeded, and there is no result to return.
     AckAck(ack_ack::Response),
-    /// `ACK-NAK`: The request was refused or failed. It may answer any request. A request that requires a login is answered with it if no user is logged in.
+    /// `ACK-NAK`: The request was refused or failed. ACK-NAK may answer any request. It also answers a request that requires a login if no user is logged in.
     AckNak(ack_nak::Response),
     /// `ASYNC-CANCEL`: Cancels operations that the client no longer needs. A cancelled operation still ends with an ASYNC-RESP that contains an error.
     AsyncCancel(async_cancel::Response),

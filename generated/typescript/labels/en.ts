@@ -24,7 +24,7 @@ const texts: Readonly<Record<string, string>> = {
   "flockwave/error-code/141": "Proximity sensor fault.",
   "flockwave/error-code/142": "Electronic speed controller (ESC) fault. Part of the specification since version 2.10.",
   "flockwave/error-code/188": "Simulated error for tests: triggers a return to home or loitering although nothing is wrong.",
-  "flockwave/error-code/189": "The control algorithm does not give the autopilot usable commands.",
+  "flockwave/error-code/189": "The control algorithm produces no usable commands for the autopilot.",
   "flockwave/error-code/190": "Any sensor failure without a dedicated code that still allows a return to home or loitering.",
   "flockwave/error-code/191": "Any error without a dedicated code that still allows a return to home or loitering. For fatal errors, see code 255.",
   "flockwave/error-code/192": "Incompatible components in hardware or software, for example a Pixhawk autopilot with a FlockCtrl version that does not support it.",

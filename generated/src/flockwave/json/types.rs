@@ -1555,7 +1555,7 @@ json_strings! {
 pub struct ParameterOutcome {
     /// True if all parameters were set. In that case, failed is empty or omitted.
     pub success: bool,
-    /// Names of the parameters that are known to have failed.
+    /// Names of the parameters that could not be set, as far as known.
     pub failed: Option<Vec<String>>,
 }
 
@@ -2189,7 +2189,7 @@ pub enum TimeAxisSegmentType {
     Preparation,
     /// `rth`: Return to home.
     Rth,
-    /// `show`: Show.
+    /// `show`: The show itself.
     Show,
     /// `slowdown`: Slowdown of the show.
     Slowdown,

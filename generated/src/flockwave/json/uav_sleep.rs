@@ -35,7 +35,7 @@ json_object! {
 /// The object is closed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
-    /// True if the UAV confirmed the command, or if the command was sent to a UAV known to confirm none; by UAV id.
+    /// Result for each UAV, by id: true if the command was confirmed, or sent to a UAV known to confirm no commands.
     pub result: Option<BTreeMap<String, bool>>,
     /// Reason for each failure, by UAV id.
     pub error: Option<BTreeMap<String, String>>,
