@@ -281,7 +281,7 @@ __all__ = [
 
 
 Attitude: TypeAlias = list[Union["SignedAngle", "Heading"]]
-"""How a UAV is turned in space.
+"""Attitude of a UAV.
 
 - roll: Roll.
 - pitch: Pitch.
@@ -290,547 +290,547 @@ Attitude: TypeAlias = list[Union["SignedAngle", "Heading"]]
 
 
 AuthenticationMethod: TypeAlias = Union[Literal["basic", "jwt"], str]
-"""An open set: ways to log in. The specification defines these two; both take one step.
+"""Authentication method. The set is open; the specification defines two methods, each with one step.
 
 Disputed: an example of jwt has basic in its field method.
 
-- "basic": User name and password with a colon between them, in Base64.
-- "jwt": A JSON Web Token.
+- "basic": User name and password, separated by a colon and Base64-encoded.
+- "jwt": JSON Web Token.
 """
 
 
 AuthorizationScope: TypeAlias = Literal["none", "live", "rehearsal", "lights"]
-"""A closed set: what the start of a show is allowed for.
+"""Scope of the authorisation to start a show. The set is closed.
 
-- "none": Nothing: it may not start.
-- "live": A show before an audience, with all that keeps it safe.
-- "rehearsal": A rehearsal, for which some of that is switched off: only where nobody is near.
-- "lights": Lights alone: no motor may turn.
+- "none": No start is allowed.
+- "live": Live show with an audience, with all safety features.
+- "rehearsal": Rehearsal with some safety features disabled, for areas without people nearby.
+- "lights": Lights only; no motor may turn.
 """
 
 
 Base64: TypeAlias = str
-"""Bytes, encoded in Base64 by RFC 4648.
+"""Binary data, Base64-encoded as in RFC 4648.
 
 Format: base64.
 """
 
 
 BatteryInfo: TypeAlias = list[Union[int, bool]]
-"""The state of a UAV's battery.
+"""State of a UAV battery.
 
-Disputed: any negative percentage says "unknown" in the text; the schema takes -1 alone. Here any negative one is allowed.
+Disputed: in the specification text, any negative percentage means "unknown"; the JSON Schema allows only -1. This definition allows any negative value.
 
-- voltage: Voltage; 0 where unknown. Unit: dV (tenths of a volt); range: 0 or more.
-- percentage: State of charge, from 0; negative or left out where unknown. Unit: % (percent); range: at most 100.
-- charging: Whether it is being charged; left out, it isn't.
+- voltage: Voltage; 0 if unknown. Unit: dV (tenths of a volt); range: 0 or more.
+- percentage: State of charge, from 0; negative or omitted if unknown. Unit: % (percent); range: at most 100.
+- charging: True if the battery is charging. Defaults to false.
 """
 
 
 class BeaconBasicProperties(TypedDict):
-    """What hardly ever changes about a beacon."""
+    """Properties of a beacon that rarely change."""
 
     id: "ObjectId"
-    """The beacon."""
+    """Id of the beacon."""
 
     name: str
-    """Its name on displays."""
+    """Display name."""
 
 
 class BeaconStatusInfo(TypedDict):
-    """The state of one beacon."""
+    """State of one beacon."""
 
     id: "ObjectId"
-    """The beacon."""
+    """Id of the beacon."""
 
     timestamp: "Timestamp"
-    """When the server last heard of the beacon's state."""
+    """Time when the server last received the state of the beacon."""
 
     position: NotRequired["GPSCoordinate"]
-    """Where it is."""
+    """Geographic position."""
 
     heading: NotRequired["Heading"]
-    """Where it points."""
+    """Heading."""
 
     active: NotRequired[bool]
-    """Whether it works. May be left out for beacons that only mark a place."""
+    """True if the beacon is active. May be omitted for beacons that only mark a position."""
 
 
 CalendarDate: TypeAlias = str
-"""Year, month and day.
+"""Date as year, month and day.
 
 Pattern: ^[0-9]{4}-[0-9]{2}-[0-9]{2}$.
 """
 
 
 CalibrationComponent: TypeAlias = Union[Literal["baro", "compass", "esc", "gyro", "rc"], str]
-"""An open set: what can be calibrated. No UAV has to support them all.
+"""Component that can be calibrated. The set is open, and no UAV has to support all values.
 
-- "baro": The barometer.
-- "compass": The compass.
-- "esc": The electronic speed controllers.
-- "gyro": The gyroscope.
-- "rc": The remote control.
+- "baro": Barometer.
+- "compass": Compass.
+- "esc": Electronic speed controllers.
+- "gyro": Gyroscope.
+- "rc": Remote control.
 """
 
 
 CarrierToNoiseRatio: TypeAlias = float
-"""How much stronger the signal of a satellite is than the noise.
+"""Carrier-to-noise ratio of a satellite signal.
 
 Unit: dB (decibels).
 """
 
 
 ChannelOperation: TypeAlias = Literal["read", "write"]
-"""A closed set: what may be done with a channel.
+"""Operation that a channel supports. The set is closed.
 
-- "read": Its value can be asked for.
-- "write": A value can be sent to it.
+- "read": The value can be read.
+- "write": The value can be written.
 """
 
 
 ChannelType: TypeAlias = Literal["audio", "boolean", "bytes", "cartesian", "color", "duration", "gps", "number", "object", "string", "time", "video"]
-"""A closed set: what values a channel has.
+"""Type of the values of a channel. The set is closed.
 
-Disputed: the list of types in the text lacks cartesian and gps, which its chapter on devices and the schema have.
+Disputed: the list of types in the specification text lacks cartesian and gps. The text's chapter on devices and the JSON Schema include them.
 
-- "audio": The URL of a stream of sound.
-- "boolean": Yes or no.
-- "bytes": An array of bytes.
-- "cartesian": Coordinates X, Y and Z in some fixed flat frame.
-- "color": A colour as an array of three or four bytes: RGB, RGBA or RGBW.
-- "duration": A span of time, in seconds.
-- "gps": A geographic position as an array of numbers: latitude and longitude in 1e-7 degrees, altitudes above sea level and above ground in millimetres.
-- "number": A number in double precision.
-- "object": A JSON object.
-- "string": A text.
-- "time": A moment, in seconds from 1970-01-01 00:00 UTC.
-- "video": The URL of a stream of pictures.
+- "audio": URL of an audio stream.
+- "boolean": Boolean.
+- "bytes": Array of bytes.
+- "cartesian": Coordinates X, Y and Z in a fixed flat-Earth frame.
+- "color": Colour as an array of three or four bytes: RGB, RGBA or RGBW.
+- "duration": Duration in seconds.
+- "gps": Geographic position as an array of numbers: latitude and longitude in 1e-7 degrees, altitudes above sea level and above ground in millimetres.
+- "number": Double-precision number.
+- "object": JSON object.
+- "string": String.
+- "time": Time in seconds since 1970-01-01 00:00 UTC.
+- "video": URL of a video stream.
 """
 
 
 ClockEpoch: TypeAlias = str
-"""Where the count of a clock starts: the word unix for 1970-01-01 00:00 UTC, or a date and time by ISO 8601 in UTC."""
+"""Epoch of a clock: unix for 1970-01-01 00:00 UTC, or an ISO 8601 date and time in UTC."""
 
 
 ClockId: TypeAlias = str
-"""Names a clock. Three ids have a fixed meaning: system is the server's own clock, gps the time of a GPS receiver, mtc a MIDI time code.
+"""Id of a clock. Three ids are predefined: system is the clock of the server, gps the time of a GPS receiver, mtc a MIDI timecode.
 
 Length: 1 to 64.
 """
 
 
 class ClockInfo(TypedDict):
-    """The state of one clock."""
+    """State of one clock."""
 
     id: "ClockId"
-    """The clock."""
+    """Id of the clock."""
 
     retrievedAt: "Timestamp"
-    """When the server read the clock, by its own time."""
+    """Server time at which the clock was read."""
 
     running: bool
-    """Whether it is running."""
+    """True if the clock is running."""
 
     ticks: float
-    """How many ticks it has counted."""
+    """Number of elapsed ticks."""
 
     ticksPerSecond: NotRequired[float]
-    """Ticks in a second, more than 0; left out, 1.
+    """Ticks per second, greater than 0. Defaults to 1.
 
     Range: 0 or more.
     """
 
     epoch: NotRequired["ClockEpoch"]
-    """From when on it counts. Left out, that is unknown or means nothing."""
+    """Epoch of the clock. If omitted, it is unknown or has no meaning."""
 
 
 class CollectiveRTHPlanStatistics(TypedDict):
-    """Figures for one moment at which the UAVs could fly home together."""
+    """Statistics for one possible start of a collective return to home."""
 
     time: float
-    """The moment, from the start of the show on.
+    """Start of the return, since the start of the show.
 
     Unit: s (seconds).
     """
 
     duration: float
-    """How long the flight home takes, without landing.
+    """Duration of the return, without landing.
 
     Unit: s (seconds).
     """
 
     showDuration: float
-    """How long the whole show takes then, flight home and landing included.
+    """Duration of the whole show if this return is flown, including return and landing.
 
     Unit: s (seconds).
     """
 
 
 ColorComponent: TypeAlias = float
-"""How bright one of the three primary colours is.
+"""Brightness of one primary colour.
 
-Disputed: an integer in the text, any number in the schema. Here any number is allowed.
+Disputed: an integer in the specification text, any number in the JSON Schema. This definition allows any number.
 
 Range: 0 to 255.
 """
 
 
 ColorRGB565: TypeAlias = int
-"""A colour in 16 bits: red in the upper 5, green in the middle 6, blue in the lower 5.
+"""16-bit colour: red in the upper 5 bits, green in the middle 6, blue in the lower 5.
 
 Range: 0 to 65535.
 """
 
 
 class CommandResponse(TypedDict):
-    """What a command gave back.
+    """Response to a command.
 
     The object is closed.
     """
 
     type: "CommandResponseType"
-    """How to show it."""
+    """Display format."""
 
     data: Any
-    """What it is."""
+    """Content of the response."""
 
 
 CommandResponseType: TypeAlias = Union[Literal["plain", "preformatted", "markdown"], str]
-"""An open set: how to show what a command gave back. Users may add to it.
+"""Display format of a command response. The set is open: users may add formats.
 
-- "plain": Text that may be wrapped and set in any font.
-- "preformatted": Text in a font of fixed width, line breaks and tabs kept.
-- "markdown": Text in Markdown.
+- "plain": Plain text that may be wrapped and shown in any font.
+- "preformatted": Preformatted text: fixed-width font, with line breaks and tabs preserved.
+- "markdown": Markdown text.
 """
 
 
 ConnectionId: TypeAlias = str
-"""Names a connection that the server manages, such as a radio link.
+"""Id of a connection that the server manages, such as a radio link.
 
 Length: 1 to 64.
 """
 
 
 class ConnectionInfo(TypedDict):
-    """What the server knows of one connection."""
+    """State of one connection as known to the server."""
 
     id: "ConnectionId"
-    """The connection."""
+    """Id of the connection."""
 
     purpose: "ConnectionPurpose"
-    """What it is for."""
+    """Purpose of the connection."""
 
     status: "ConnectionStatus"
-    """Its state."""
+    """State of the connection."""
 
     description: NotRequired[str]
-    """A description for people."""
+    """Human-readable description."""
 
     timestamp: NotRequired["Timestamp"]
-    """When the last packet came in, or where that isn't known, when the state last changed."""
+    """Time of the last received packet or, if unknown, of the last state change."""
 
 
 ConnectionPurpose: TypeAlias = Literal["debug", "dgps", "dock", "gps", "mocap", "time", "uavRadioLink", "other"]
-"""A closed set: what a connection is for.
+"""Purpose of a connection. The set is closed.
 
-- "debug": Finding mistakes, and nothing else.
-- "dgps": Corrections for DGPS or RTK come in here.
+- "debug": Debugging only.
+- "dgps": Source of DGPS or RTK corrections.
 - "dock": State of a docking station.
-- "gps": Data of a GPS receiver.
-- "mocap": A system that captures motion.
-- "time": A source of time, such as an NTP server or MIDI time code.
-- "uavRadioLink": State of UAVs comes in here, and commands may go out.
-- "other": Anything else; its description should say what.
+- "gps": Data from a GPS receiver.
+- "mocap": Motion capture system.
+- "time": Time source, such as an NTP server or MIDI timecode.
+- "uavRadioLink": Radio link that receives the state of UAVs and may carry commands to them.
+- "other": Any other purpose; the description of the connection should explain it.
 """
 
 
 ConnectionStatus: TypeAlias = Literal["disconnected", "connecting", "connected", "disconnecting", "unknown"]
-"""A closed set: the state of a connection.
+"""State of a connection. The set is closed.
 
-- "disconnected": Down, and nobody is trying to get it up.
-- "connecting": Down, and an attempt is under way.
-- "connected": Up.
-- "disconnecting": No longer in use, but not yet down.
-- "unknown": Nothing is known, mostly since nothing has been heard of it.
+- "disconnected": Not connected, and not trying to connect.
+- "connecting": Not connected yet; an attempt is in progress.
+- "connected": Connected.
+- "disconnecting": No longer in use, but not yet disconnected.
+- "unknown": Unknown, usually because nothing has been received on the connection.
 """
 
 
 DeviceClass: TypeAlias = Literal["accelerometer", "actuator", "altimeter", "battery", "camera", "cpu", "cpuCore", "gps", "group", "gyroscope", "led", "magnetometer", "microphone", "misc", "pyro", "radio", "rangefinder", "rc", "rotor", "sensor", "speaker", "sprayer"]
-"""A closed set: the kind of a device, for displays.
+"""Class of a device, for user interfaces. The set is closed.
 
-Disputed: rangefinder and sprayer are in the schema only.
+Disputed: only the JSON Schema includes rangefinder and sprayer.
 
-- "accelerometer": An accelerometer.
-- "actuator": An actuator of no other kind.
-- "altimeter": An altimeter by pressure, radar or sound.
-- "battery": A battery.
-- "camera": A camera of any sort.
-- "cpu": A processor, of the UAV or of the computer beside its autopilot.
-- "cpuCore": A core of a processor.
-- "gps": A GPS receiver.
-- "group": Several devices taken together.
-- "gyroscope": A gyroscope.
-- "led": An LED or a strip of them.
-- "magnetometer": A magnetometer.
-- "microphone": A microphone.
-- "misc": A device of no other kind; the class of a device that names none.
-- "pyro": A pyrotechnic device.
-- "radio": A radio transmitter or receiver.
-- "rangefinder": A rangefinder.
-- "rc": A receiver of remote control.
-- "rotor": A rotor.
-- "sensor": A sensor of no other kind.
-- "speaker": A loudspeaker.
-- "sprayer": A sprayer.
+- "accelerometer": Accelerometer.
+- "actuator": Any other actuator.
+- "altimeter": Pressure, radar or sonic altimeter.
+- "battery": Battery.
+- "camera": Camera of any type.
+- "cpu": Processor of the UAV or of its companion computer.
+- "cpuCore": Processor core.
+- "gps": GPS receiver.
+- "group": Group of devices.
+- "gyroscope": Gyroscope.
+- "led": LED or LED strip.
+- "magnetometer": Magnetometer.
+- "microphone": Microphone.
+- "misc": Any other device; the default if a device has no class.
+- "pyro": Pyrotechnic device.
+- "radio": Radio transmitter or receiver.
+- "rangefinder": Rangefinder.
+- "rc": Remote control receiver.
+- "rotor": Rotor.
+- "sensor": Any other sensor.
+- "speaker": Loudspeaker.
+- "sprayer": Sprayer.
 """
 
 
 DeviceTreeNode = TypedDict(
     "DeviceTreeNode",
     {
-        # What the node stands for.
+        # Type of the node.
         "type": "DeviceTreeNodeType",
-        # Of a channel: what values it has.
+        # Channels only: type of the values.
         "subType": NotRequired["ChannelType"],
-        # Of a device: its kind.
+        # Devices only: class of the device.
         "class": NotRequired["DeviceClass"],
-        # The nodes below, by name.
+        # Child nodes, by name.
         "children": NotRequired[dict[str, "DeviceTreeNode"]],
-        # Of a channel: what may be done with it.
+        # Channels only: supported operations.
         "operations": NotRequired[list["ChannelOperation"]],
-        # Of a channel: the unit of its values.
+        # Channels only: unit of the values.
         "unit": NotRequired[str],
     },
 )
-"""A node of the device tree, with all below it. A channel has subType and operations; no other node has these or unit. No node but a device has class.
+"""Node of the device tree, including its subtree. A channel has subType and operations; no other node has these or unit. Only a device has class.
 
 The object is closed.
 """
 
 
 DeviceTreeNodeType: TypeAlias = Literal["root", "object", "device", "channel"]
-"""A closed set: what a node of the device tree stands for.
+"""Type of a node in the device tree. The set is closed.
 
-Disputed: the text once speaks of nodes of type uav. Neither its list of types nor the schema has that one; object is meant.
+Disputed: the specification text mentions nodes of type uav once. Neither its list of types nor the JSON Schema includes that type; object is meant.
 
-- "root": The root, above all objects.
-- "object": An object that the server knows by its id. Its parent is the root, its children are devices.
-- "device": A device of an object, or of another device.
-- "channel": A channel of a device: something to read or write.
+- "root": Root of the tree, the parent of all objects.
+- "object": Object with an id on the server. Its parent is the root, its children are devices.
+- "device": Device of an object or of another device.
+- "channel": Channel of a device, a value to read or write.
 """
 
 
 DeviceTreePath: TypeAlias = str
-"""The place of an object, device or channel in the device tree, from the root down, each part after a slash: /glider-1/battery/voltage. The root itself is /.
+"""Path of an object, device or channel in the device tree, such as /glider-1/battery/voltage. The path of the root is /.
 
 Length: 1 or more; pattern: ^((/[^/]+)+|/)$.
 """
 
 
 class DockStatusInfo(TypedDict):
-    """The state of one docking station."""
+    """State of one docking station."""
 
     id: "ObjectId"
-    """The station."""
+    """Id of the station."""
 
     timestamp: "Timestamp"
-    """When the server last heard of the station's state."""
+    """Time when the server last received the state of the station."""
 
     position: NotRequired["GPSCoordinate"]
-    """Where it is."""
+    """Geographic position."""
 
 
 class DroneLightsConfiguration(TypedDict):
-    """What the lights of the UAVs are told to do.
+    """Configuration of the UAV lights.
 
-    Not stated: how many components there have to be.
+    Not stated: the required number of colour components.
     """
 
     effect: NotRequired["LightEffect"]
-    """The effect."""
+    """Light effect."""
 
     color: NotRequired[list["ColorComponent"]]
-    """Its colour: red, green, blue."""
+    """Colour of the effect: red, green, blue."""
 
 
 class DroneShowConfiguration(TypedDict):
-    """How a show is configured."""
+    """Configuration of a show."""
 
     start: "StartConditions"
-    """How it starts."""
+    """Start conditions."""
 
     mapping: NotRequired[list[Union["ObjectId", None]]]
-    """The UAV for each index that the show uses; null where none is known."""
+    """UAV for each index in the show; null if unknown."""
 
     duration: NotRequired[float]
-    """How long it takes.
+    """Duration of the show.
 
     Unit: s (seconds); range: 0 or more.
     """
 
 
 ECEFCoordinate: TypeAlias = list[float]
-"""A position in the frame that turns with the Earth: from its centre, X towards latitude and longitude 0, Z towards the North Pole.
+"""Position in the Earth-centred, Earth-fixed frame. X points from the centre of the Earth to latitude and longitude 0, Z to the North Pole.
 
-- x: Along X. Unit: mm (millimetres).
-- y: Along Y. Unit: mm (millimetres).
-- z: Along Z. Unit: mm (millimetres).
+- x: X coordinate. Unit: mm (millimetres).
+- y: Y coordinate. Unit: mm (millimetres).
+- z: Z coordinate. Unit: mm (millimetres).
 """
 
 
 Envelope = TypedDict(
     "Envelope",
     {
-        # The version of the protocol that the message follows. By this field a receiver knows a Flockwave message.
+        # Version of the protocol that the message follows. This field identifies a Flockwave message.
         "$fw.version": "Version",
-        # Names the message. On one connection the server gives each of its messages another id; a client doesn't use one again before it is answered.
+        # Message id. On one connection, the server never reuses an id; a client does not reuse an id before the request is answered.
         "id": "MessageId",
-        # In a response: the id of the request that it answers.
+        # In a response: id of the request that it answers.
         "refs": NotRequired["MessageId"],
-        # What the message says.
+        # Message body.
         "body": NotRequired["MessageBody"],
-        # What went wrong, in place of a body.
+        # Error, in place of a body.
         "error": NotRequired["EnvelopeError"],
     },
 )
-"""body and error exclude each other, and one of them is there. Keys that start with $ are reserved for later versions of the protocol; any others may be added.
+"""A message has either body or error, never both. Keys that start with $ are reserved for later versions of the protocol; any other keys may be added.
 
-Not stated: which version messages of specification 2.10 have to carry. All examples say 1.0.
+Not stated: the version number in messages of specification 2.10. All examples use 1.0.
 
-Disputed: the text has body as an object; the published schema also lets it be null. Here it is an object.
+Disputed: in the specification text, body is an object; the JSON Schema also allows null. This definition requires an object.
 """
 
 
 class EnvelopeError(TypedDict):
-    """At least one of the two fields is there.
+    """Error in an envelope. At least one of the two fields is present.
 
-    Not stated: what the numbers mean. Nothing says that they are those of the error codes, which describe the state of UAVs.
+    Not stated: the meaning of the numbers. Nothing indicates that they are error codes, which describe the state of UAVs.
     """
 
     code: NotRequired[int]
-    """The error as a number."""
+    """Error number."""
 
     message: NotRequired[str]
-    """The error in words, for people."""
+    """Human-readable error message."""
 
 
 ExtensionId: TypeAlias = str
-"""Names an extension of the server.
+"""Id of a server extension.
 
 Length: 1 to 64.
 """
 
 
 class ExtensionInfo(TypedDict):
-    """What the server says of one of its extensions."""
+    """Information about a server extension."""
 
     id: "ExtensionId"
-    """The extension."""
+    """Id of the extension."""
 
     loaded: bool
-    """Whether it is loaded."""
+    """True if the extension is loaded."""
 
     name: str
-    """Its name."""
+    """Name of the extension."""
 
     description: NotRequired[str]
-    """What it is good for."""
+    """Purpose of the extension."""
 
 
 class FirmwareUpdateTarget(TypedDict):
-    """A part of objects that can take firmware."""
+    """Part of an object whose firmware can be updated."""
 
     id: "FirmwareUpdateTargetId"
-    """The target."""
+    """Id of the target."""
 
     name: str
-    """Its name on displays."""
+    """Display name."""
 
 
 FirmwareUpdateTargetId: TypeAlias = str
-"""Names a target.
+"""Id of a target.
 
 Length: 1 or more.
 """
 
 
 class FlightLog(TypedDict):
-    """A log with what is in it."""
+    """Flight log with its contents."""
 
     id: "FlightLogId"
-    """The log."""
+    """Id of the log."""
 
     kind: str
-    """Its kind."""
+    """Kind of the log."""
 
     body: Union[str, dict[str, Any]]
-    """What is in it."""
+    """Contents of the log."""
 
     timestamp: NotRequired[float]
-    """Its time."""
+    """Timestamp of the log."""
 
     size: NotRequired[float]
-    """Its size."""
+    """Size of the log."""
 
 
 FlightLogId: TypeAlias = str
-"""Names a log of a UAV.
+"""Id of a log of a UAV.
 
 Length: 1 or more.
 """
 
 
 class FlightLogMetadata(TypedDict):
-    """What is known of a log.
+    """Metadata of a flight log.
 
-    Not stated: which kinds there are, what time timestamp is, and the units of timestamp and size; the same holds for FlightLog.
+    Not stated: the possible kinds, the event to which timestamp refers, and the units of timestamp and size. The same applies to FlightLog.
     """
 
     id: "FlightLogId"
-    """The log."""
+    """Id of the log."""
 
     kind: str
-    """Its kind."""
+    """Kind of the log."""
 
     timestamp: NotRequired[float]
-    """Its time."""
+    """Timestamp of the log."""
 
     size: NotRequired[float]
-    """Its size."""
+    """Size of the log."""
 
 
 FlightMode: TypeAlias = Union[Literal["acro", "alt", "auto", "circle", "flow", "follow", "guided", "land", "loiter", "mission", "other", "pos", "precland", "rth", "simple", "stab", "takeoff", "unknown"], str]
-"""An open set: a UAV may have other modes. These have a fixed meaning.
+"""Flight mode of a UAV. The set is open: UAVs may have other modes.
 
-- "acro": The pilot steers the attitude itself; nothing levels the UAV.
-- "alt": Without input the UAV keeps its altitude and levels itself.
-- "auto": Some algorithm flies, and nobody has to step in.
-- "circle": Circling around a given point.
-- "flow": Staying in place by an optical flow sensor.
-- "follow": Going after another device.
-- "guided": Led by a computer beside the autopilot.
-- "land": Landing by itself.
-- "loiter": Staying in place and at altitude by GPS; the pilot's sticks give velocities.
-- "mission": Flying a mission that was prepared beforehand.
-- "other": None of the modes of this list.
-- "pos": Staying in place and at altitude by GPS; sticks off centre give roll and pitch.
-- "precland": Landing on a precise spot, mostly with the help of a beacon or sensor.
-- "rth": Flying home by itself, and perhaps landing there.
-- "simple": Steered in a simplified way.
-- "stab": Roll and pitch level themselves; altitude is left to the pilot.
-- "takeoff": Taking off by itself.
-- "unknown": Nobody knows.
+- "acro": Acrobatic: the pilot controls the attitude directly, without self-levelling.
+- "alt": Altitude hold: without pilot input, the UAV levels itself and keeps its altitude.
+- "auto": Autonomous flight controlled by an algorithm; no operator intervention is needed.
+- "circle": Circling around a point.
+- "flow": Position hold based on an optical flow sensor.
+- "follow": Following another device.
+- "guided": Controlled by a companion computer.
+- "land": Automatic landing.
+- "loiter": GPS position and altitude hold; the pilot's sticks set velocities.
+- "mission": Flying a predefined mission.
+- "other": Any mode not in this list.
+- "pos": GPS position and altitude hold; moving the sticks off centre sets roll and pitch.
+- "precland": Precision landing, usually guided by a beacon or sensor.
+- "rth": Return to home, with or without landing.
+- "simple": Simplified manual control.
+- "stab": Stabilised: roll and pitch are levelled automatically, the pilot controls the altitude.
+- "takeoff": Automatic takeoff.
+- "unknown": Unknown mode.
 """
 
 
 GNSSType: TypeAlias = Literal["gps", "glonass", "galileo", "sbas", "qzss", "beidou", "irnss"]
-"""A closed set: satellite systems.
+"""Satellite navigation system. The set is closed.
 
 - "gps": GPS.
 - "glonass": GLONASS.
 - "galileo": Galileo.
-- "sbas": Satellites that improve other systems.
+- "sbas": Satellite-based augmentation systems.
 - "qzss": QZSS.
 - "beidou": BeiDou.
 - "irnss": IRNSS, also called NavIC.
@@ -838,432 +838,432 @@ GNSSType: TypeAlias = Literal["gps", "glonass", "galileo", "sbas", "qzss", "beid
 
 
 GPSCoordinate: TypeAlias = list[Union["Latitude", "Longitude", int, None]]
-"""A position by WGS 84. Elements at the end that would be null may be left out.
+"""WGS 84 position. Trailing elements that would be null may be omitted.
 
-- latitude: Geographic latitude.
-- longitude: Geographic longitude.
+- latitude: Latitude.
+- longitude: Longitude.
 - amsl: Altitude above mean sea level. Unit: mm (millimetres).
 - ahl: Altitude above the home position. Unit: mm (millimetres).
-- agl: Altitude above the ground below. Unit: mm (millimetres).
+- agl: Altitude above ground level. Unit: mm (millimetres).
 """
 
 
 GPSFix: TypeAlias = list[Union["GPSFixType", int, None]]
-"""How good the position from GPS is.
+"""Quality of a GPS position.
 
-- type: The kind of fix.
+- type: Fix type.
 - satellites: Number of satellites used.
-- horizontalAccuracy: Accuracy in the horizontal plane. Unit: mm (millimetres).
-- verticalAccuracy: Accuracy of the altitude. Unit: mm (millimetres).
+- horizontalAccuracy: Horizontal accuracy. Unit: mm (millimetres).
+- verticalAccuracy: Vertical accuracy. Unit: mm (millimetres).
 """
 
 
 GPSFixType: TypeAlias = Literal[0, 1, 2, 3, 4, 5, 6, 7]
-"""A closed set of numbers: how good the position from GPS is.
+"""Type of a GPS fix. The set is closed.
 
-- 0: There is no GPS receiver.
-- 1: There is a receiver, but no fix yet.
-- 2: Fix without altitude.
-- 3: Fix with altitude.
-- 4: Fix with altitude, improved by DGPS, SBAS or the like.
-- 5: RTK, float solution.
-- 6: RTK, fixed solution.
-- 7: Not measured: the position was known beforehand and doesn't change.
+- 0: No GPS receiver.
+- 1: GPS receiver without a fix.
+- 2: 2D fix, without altitude.
+- 3: 3D fix, with altitude.
+- 4: 3D fix, improved by DGPS, SBAS or a similar system.
+- 5: RTK float solution.
+- 6: RTK fixed solution.
+- 7: Static: a known, constant position that is not measured.
 """
 
 
 Heading: TypeAlias = int
-"""A direction in the horizontal plane. Never 3600, which is 0.
+"""Direction in the horizontal plane. A full turn is written as 0, never as 3600.
 
 Unit: ddeg (tenths of a degree); range: 0 to 3599.
 """
 
 
 Latitude: TypeAlias = int
-"""Geographic latitude by WGS 84, north positive.
+"""WGS 84 latitude, positive north.
 
-Disputed: the text leaves 90° itself out, the schema lets it in. Here it is in.
+Disputed: the specification text excludes 90° itself; the JSON Schema includes it. This definition includes it.
 
 Unit: degE7 (ten-millionths of a degree); range: -900000000 to 900000000.
 """
 
 
 class License(TypedDict):
-    """A licence. The id is empty where the server runs without.
+    """Licence of a server. The id is empty if the server has no licence.
 
-    Not stated: what licensee is where the server runs without a licence.
+    Not stated: the value of licensee if the server has no licence.
     """
 
     id: str
-    """Names the licence; no other licence of the vendor ever has the same."""
+    """Id of the licence, unique among all licences of the vendor."""
 
     licensee: str
-    """Who holds it."""
+    """Licensee."""
 
     version: NotRequired[int]
-    """Its version; left out, 1.
+    """Version of the licence. Defaults to 1.
 
     Range: 1 or more.
     """
 
     expiryDate: NotRequired["CalendarDate"]
-    """The day on which it ends. Left out, it doesn't."""
+    """Expiry date. If omitted, the licence does not expire."""
 
     restrictions: NotRequired[list["LicenseRestriction"]]
-    """What it doesn't allow."""
+    """Restrictions of the licence."""
 
     features: NotRequired[list["LicenseFeature"]]
-    """What it allows in addition."""
+    """Additional features that the licence allows."""
 
 
 class LicenseFeature(TypedDict):
-    """Something that a licence allows in addition."""
+    """Additional feature that a licence allows."""
 
     type: str
-    """What it is."""
+    """Type of the feature."""
 
     label: NotRequired[str]
-    """The same in words, for people."""
+    """Human-readable label."""
 
     secondaryLabel: NotRequired[str]
-    """More in words, such as the main parameters."""
+    """Additional label, for example with the main parameters."""
 
     parameters: NotRequired[dict[str, Any]]
-    """Particulars, as the type demands them."""
+    """Parameters, depending on the type."""
 
 
 class LicenseRestriction(TypedDict):
-    """Something that a licence doesn't allow."""
+    """Restriction of a licence."""
 
     type: "LicenseRestrictionType"
-    """What it is."""
+    """Type of the restriction."""
 
     label: NotRequired[str]
-    """The same in words, for people, without the parameters."""
+    """Human-readable label, without the parameters."""
 
     secondaryLabel: NotRequired[str]
-    """More in words, such as the parameters."""
+    """Additional label, for example with the parameters."""
 
     parameters: NotRequired[dict[str, Any]]
-    """Particulars, as the type demands them."""
+    """Parameters, depending on the type."""
 
 
 LicenseRestrictionType: TypeAlias = Union[Literal["mac", "hwid", "drones"], str]
-"""An open set: what a licence may not allow.
+"""Type of a licence restriction. The set is open.
 
-- "mac": Machines but those whose MAC addresses stand in the parameter addresses.
-- "hwid": Machines but those whose ids stand in the parameter ids.
-- "drones": More UAVs at a time than the parameter maxCount.
+- "mac": Only machines whose MAC addresses are in the parameter addresses.
+- "hwid": Only machines whose ids are in the parameter ids.
+- "drones": At most as many UAVs at a time as the parameter maxCount.
 """
 
 
 LightEffect: TypeAlias = Union[Literal["off", "solid"], str]
-"""An open set: what lights may be told to do.
+"""Light effect. The set is open.
 
-Disputed: the text knows these two; the schema takes any text. Here any text will do.
+Disputed: the specification text only lists these two effects; the JSON Schema allows any string. This definition allows any string.
 
-- "off": Nothing: the server leaves them alone.
-- "solid": Shine steadily in one colour.
+- "off": No effect: the server does not control the lights.
+- "solid": Steady light of one colour.
 """
 
 
 class LogMessage(TypedDict):
-    """A message to people, of the server itself or of an object that it speaks for."""
+    """Log message of the server, or of an object that the server represents."""
 
     message: str
-    """What it says."""
+    """Text of the message."""
 
     severity: NotRequired["LogSeverity"]
-    """How serious it is; left out, info."""
+    """Severity. Defaults to info."""
 
     sender: NotRequired["ObjectId"]
-    """The object that says it. Left out, the server does."""
+    """Object that sent the message. If omitted, the server sent it."""
 
     timestamp: NotRequired["Timestamp"]
-    """When it was made, or when the server received it."""
+    """Time at which the message was created, or at which the server received it."""
 
 
 LogSeverity: TypeAlias = Literal["debug", "info", "warning", "error", "critical"]
-"""A closed set: how serious a message to people is.
+"""Severity of a log message. The set is closed.
 
-- "debug": For developers.
-- "info": Good to know.
-- "warning": Something may go wrong.
-- "error": Something went wrong.
-- "critical": Somebody has to act at once.
+- "debug": Debugging information for developers.
+- "info": Useful information.
+- "warning": Potential problem.
+- "error": Error.
+- "critical": Critical error that requires immediate action.
 """
 
 
 Longitude: TypeAlias = int
-"""Geographic longitude by WGS 84, east positive.
+"""WGS 84 longitude, positive east.
 
-Disputed: the schema lets 180° in, the text leaves it out. Here it is out: -180° is the same meridian.
+Disputed: the JSON Schema includes 180°; the specification text excludes it. This definition excludes it: -180° is the same meridian.
 
 Unit: degE7 (ten-millionths of a degree); range: -1800000000 to 1799999999.
 """
 
 
 MagneticVector: TypeAlias = list[int]
-"""A magnetic field, in nanoteslas.
+"""Magnetic field vector in nanoteslas.
 
-- north: Northwards.
-- east: Eastwards.
-- down: Downwards.
+- north: North component.
+- east: East component.
+- down: Down component.
 """
 
 
 class MessageBody(TypedDict):
-    """What all bodies have in common. Which other fields there are is a matter of the type and the direction.
+    """Common part of all message bodies. The other fields depend on the message type and direction.
 
-    Disputed: a type has two parts of 2 to 8 upper-case characters, says the text. Seven standard types have another form: FW-OBJECT-LIST, FW-TARGET-INF, FW-TARGET-LIST, PRM-SET-MANY, SHOW-CRTH-PLAN, SHOW-CRTH-START and SHOW-SETLIGHTS.
+    Disputed: according to the specification text, a type has two parts of 2 to 8 upper-case characters. Seven standard types have a different form: FW-OBJECT-LIST, FW-TARGET-INF, FW-TARGET-LIST, PRM-SET-MANY, SHOW-CRTH-PLAN, SHOW-CRTH-START and SHOW-SETLIGHTS.
     """
 
     type: str
-    """The type of the message: a family and a name with a hyphen between them, such as UAV-INF."""
+    """Message type: family and name joined by a hyphen, such as UAV-INF."""
 
 
 MessageId: TypeAlias = str
-"""The id of a message. Any text will do; UUIDs are common.
+"""Id of a message. Any string is valid; UUIDs are common.
 
-Not stated: a bound of the length. Only the published schema has one.
+Not stated: a maximum length. Only the JSON Schema has one.
 
 Length: 1 to 36.
 """
 
 
 ObjectId: TypeAlias = str
-"""Names a UAV, beacon, docking station or any other object that the server knows. No two objects have the same id, whatever their types.
+"""Id of a UAV, beacon, docking station or other object known to the server. Ids are unique across all object types.
 
-Not stated: the length and the slash. Only the schema bounds them; the same holds for the ids that follow.
+Not stated: the length limits and the excluded slash. Only the JSON Schema has them; this also applies to the limits of the id types below.
 
 Length: 1 to 64; pattern: ^[^/]+$.
 """
 
 
 ObjectType: TypeAlias = Union[Literal["beacon", "dock", "other", "uav", "weatherStation"], str]
-"""An open set: extensions of a server may bring types of their own. A server that is asked for objects of a type that it doesn't know should answer with an empty list.
+"""Type of an object. The set is open: server extensions may define other types. If a client requests objects of a type that the server does not know, the server should return an empty list.
 
-- "beacon": A beacon on the ground or in the air, or a waypoint where nothing stands.
-- "dock": A docking station.
-- "other": None of the others.
-- "uav": An unmanned aerial vehicle.
-- "weatherStation": A weather station.
+- "beacon": Beacon on the ground or in the air, or a waypoint without a physical object.
+- "dock": Docking station.
+- "other": Any other object.
+- "uav": Unmanned aerial vehicle.
+- "weatherStation": Weather station.
 """
 
 
 class ParameterOutcome(TypedDict):
-    """How setting several parameters of one object turned out."""
+    """Result of setting several parameters of one object."""
 
     success: bool
-    """Whether all of them were set. Then failed is empty or left out."""
+    """True if all parameters were set. In that case, failed is empty or omitted."""
 
     failed: NotRequired[list[str]]
-    """The names of those that weren't, where that is known for sure."""
+    """Names of the parameters that could not be set, as far as known."""
 
 
 Percentage: TypeAlias = int
-"""A share in whole percent.
+"""Percentage as a whole number.
 
 Unit: % (percent); range: 0 to 100.
 """
 
 
 PortNumber: TypeAlias = int
-"""A TCP or UDP port.
+"""TCP or UDP port number.
 
 Range: 1 to 65535.
 """
 
 
 PositionXYZ: TypeAlias = list[int]
-"""A position in a flat right-handed frame of the UAV's own: where it starts and where X points is up to the UAV, Z points up.
+"""Position in a flat-Earth, right-handed frame of the UAV. Z points up; the UAV chooses the origin and the direction of X.
 
-Disputed: the text calls the elements numbers, the schema integers. Here they are integers, as in all examples; the same holds for VelocityNED and VelocityXYZ.
+Disputed: in the specification text, the elements are numbers; in the JSON Schema, they are integers. This definition requires integers, as in all examples. The same applies to VelocityNED and VelocityXYZ.
 
-- x: Along X. Unit: mm (millimetres).
-- y: Along Y. Unit: mm (millimetres).
-- z: Along Z, upwards. Unit: mm (millimetres).
+- x: X coordinate. Unit: mm (millimetres).
+- y: Y coordinate. Unit: mm (millimetres).
+- z: Z coordinate, positive up. Unit: mm (millimetres).
 """
 
 
 class PreflightCheckInfo(TypedDict):
-    """The checks of one UAV before flight."""
+    """Preflight checks of one UAV."""
 
     result: "PreflightCheckResult"
-    """The result of all of them together."""
+    """Combined result of all checks."""
 
     items: list["PreflightCheckItem"]
-    """The single checks."""
+    """Individual checks."""
 
     message: NotRequired[str]
-    """What to show beside the result."""
+    """Message to show with the result."""
 
 
 class PreflightCheckItem(TypedDict):
-    """A single check before flight."""
+    """Result of a single preflight check."""
 
     id: "ObjectId"
-    """Names the check. It has the form of an object's id without being one."""
+    """Id of the check. It has the same format as an object id, but names no object."""
 
     result: "PreflightCheckResult"
-    """How it turned out."""
+    """Result of the check."""
 
     label: NotRequired[str]
-    """What to call it on a display."""
+    """Display name of the check."""
 
     message: NotRequired[str]
-    """What to show beside the result."""
+    """Message to show with the result."""
 
 
 PreflightCheckResult: TypeAlias = Literal["off", "pass", "warning", "running", "softFailure", "failure", "error"]
-"""A closed set: how a check before flight, or all of them together, turned out.
+"""Result of one preflight check, or of all checks combined. The set is closed.
 
-- "off": Not checked: the check is switched off.
+- "off": Check disabled.
 - "pass": Passed.
-- "warning": Something was found that doesn't prevent a takeoff.
-- "running": Not finished.
-- "softFailure": Failed, and likely to pass soon without anybody doing anything.
-- "failure": Failed, and somebody has to do something.
-- "error": The check itself broke, so there is no result.
+- "warning": A problem was found that does not prevent takeoff.
+- "running": Check in progress.
+- "softFailure": Failed, but likely to pass soon without intervention.
+- "failure": Failed; intervention required.
+- "error": The check itself failed to run, so there is no result.
 """
 
 
 class Progress(TypedDict):
-    """How far an operation has got.
+    """Progress of an operation.
 
     The object is closed.
 
-    Disputed: percentage and message may be null by the text, but not by the schema. Here they may.
+    Disputed: the specification text allows null for percentage and message; the JSON Schema does not. This definition allows it.
     """
 
     percentage: NotRequired[Union["Percentage", None]]
-    """How much is done; null where that can't be said."""
+    """Completed percentage; null if it cannot be determined."""
 
     message: NotRequired[Union[str, None]]
-    """The state in words, for people."""
+    """Human-readable progress message."""
 
     object: NotRequired[dict[str, Any]]
-    """The state in a form that server and client have agreed on."""
+    """Structured progress data in a format known to server and client."""
 
 
 class RTKAntennaInfo(TypedDict):
-    """The antenna of an RTK base station.
+    """Antenna of an RTK base station.
 
-    Disputed: by the text all five may be null where unknown, by the schema none. stationId is an integer in the text, any number in the schema, and a string in an example. Here null and any number are allowed.
+    Disputed: the specification text allows null for unknown values of all five fields; the JSON Schema does not. stationId is an integer in the text, any number in the schema, and a string in an example. This definition allows any number and null.
     """
 
     stationId: NotRequired[Union[float, None]]
-    """The number of the station."""
+    """Station number."""
 
     descriptor: NotRequired[Union[str, None]]
-    """The type of the antenna."""
+    """Antenna type."""
 
     serialNumber: NotRequired[Union[str, None]]
-    """Its serial number."""
+    """Serial number."""
 
     position: NotRequired[Union["GPSCoordinate", None]]
-    """Where it stands on the globe."""
+    """Geographic position."""
 
     positionECEF: NotRequired[Union["ECEFCoordinate", None]]
-    """Where it stands in the frame of the Earth."""
+    """Position in the Earth-centred, Earth-fixed frame."""
 
 
 class RTKConfigurationPreset(TypedDict):
-    """One or more sources of RTK corrections, to be chosen together."""
+    """RTK preset: one or more correction sources that are selected together."""
 
     title: str
-    """Its name on displays."""
+    """Display name."""
 
     format: "RTKMessageFormat"
-    """The format in which corrections come in."""
+    """Format of the corrections."""
 
     sources: list["RTKSource"]
-    """The connections that they come from."""
+    """Connections that provide the corrections."""
 
     type: NotRequired["RTKPresetType"]
-    """Where the preset comes from."""
+    """Origin of the preset."""
 
 
 RTKMessageFormat: TypeAlias = Literal["auto", "rtcm2", "rtcm3", "ubx"]
-"""A closed set: formats of corrections.
+"""Format of RTK corrections. The set is closed.
 
-- "auto": Found out by the server.
+- "auto": Detected by the server.
 - "rtcm2": RTCM 2.
 - "rtcm3": RTCM 3.
-- "ubx": UBX of u-blox.
+- "ubx": u-blox UBX.
 """
 
 
 RTKMessageObservations: TypeAlias = list[Union[int, float]]
-"""How often messages of one kind come.
+"""Reception statistics for one kind of message.
 
-Disputed: the rate is an integer in the text and any number in the schema. Here any number is allowed.
+Disputed: the bit rate is an integer in the specification text and any number in the JSON Schema. This definition allows any number.
 
-- age: Time since the last one. Unit: ms (milliseconds).
-- bitrate: Mean rate over the last ten seconds. Unit: bit/s (bits per second).
+- age: Time since the last message. Unit: ms (milliseconds).
+- bitrate: Average bit rate over the last ten seconds. Unit: bit/s (bits per second).
 """
 
 
 RTKMessageSet: TypeAlias = Literal["msm4", "msm7"]
-"""A closed set: sets of RTCM messages with observations.
+"""Set of RTCM observation messages. The set is closed.
 
-- "msm4": The compact one.
-- "msm7": The one of full precision.
+- "msm4": MSM4, the compact variant.
+- "msm7": MSM7, the full-precision variant.
 """
 
 
 RTKPresetId: TypeAlias = str
-"""Names an RTK preset: one or more sources of corrections.
+"""Id of an RTK preset, a set of one or more correction sources.
 
 Length: 1 to 64.
 """
 
 
 RTKPresetType: TypeAlias = Literal["builtin", "dynamic", "user"]
-"""A closed set: where a preset comes from.
+"""Origin of a preset. The set is closed.
 
-- "builtin": From the configuration of the server; users can't change it.
-- "dynamic": Made by the server for hardware that it found; users can't change it.
-- "user": Made by a user, who may change it.
+- "builtin": Part of the server configuration; users cannot change it.
+- "dynamic": Created by the server for detected hardware; users cannot change it.
+- "user": Created by a user, who may change it.
 """
 
 
 RTKSource: TypeAlias = str
-"""Names a connection that corrections come from.
+"""Name of a connection that provides corrections.
 
 Length: 1 or more.
 """
 
 
 class RTKSurveySettings(TypedDict):
-    """How a base station finds its own position.
+    """Settings of the survey with which a base station determines its own position.
 
     Not stated: the unit of duration.
 
-    Disputed: the text requires messageSet, the schema doesn't. Here it may be left out.
+    Disputed: the specification text requires messageSet; the JSON Schema does not. This definition makes it optional.
     """
 
     duration: float
-    """How long to survey at least."""
+    """Minimum duration of the survey."""
 
     accuracy: float
-    """How accurate the position has to be.
+    """Required accuracy of the position.
 
     Unit: m (metres).
     """
 
     messageSet: NotRequired["RTKMessageSet"]
-    """Which messages to send."""
+    """Set of messages to send."""
 
     position: NotRequired["ECEFCoordinate"]
-    """The position of the antenna."""
+    """Position of the antenna."""
 
     gnssTypes: NotRequired[list["GNSSType"]]
-    """Which satellite systems to use."""
+    """Satellite systems to use."""
 
 
 class RTKSurveyStatus(TypedDict):
-    """How far a base station has got in finding its own position."""
+    """Progress of the survey with which a base station determines its own position."""
 
     accuracy: float
     """Accuracy of the position so far.
@@ -1272,292 +1272,292 @@ class RTKSurveyStatus(TypedDict):
     """
 
     flags: int
-    """A sum: 1 the station can survey, 2 it is surveying, 4 its position is valid; 0 where nothing is known.
+    """Sum of flags: 1 if the station supports surveying, 2 if a survey is active, 4 if the position is valid. 0 if nothing is known.
 
     Range: 0 to 7.
     """
 
 
 ReceiptId: TypeAlias = str
-"""Names an operation that the server goes on with after its response.
+"""Id of an operation that continues after the response.
 
 Length: 1 to 64.
 """
 
 
 Rssi: TypeAlias = int
-"""Strength of the received signal, from 0 to 100 without a unit; -1 where there is no reading.
+"""Received signal strength from 0 to 100, without a unit; -1 if there is no reading.
 
 Range: -1 to 100.
 """
 
 
 SignedAngle: TypeAlias = int
-"""An angle that is 0 in level flight.
+"""Angle relative to level flight.
 
 Unit: ddeg (tenths of a degree); range: -1800 to 1799.
 """
 
 
 class StartConditions(TypedDict):
-    """How a show starts.
+    """Start conditions of a show.
 
-    Disputed: the time is a timestamp in the text, hence in milliseconds, and can't be null; the schema lets it be null, and of the examples one is in milliseconds and others are in seconds. Here any number and null are allowed.
+    Disputed: in the specification text, the time is a timestamp, so in milliseconds, and never null; the JSON Schema allows null. One example is in milliseconds, others are in seconds. This definition allows any number and null.
     """
 
     authorized: bool
-    """Whether a person has allowed the start."""
+    """True if a person has authorised the start."""
 
     clock: Union["ClockId", None]
-    """The clock by which the time of the start counts; null for the time of the world."""
+    """Clock of the start time; null for wall-clock time."""
 
     time: Union[float, None]
-    """When to start."""
+    """Start time."""
 
     method: "StartMethod"
-    """What makes the show start."""
+    """Trigger of the start."""
 
     uavIds: list["ObjectId"]
-    """The UAVs that start by themselves."""
+    """UAVs that start automatically."""
 
     authorizationScope: NotRequired["AuthorizationScope"]
-    """What the start is allowed for. Left out, live where it is allowed at all, none where not."""
+    """Scope of the authorisation. Defaults to live if the start is authorised, and to none if not."""
 
 
 StartMethod: TypeAlias = Literal["auto", "rc"]
-"""A closed set: what makes a show start.
+"""Trigger of the start of a show. The set is closed.
 
-- "auto": The time of the start.
-- "rc": A person with a remote control.
+- "auto": The start time is reached.
+- "rc": A person starts the show with a remote control.
 """
 
 
 Temperature: TypeAlias = int
-"""An absolute temperature in tenths of a kelvin.
+"""Absolute temperature in tenths of a kelvin.
 
-Disputed: for temperature and feelsLike of the weather the schema speaks of kelvin. The text prescribes tenths for all temperatures, and the examples are in tenths.
+Disputed: for the weather fields temperature and feelsLike, the JSON Schema gives kelvin. The specification text requires tenths of a kelvin for all temperatures, and the examples follow it.
 
 Range: 0 or more.
 """
 
 
 TestComponent: TypeAlias = Union[Literal["led", "motor"], str]
-"""An open set: what can be tested. No UAV has to support them all.
+"""Component that can be tested. The set is open, and no UAV has to support all values.
 
-- "led": The lights.
-- "motor": The motors.
+- "led": Lights.
+- "motor": Motors.
 """
 
 
 class TimeAxisScheduleSegment(TypedDict):
-    """A stretch of the time of a show.
+    """Segment of the schedule of a show.
 
-    Disputed: the times are milliseconds in the schema, as their names have it, and seconds in the text. Both count from 1970; one example counts from the start of the show.
+    Disputed: the times are milliseconds in the JSON Schema, as their names suggest, and seconds in the specification text. Both count from 1970; one example counts from the start of the show.
     """
 
     type: "TimeAxisSegmentType"
-    """What happens then."""
+    """Type of the segment."""
 
     startMs: int
-    """When it begins."""
+    """Start of the segment."""
 
     endMs: Union[int, Literal["auto", "inf"]]
-    """When it ends: auto where that isn't known yet, inf where it doesn't."""
+    """End of the segment: auto if not known yet, inf if it never ends."""
 
     params: NotRequired[dict[str, Any]]
-    """Particulars."""
+    """Parameters of the segment."""
 
 
 TimeAxisSegmentType: TypeAlias = Literal["preparation", "rth", "show", "slowdown", "speedup"]
-"""A closed set: what happens in a stretch of time.
+"""Type of a segment of the schedule. The set is closed.
 
-Not stated: what the values mean. The descriptions go by their names.
+Not stated: the meaning of the values. The descriptions are derived from the names.
 
-- "preparation": The UAVs are made ready.
-- "rth": They fly home.
-- "show": They fly the show.
-- "slowdown": The show gets slower.
-- "speedup": The show gets faster.
+- "preparation": Preparation of the UAVs.
+- "rth": Return to home.
+- "show": The show itself.
+- "slowdown": Slowdown of the show.
+- "speedup": Speedup of the show.
 """
 
 
 class TimeSyncSnapshot(TypedDict):
-    """How the server's clock stands to the time of the world.
+    """Synchronisation of the server clock with wall-clock time.
 
-    Not stated: in which direction the offset counts, and the unit of jitter.
+    Not stated: the sign of the offset and the unit of jitter.
     """
 
     state: "TimeSyncState"
-    """Whether it is right."""
+    """State of the synchronisation."""
 
     offset: Union[float, None]
-    """By how much it is off; null where unknown.
+    """Clock offset; null if unknown.
 
     Unit: s (seconds).
     """
 
     source: Union[str, None]
-    """The source that the offset was found by; null where unknown."""
+    """Time source that the offset is based on; null if unknown."""
 
     jitter: Union[float, None]
-    """How unsteady that source is; null where unknown."""
+    """Jitter of the time source; null if unknown."""
 
 
 TimeSyncState: TypeAlias = Literal["unknown", "sync", "unsync", "error"]
-"""A closed set: whether a clock is right.
+"""State of the synchronisation of a clock. The set is closed.
 
-- "unknown": Nobody knows.
-- "sync": It is right.
-- "unsync": It is off by more than it should be.
-- "error": It can't be said, since all sources failed.
+- "unknown": Unknown.
+- "sync": Synchronised.
+- "unsync": Not synchronised: the offset is larger than it should be.
+- "error": Cannot be determined because all time sources failed.
 """
 
 
 Timestamp: TypeAlias = int
-"""A moment, counted from 1970-01-01 00:00 UTC. Negative only where the field gives that a meaning.
+"""Time since 1970-01-01 00:00 UTC. Negative values are only allowed if the field defines their meaning.
 
-Disputed: the text counts whole milliseconds, and all its examples are integers; most schemas allow any number. Here it is an integer.
+Disputed: the specification text counts whole milliseconds, and all its examples are integers; most JSON Schemas allow any number. This definition requires an integer.
 
 Unit: ms (milliseconds).
 """
 
 
 class TransportOptions(TypedDict):
-    """How commands should reach the UAVs. These are wishes: what takes the command may be unable to grant them.
+    """Delivery options for commands to UAVs. They are hints: a recipient may be unable to follow them.
 
-    Not stated: a default of ignoreIds in its table; the rules below it treat a missing one as false. Whether channel may be negative isn't stated either.
+    Not stated: the table has no default for ignoreIds; the rules below it treat a missing value as false. It is also not stated whether channel may be negative.
     """
 
     channel: NotRequired[int]
-    """Which of several ways to a UAV to take: 0, which is also the default, is the main one, 1 the first in reserve."""
+    """Index of the channel to use if a UAV has several: 0 is the primary channel and the default, 1 the first fallback."""
 
     broadcast: NotRequired[bool]
-    """Whether one message to all in range may stand for one to each UAV. Left out, it may not."""
+    """True if one broadcast message may replace the separate messages to each UAV. Defaults to false."""
 
     ignoreIds: NotRequired[bool]
-    """With broadcast: whether all UAVs of all networks are addressed, whatever ids the request has."""
+    """With broadcast: true to address all UAVs of all networks, whatever ids the request has."""
 
 
 UAVSignal: TypeAlias = Union[Literal["light", "sound"], str]
-"""An open set: ways to draw attention.
+"""Kind of signal. The set is open.
 
-- "light": By light.
-- "sound": By sound.
+- "light": Light signal.
+- "sound": Sound signal.
 """
 
 
 class UAVStatusInfo(TypedDict):
-    """What the server knows of one UAV.
+    """State of one UAV as known to the server.
 
-    Disputed: the text of error code 65 names 131 as the code for the other case, where 132 is meant.
+    Disputed: the specification text of error code 65 refers to 131 as its alternative; 132 is meant.
     """
 
     id: "ObjectId"
-    """The UAV."""
+    """Id of the UAV."""
 
     timestamp: "Timestamp"
-    """When the server last heard of the UAV's state."""
+    """Time when the server last received the state of the UAV."""
 
     mode: NotRequired["FlightMode"]
-    """What it is doing, or how it is steered."""
+    """Flight mode."""
 
     position: NotRequired["GPSCoordinate"]
-    """Where it is on the globe."""
+    """Geographic position."""
 
     positionXYZ: NotRequired["PositionXYZ"]
-    """Where it is in its own flat frame."""
+    """Position in the flat-Earth frame of the UAV."""
 
     gps: NotRequired["GPSFix"]
-    """How good its position is."""
+    """Quality of the GPS position."""
 
     heading: NotRequired["Heading"]
-    """Where its nose points."""
+    """Heading."""
 
     attitude: NotRequired["Attitude"]
-    """How it is turned in space."""
+    """Attitude."""
 
     velocity: NotRequired["VelocityNED"]
-    """How it moves over the globe."""
+    """Velocity in the north, east and down directions."""
 
     velocityXYZ: NotRequired["VelocityXYZ"]
-    """How it moves in its own flat frame."""
+    """Velocity in the flat-Earth frame of the UAV."""
 
     battery: NotRequired["BatteryInfo"]
-    """State of its battery."""
+    """State of the battery."""
 
     light: NotRequired["ColorRGB565"]
-    """Colour of its main light, where it has one."""
+    """Colour of the main light, if the UAV has one."""
 
     rssi: NotRequired[list["Rssi"]]
-    """Strength of its signal, channel by channel."""
+    """Signal strength of each channel."""
 
     errors: NotRequired[list[int]]
-    """What is the matter with it, by the tables of error codes. Left out, nothing is."""
+    """Current error codes. Defaults to an empty list: no errors."""
 
     debug: NotRequired["Base64"]
-    """Bytes that its algorithm gives for the search of mistakes."""
+    """Debugging data from the UAV's algorithm."""
 
 
 VelocityNED: TypeAlias = list[int]
-"""A velocity in the directions of the compass.
+"""Velocity in the north, east and down directions.
 
-- north: Northwards. Unit: mm/s (millimetres per second).
-- east: Eastwards. Unit: mm/s (millimetres per second).
-- down: Downwards: negative in climb. Unit: mm/s (millimetres per second).
+- north: Velocity north. Unit: mm/s (millimetres per second).
+- east: Velocity east. Unit: mm/s (millimetres per second).
+- down: Velocity down: negative when climbing. Unit: mm/s (millimetres per second).
 """
 
 
 VelocityXYZ: TypeAlias = list[int]
-"""A velocity in the frame of PositionXYZ.
+"""Velocity in the frame of PositionXYZ.
 
-- x: Along X. Unit: mm/s (millimetres per second).
-- y: Along Y. Unit: mm/s (millimetres per second).
-- z: Along Z: positive in climb. Unit: mm/s (millimetres per second).
+- x: Velocity along X. Unit: mm/s (millimetres per second).
+- y: Velocity along Y. Unit: mm/s (millimetres per second).
+- z: Velocity along Z: positive when climbing. Unit: mm/s (millimetres per second).
 """
 
 
 Version: TypeAlias = str
-"""One to three numbers with dots between them: major, minor, patch.
+"""Version number: major, minor and patch, separated by dots. The last two parts are optional.
 
 Pattern: ^[0-9]+([.][0-9]+){0,2}$.
 """
 
 
 class Weather(TypedDict):
-    """The weather at a place and time.
+    """Weather at a position and time.
 
-    Disputed: stationId is in the schema and in examples, but not in the text's table. An example calls magneticVector magneticField.
+    Disputed: the JSON Schema and the examples include stationId; the table of the specification text does not. In one example, magneticVector is called magneticField.
     """
 
     position: "GPSCoordinate"
-    """The place."""
+    """Position."""
 
     timestamp: "Timestamp"
-    """The time."""
+    """Time."""
 
     stationId: NotRequired["ObjectId"]
-    """The weather station that says it."""
+    """Weather station that provided the data."""
 
     code: NotRequired[int]
-    """The conditions, by the numbers of OpenWeatherMap.
+    """Weather condition code, as defined by OpenWeatherMap.
 
     Range: 200 to 804.
     """
 
     sunrise: NotRequired["Timestamp"]
-    """When the Sun rises; negative where it doesn't on that day."""
+    """Time of sunrise; negative if the Sun does not rise on that day."""
 
     sunset: NotRequired["Timestamp"]
-    """When the Sun sets; negative where it doesn't on that day."""
+    """Time of sunset; negative if the Sun does not set on that day."""
 
     temperature: NotRequired["Temperature"]
-    """Temperature of the air."""
+    """Air temperature."""
 
     feelsLike: NotRequired["Temperature"]
-    """The temperature that people feel."""
+    """Perceived temperature."""
 
     pressure: NotRequired[int]
-    """Pressure of the air at sea level.
+    """Air pressure at sea level.
 
     Unit: Pa (pascals).
     """
@@ -1566,43 +1566,43 @@ class Weather(TypedDict):
     """Relative humidity."""
 
     dewPoint: NotRequired["Temperature"]
-    """Below it water condenses."""
+    """Dew point."""
 
     clouds: NotRequired["Percentage"]
-    """How much of the sky is covered."""
+    """Cloud cover."""
 
     uvIndex: NotRequired[int]
-    """A hundred times the UV index.
+    """UV index, multiplied by 100.
 
     Range: 0 or more.
     """
 
     kpIndex: NotRequired[int]
-    """Planetary K-index: how disturbed the Earth's magnetic field is.
+    """Planetary K-index, a measure of geomagnetic disturbance.
 
     Range: 0 to 9.
     """
 
     magneticVector: NotRequired["MagneticVector"]
-    """The Earth's magnetic field there."""
+    """Magnetic field of the Earth at the position."""
 
     visibility: NotRequired[int]
-    """How far one sees.
+    """Visibility.
 
     Unit: m (metres); range: 0 or more.
     """
 
     windDirection: NotRequired["Heading"]
-    """Where the wind comes from, clockwise from north."""
+    """Direction from which the wind blows, clockwise from north."""
 
     windSpeed: NotRequired[int]
-    """Speed of the wind.
+    """Wind speed.
 
     Unit: mm/s (millimetres per second); range: 0 or more.
     """
 
     windGust: NotRequired[int]
-    """Speed of the gusts.
+    """Wind gust speed.
 
     Unit: mm/s (millimetres per second); range: 0 or more.
     """
@@ -1611,9 +1611,9 @@ class Weather(TypedDict):
 class AckAckResponse(TypedDict):
     """Body of a response of type ACK-ACK.
 
-    The request was carried out, and there is nothing to report.
+    The request succeeded, and there is no result to return.
 
-    No fields beside type.
+    No fields besides type.
 
     The object is closed.
     """
@@ -1625,24 +1625,24 @@ class AckAckResponse(TypedDict):
 class AckNakResponse(TypedDict):
     """Body of a response of type ACK-NAK.
 
-    The request was turned down, or it was tried and failed. Any request may be answered so; one that needs a login is, where nobody has logged in.
+    The request was refused or failed. ACK-NAK may answer any request. It also answers a request that requires a login if no user is logged in.
 
     The object is closed.
 
-    Disputed: the text about SHOW-SETCFG and SHOW-SETLIGHTS writes ACK-NACK. No such type is defined; this one is meant.
+    Disputed: the specification text of SHOW-SETCFG and SHOW-SETLIGHTS mentions ACK-NACK. No such type is defined; ACK-NAK is meant.
     """
 
     type: Literal["ACK-NAK"]
     """The type of the message."""
 
     reason: NotRequired[str]
-    """Why, in words for people."""
+    """Human-readable reason."""
 
 
 class AsyncCancelRequest(TypedDict):
     """Body of a request of type ASYNC-CANCEL.
 
-    The client has lost interest in operations. Those that were cancelled still end in an ASYNC-RESP, with an error.
+    Cancels operations that the client no longer needs. A cancelled operation still ends with an ASYNC-RESP that contains an error.
 
     Answered by ASYNC-CANCEL.
     """
@@ -1651,7 +1651,7 @@ class AsyncCancelRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ReceiptId"]
-    """The operations.
+    """Receipts of the operations.
 
     No element stands in it twice.
     """
@@ -1660,7 +1660,7 @@ class AsyncCancelRequest(TypedDict):
 class AsyncCancelResponse(TypedDict):
     """Body of a response of type ASYNC-CANCEL.
 
-    The client has lost interest in operations. Those that were cancelled still end in an ASYNC-RESP, with an error.
+    Cancels operations that the client no longer needs. A cancelled operation still ends with an ASYNC-RESP that contains an error.
 
     The object is closed.
     """
@@ -1669,42 +1669,42 @@ class AsyncCancelResponse(TypedDict):
     """The type of the message."""
 
     success: NotRequired[list["ReceiptId"]]
-    """The operations that were cancelled.
+    """Cancelled operations.
 
     No element stands in it twice.
     """
 
     error: NotRequired[dict[str, str]]
-    """Why others weren't, by receipt."""
+    """Reason for each failure, by receipt."""
 
 
 class AsyncRespNotification(TypedDict):
     """Body of a notification of type ASYNC-RESP.
 
-    An operation has come to its end. Exactly one of result and error is there.
+    Reports the end of an operation. Exactly one of result and error is present.
 
-    Disputed: the result is an object in the text's table, a number in its example, and anything in the schema. Here it may be anything.
+    Disputed: the result is an object in the table of the specification text, a number in its example, and any value in the JSON Schema. This definition allows any value.
     """
 
     type: Literal["ASYNC-RESP"]
     """The type of the message."""
 
     id: "ReceiptId"
-    """The operation."""
+    """Receipt of the operation."""
 
     result: NotRequired[Any]
-    """What came of it, in the form in which the response would have had it."""
+    """Result, in the form that the response would have used."""
 
     error: NotRequired[str]
-    """Why nothing came of it."""
+    """Reason for the failure."""
 
 
 class AsyncResumeRequest(TypedDict):
     """Body of a request of type ASYNC-RESUME.
 
-    The client has what suspended operations are waiting for.
+    Resumes suspended operations with the values that they wait for.
 
-    Disputed: the values are objects in the text and anything in the schema. Here they may be anything.
+    Disputed: the values are objects in the specification text and any values in the JSON Schema. This definition allows any value.
 
     Answered by ASYNC-RESUME.
     """
@@ -1713,19 +1713,19 @@ class AsyncResumeRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ReceiptId"]
-    """The operations.
+    """Receipts of the operations.
 
     No element stands in it twice.
     """
 
     values: NotRequired[dict[str, Any]]
-    """What to hand to them, by receipt."""
+    """Values to pass to the operations, by receipt."""
 
 
 class AsyncResumeResponse(TypedDict):
     """Body of a response of type ASYNC-RESUME.
 
-    The client has what suspended operations are waiting for.
+    Resumes suspended operations with the values that they wait for.
 
     The object is closed.
     """
@@ -1734,47 +1734,47 @@ class AsyncResumeResponse(TypedDict):
     """The type of the message."""
 
     success: NotRequired[list["ReceiptId"]]
-    """The operations that go on.
+    """Resumed operations.
 
     No element stands in it twice.
     """
 
     error: NotRequired[dict[str, str]]
-    """Why others don't, by receipt."""
+    """Reason for each failure, by receipt."""
 
 
 class AsyncStNotification(TypedDict):
     """Body of a notification of type ASYNC-ST.
 
-    How an operation is getting on, or that it waits for the client.
+    Reports the progress of an operation, or that it is suspended.
 
-    Disputed: the percentage of the progress may be null by the text, but not by the schema. Here it may.
+    Disputed: the specification text allows null for the percentage of the progress; the JSON Schema does not. This definition allows it.
     """
 
     type: Literal["ASYNC-ST"]
     """The type of the message."""
 
     id: "ReceiptId"
-    """The operation."""
+    """Receipt of the operation."""
 
     progress: "Progress"
-    """How far it has got."""
+    """Progress."""
 
     suspended: NotRequired[bool]
-    """Whether it waits for an ASYNC-RESUME."""
+    """True if the operation waits for an ASYNC-RESUME."""
 
 
 class AsyncTimeoutNotification(TypedDict):
     """Body of a notification of type ASYNC-TIMEOUT.
 
-    The server has given up waiting for operations.
+    Reports operations that the server no longer waits for.
     """
 
     type: Literal["ASYNC-TIMEOUT"]
     """The type of the message."""
 
     ids: list["ReceiptId"]
-    """The operations.
+    """Receipts of the operations.
 
     No element stands in it twice.
     """
@@ -1783,9 +1783,9 @@ class AsyncTimeoutNotification(TypedDict):
 class AuthInfRequest(TypedDict):
     """Body of a request of type AUTH-INF.
 
-    Asks how to log in, and whether one has to.
+    Queries the authentication methods and whether authentication is required.
 
-    No fields beside type.
+    No fields besides type.
 
     The object is closed.
 
@@ -1799,25 +1799,25 @@ class AuthInfRequest(TypedDict):
 class AuthInfResponse(TypedDict):
     """Body of a response of type AUTH-INF.
 
-    Asks how to log in, and whether one has to.
+    Queries the authentication methods and whether authentication is required.
     """
 
     type: Literal["AUTH-INF"]
     """The type of the message."""
 
     methods: list["AuthenticationMethod"]
-    """The ways to log in."""
+    """Supported authentication methods."""
 
     required: bool
-    """Whether one has to log in."""
+    """True if authentication is required."""
 
 
 class AuthReqRequest(TypedDict):
     """Body of a request of type AUTH-REQ.
 
-    Logs in, or takes the next step of a login that has several.
+    Starts a login, or takes the next step of a login with several steps.
 
-    Disputed: without session the request belongs to the login under way, says the text; the schema takes it for 0 then.
+    Disputed: according to the specification text, a request without session continues the current login; according to the JSON Schema, session defaults to 0.
 
     Answered by AUTH-RESP.
     """
@@ -1826,47 +1826,47 @@ class AuthReqRequest(TypedDict):
     """The type of the message."""
 
     method: "AuthenticationMethod"
-    """The way to log in."""
+    """Authentication method."""
 
     data: str
-    """What this step of the method demands."""
+    """Data for this step of the method."""
 
     session: NotRequired[int]
-    """Tells a login from one given up before: another number starts afresh."""
+    """Number of the login attempt. A new number starts a new attempt and abandons the previous one."""
 
 
 class AuthRespResponse(TypedDict):
     """Body of a response of type AUTH-RESP.
 
-    The outcome of a login, or a challenge for its next step. Exactly one of result and data is there, and user exactly where result is true.
+    Reports the outcome of a login, or a challenge for its next step. Exactly one of result and data is present. user is present exactly if result is true.
 
     The object is closed.
 
-    Disputed: reason is in the schema only. The schema also has a pattern for user that the text doesn't know and that one of its examples breaks, by a blank; here any text will do.
+    Disputed: only the JSON Schema includes reason. The JSON Schema also has a pattern for user, which the specification text does not mention and which one of its examples violates with a space. This definition allows any string.
     """
 
     type: Literal["AUTH-RESP"]
     """The type of the message."""
 
     result: NotRequired[bool]
-    """Whether the user is logged in."""
+    """True if the user is logged in."""
 
     user: NotRequired[str]
-    """Who that is: a name, perhaps with @ and a domain."""
+    """Name of the user, optionally with @ and a domain."""
 
     data: NotRequired[str]
-    """The challenge."""
+    """Challenge."""
 
     reason: NotRequired[str]
-    """Why the login failed."""
+    """Reason for the failure of the login."""
 
 
 class AuthWhoamiRequest(TypedDict):
     """Body of a request of type AUTH-WHOAMI.
 
-    Asks who is logged in on this connection.
+    Queries the user who is logged in on this connection.
 
-    No fields beside type.
+    No fields besides type.
 
     The object is closed.
 
@@ -1880,20 +1880,20 @@ class AuthWhoamiRequest(TypedDict):
 class AuthWhoamiResponse(TypedDict):
     """Body of a response of type AUTH-WHOAMI.
 
-    Asks who is logged in on this connection.
+    Queries the user who is logged in on this connection.
     """
 
     type: Literal["AUTH-WHOAMI"]
     """The type of the message."""
 
     user: str
-    """Who that is: a name, perhaps with @ and a domain. Empty where nobody is."""
+    """Name of the user, optionally with @ and a domain. Empty if no user is logged in."""
 
 
 class BcnInfRequest(TypedDict):
     """Body of a request of type BCN-INF.
 
-    Asks for the state of beacons.
+    Queries the state of beacons.
 
     Answered by BCN-INF.
     """
@@ -1902,7 +1902,7 @@ class BcnInfRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The beacons.
+    """Ids of the beacons.
 
     No element stands in it twice.
     """
@@ -1911,9 +1911,9 @@ class BcnInfRequest(TypedDict):
 class BcnInfResponse(TypedDict):
     """Body of a response of type BCN-INF.
 
-    Asks for the state of beacons.
+    Queries the state of beacons.
 
-    Each beacon that was asked for stands in exactly one of the two maps.
+    Each requested beacon appears in exactly one of the two maps.
 
     The object is closed.
     """
@@ -1922,16 +1922,16 @@ class BcnInfResponse(TypedDict):
     """The type of the message."""
 
     status: NotRequired[dict[str, "BeaconStatusInfo"]]
-    """The state, by beacon."""
+    """State of each beacon, by id."""
 
     error: NotRequired[dict[str, str]]
-    """Why there is none, by beacon."""
+    """Reason for each failure, by beacon id."""
 
 
 class BcnPropsRequest(TypedDict):
     """Body of a request of type BCN-PROPS.
 
-    Asks for what hardly ever changes about beacons.
+    Queries properties of beacons that rarely change.
 
     Answered by BCN-PROPS.
     """
@@ -1940,7 +1940,7 @@ class BcnPropsRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The beacons.
+    """Ids of the beacons.
 
     No element stands in it twice.
     """
@@ -1949,9 +1949,9 @@ class BcnPropsRequest(TypedDict):
 class BcnPropsResponse(TypedDict):
     """Body of a response of type BCN-PROPS.
 
-    Asks for what hardly ever changes about beacons.
+    Queries properties of beacons that rarely change.
 
-    Each beacon that was asked for stands in exactly one of the three maps.
+    Each requested beacon appears in exactly one of the three maps.
 
     The object is closed.
     """
@@ -1960,19 +1960,19 @@ class BcnPropsResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, "BeaconBasicProperties"]]
-    """The properties, by beacon."""
+    """Properties of each beacon, by id."""
 
     error: NotRequired[dict[str, str]]
-    """Why there are none, by beacon."""
+    """Reason for each failure, by beacon id."""
 
     receipt: NotRequired[dict[str, "ReceiptId"]]
-    """Where they come later: the receipt, by beacon."""
+    """Receipt of each pending operation, by beacon id."""
 
 
 class ClkInfRequest(TypedDict):
     """Body of a request of type CLK-INF.
 
-    Asks for the state of clocks. The server also sends it by itself when one is started, stopped or set.
+    Queries the state of clocks. The server also sends it as a notification when a clock is started, stopped or set.
 
     Answered by CLK-INF.
     """
@@ -1981,7 +1981,7 @@ class ClkInfRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ClockId"]
-    """The clocks.
+    """Ids of the clocks.
 
     No element stands in it twice.
     """
@@ -1990,9 +1990,9 @@ class ClkInfRequest(TypedDict):
 class ClkInfResponse(TypedDict):
     """Body of a response of type CLK-INF.
 
-    Asks for the state of clocks. The server also sends it by itself when one is started, stopped or set.
+    Queries the state of clocks. The server also sends it as a notification when a clock is started, stopped or set.
 
-    Each clock that was asked for stands in exactly one of the two maps.
+    Each requested clock appears in exactly one of the two maps.
 
     The object is closed.
     """
@@ -2001,35 +2001,35 @@ class ClkInfResponse(TypedDict):
     """The type of the message."""
 
     status: NotRequired[dict[str, "ClockInfo"]]
-    """The state, by clock."""
+    """State of each clock, by id."""
 
     error: NotRequired[dict[str, str]]
-    """Why there is none, by clock."""
+    """Reason for each failure, by clock id."""
 
 
 class ClkInfNotification(TypedDict):
     """Body of a notification of type CLK-INF.
 
-    Asks for the state of clocks. The server also sends it by itself when one is started, stopped or set.
+    Queries the state of clocks. The server also sends it as a notification when a clock is started, stopped or set.
 
-    Not stated: the fields of the notification. They are taken to be those of the response without error, as in CONN-INF.
+    Not stated: the fields of the notification. This definition uses those of the response except error, as in CONN-INF.
 
-    Disputed: the published schema of notifications lacks this one, which the text allows.
+    Disputed: the specification text allows this notification; the JSON Schema of notifications does not include it.
     """
 
     type: Literal["CLK-INF"]
     """The type of the message."""
 
     status: NotRequired[dict[str, "ClockInfo"]]
-    """The state, by clock."""
+    """State of each clock, by id."""
 
 
 class ClkListRequest(TypedDict):
     """Body of a request of type CLK-LIST.
 
-    Asks which clocks there are.
+    Lists the ids of all clocks.
 
-    No fields beside type.
+    No fields besides type.
 
     The object is closed.
 
@@ -2043,7 +2043,7 @@ class ClkListRequest(TypedDict):
 class ClkListResponse(TypedDict):
     """Body of a response of type CLK-LIST.
 
-    Asks which clocks there are.
+    Lists the ids of all clocks.
 
     The object is closed.
     """
@@ -2052,7 +2052,7 @@ class ClkListResponse(TypedDict):
     """The type of the message."""
 
     ids: list["ClockId"]
-    """The clocks.
+    """Ids of the clocks.
 
     No element stands in it twice.
     """
@@ -2061,14 +2061,14 @@ class ClkListResponse(TypedDict):
 class ConnDelNotification(TypedDict):
     """Body of a notification of type CONN-DEL.
 
-    Connections are gone from the server.
+    Reports connections that no longer exist on the server.
     """
 
     type: Literal["CONN-DEL"]
     """The type of the message."""
 
     ids: list["ConnectionId"]
-    """The connections.
+    """Ids of the connections.
 
     No element stands in it twice.
     """
@@ -2077,7 +2077,7 @@ class ConnDelNotification(TypedDict):
 class ConnInfRequest(TypedDict):
     """Body of a request of type CONN-INF.
 
-    Asks for the state of connections. The server also sends it by itself when the state of one changes.
+    Queries the state of connections. The server also sends it as a notification when the state of a connection changes.
 
     Answered by CONN-INF.
     """
@@ -2086,7 +2086,7 @@ class ConnInfRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ConnectionId"]
-    """The connections.
+    """Ids of the connections.
 
     No element stands in it twice.
     """
@@ -2095,9 +2095,9 @@ class ConnInfRequest(TypedDict):
 class ConnInfResponse(TypedDict):
     """Body of a response of type CONN-INF.
 
-    Asks for the state of connections. The server also sends it by itself when the state of one changes.
+    Queries the state of connections. The server also sends it as a notification when the state of a connection changes.
 
-    Each connection that was asked for stands in exactly one of the two maps.
+    Each requested connection appears in exactly one of the two maps.
 
     The object is closed.
     """
@@ -2106,35 +2106,35 @@ class ConnInfResponse(TypedDict):
     """The type of the message."""
 
     status: NotRequired[dict[str, "ConnectionInfo"]]
-    """The state, by connection."""
+    """State of each connection, by id."""
 
     error: NotRequired[dict[str, str]]
-    """Why there is none, by connection."""
+    """Reason for each failure, by connection id."""
 
 
 class ConnInfNotification(TypedDict):
     """Body of a notification of type CONN-INF.
 
-    Asks for the state of connections. The server also sends it by itself when the state of one changes.
+    Queries the state of connections. The server also sends it as a notification when the state of a connection changes.
 
-    Nothing but status should be there.
+    status should be the only field.
 
-    Disputed: the published schema of notifications lacks this one, which the text allows.
+    Disputed: the specification text allows this notification; the JSON Schema of notifications does not include it.
     """
 
     type: Literal["CONN-INF"]
     """The type of the message."""
 
     status: NotRequired[dict[str, "ConnectionInfo"]]
-    """The state, by connection."""
+    """State of each connection, by id."""
 
 
 class ConnListRequest(TypedDict):
     """Body of a request of type CONN-LIST.
 
-    Asks which connections there are.
+    Lists the ids of all connections.
 
-    No fields beside type.
+    No fields besides type.
 
     The object is closed.
 
@@ -2148,14 +2148,14 @@ class ConnListRequest(TypedDict):
 class ConnListResponse(TypedDict):
     """Body of a response of type CONN-LIST.
 
-    Asks which connections there are.
+    Lists the ids of all connections.
     """
 
     type: Literal["CONN-LIST"]
     """The type of the message."""
 
     ids: list["ConnectionId"]
-    """The connections.
+    """Ids of the connections.
 
     No element stands in it twice.
     """
@@ -2164,7 +2164,7 @@ class ConnListResponse(TypedDict):
 class DevInfRequest(TypedDict):
     """Body of a request of type DEV-INF.
 
-    Asks for the values of channels. A path that names a device stands for all channels below it: its value is then an object that has the form of that part of the tree. The server also sends it by itself when a channel changes that the client has subscribed to.
+    Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends it as a notification when a subscribed channel changes.
 
     Answered by DEV-INF.
     """
@@ -2173,52 +2173,52 @@ class DevInfRequest(TypedDict):
     """The type of the message."""
 
     paths: list["DeviceTreePath"]
-    """The channels and devices."""
+    """Paths of the channels and devices."""
 
 
 class DevInfResponse(TypedDict):
     """Body of a response of type DEV-INF.
 
-    Asks for the values of channels. A path that names a device stands for all channels below it: its value is then an object that has the form of that part of the tree. The server also sends it by itself when a channel changes that the client has subscribed to.
+    Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends it as a notification when a subscribed channel changes.
 
-    Each path that was asked for stands in exactly one of the two maps.
+    Each requested path appears in exactly one of the two maps.
 
     The object is closed.
 
-    Disputed: the schema requires values, the text doesn't. Here they may be left out. Elsewhere the text calls them status, which no message of this type has.
+    Disputed: the JSON Schema requires values; the specification text does not. This definition makes it optional. Another part of the text calls the field status, which no message of this type has.
     """
 
     type: Literal["DEV-INF"]
     """The type of the message."""
 
     values: NotRequired[dict[str, Any]]
-    """The values, by path; null where one isn't known yet."""
+    """Value of each channel or device, by path; null if not known yet."""
 
     error: NotRequired[dict[str, str]]
-    """Why there is none, by path."""
+    """Reason for each failure, by path."""
 
 
 class DevInfNotification(TypedDict):
     """Body of a notification of type DEV-INF.
 
-    Asks for the values of channels. A path that names a device stands for all channels below it: its value is then an object that has the form of that part of the tree. The server also sends it by itself when a channel changes that the client has subscribed to.
+    Queries the values of channels. The path of a device selects all channels below it; the value for such a path is an object with the same structure as that part of the tree. The server also sends it as a notification when a subscribed channel changes.
 
-    Nothing but values should be there.
+    values should be the only field.
 
-    Disputed: the published schema of notifications lacks this one, which the text allows.
+    Disputed: the specification text allows this notification; the JSON Schema of notifications does not include it.
     """
 
     type: Literal["DEV-INF"]
     """The type of the message."""
 
     values: NotRequired[dict[str, Any]]
-    """The values, by path; null where one isn't known yet."""
+    """Value of each channel or device, by path; null if not known yet."""
 
 
 class DevListRequest(TypedDict):
     """Body of a request of type DEV-LIST.
 
-    Asks for the device trees of objects.
+    Queries the device trees of objects.
 
     Answered by DEV-LIST.
     """
@@ -2227,7 +2227,7 @@ class DevListRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The objects.
+    """Ids of the objects.
 
     No element stands in it twice.
     """
@@ -2236,9 +2236,9 @@ class DevListRequest(TypedDict):
 class DevListResponse(TypedDict):
     """Body of a response of type DEV-LIST.
 
-    Asks for the device trees of objects.
+    Queries the device trees of objects.
 
-    Each object that was asked for stands in exactly one of the two maps. One without devices has an empty tree.
+    Each requested object appears in exactly one of the two maps. An object without devices has an empty tree.
 
     The object is closed.
     """
@@ -2247,18 +2247,18 @@ class DevListResponse(TypedDict):
     """The type of the message."""
 
     devices: NotRequired[dict[str, "DeviceTreeNode"]]
-    """The trees, by object."""
+    """Device tree of each object, by id."""
 
     error: NotRequired[dict[str, str]]
-    """Why there is none, by object."""
+    """Reason for each failure, by object id."""
 
 
 class DevListsubRequest(TypedDict):
     """Body of a request of type DEV-LISTSUB.
 
-    Asks what the client has subscribed to.
+    Lists the subscriptions of the client.
 
-    Disputed: the schema requires the filter, the text doesn't. Here it may be left out.
+    Disputed: the JSON Schema requires the filter; the specification text does not. This definition makes it optional.
 
     Answered by DEV-LISTSUB.
     """
@@ -2267,32 +2267,32 @@ class DevListsubRequest(TypedDict):
     """The type of the message."""
 
     pathFilter: NotRequired[list["DeviceTreePath"]]
-    """Only subscriptions at or below these paths are wanted. Left out, all are."""
+    """Paths to filter by: only subscriptions at or below them are listed. If omitted, all are listed."""
 
 
 class DevListsubResponse(TypedDict):
     """Body of a response of type DEV-LISTSUB.
 
-    Asks what the client has subscribed to.
+    Lists the subscriptions of the client.
 
     The object is closed.
 
-    Disputed: the text requires the paths, the schema doesn't. Here they may be left out.
+    Disputed: the specification text requires paths; the JSON Schema does not. This definition makes it optional.
     """
 
     type: Literal["DEV-LISTSUB"]
     """The type of the message."""
 
     paths: NotRequired[list["DeviceTreePath"]]
-    """The subscriptions. A path stands there as often as it was subscribed to, and again for each filter that it fits."""
+    """Subscribed paths. A path appears once per subscription, and again for each filter that matches it."""
 
 
 class DevSubRequest(TypedDict):
     """Body of a request of type DEV-SUB.
 
-    Subscribes to channels, or to all channels below devices. The same path may be subscribed to several times.
+    Subscribes to channels, or to all channels below devices. A client may subscribe to the same path several times.
 
-    Not stated: what lazy means. The text doesn't have it; the schema has its type and no more.
+    Not stated: the meaning of lazy. The specification text does not mention it; the JSON Schema only gives its type.
 
     Answered by DEV-SUB.
     """
@@ -2301,16 +2301,16 @@ class DevSubRequest(TypedDict):
     """The type of the message."""
 
     paths: list["DeviceTreePath"]
-    """The channels and devices."""
+    """Paths of the channels and devices."""
 
     lazy: NotRequired[bool]
-    """See below."""
+    """Not stated."""
 
 
 class DevSubResponse(TypedDict):
     """Body of a response of type DEV-SUB.
 
-    Subscribes to channels, or to all channels below devices. The same path may be subscribed to several times.
+    Subscribes to channels, or to all channels below devices. A client may subscribe to the same path several times.
 
     The object is closed.
     """
@@ -2319,16 +2319,16 @@ class DevSubResponse(TypedDict):
     """The type of the message."""
 
     success: NotRequired[list["DeviceTreePath"]]
-    """What the client is subscribed to now."""
+    """Paths that the client is now subscribed to."""
 
     error: NotRequired[dict[str, str]]
-    """Why it isn't, by path."""
+    """Reason for each failure, by path."""
 
 
 class DevUnsubRequest(TypedDict):
     """Body of a request of type DEV-UNSUB.
 
-    Takes subscriptions back: for each path one, or all.
+    Removes one or all subscriptions to each path.
 
     Answered by DEV-UNSUB.
     """
@@ -2337,19 +2337,19 @@ class DevUnsubRequest(TypedDict):
     """The type of the message."""
 
     paths: list["DeviceTreePath"]
-    """The paths as they were subscribed to."""
+    """Paths as they were subscribed to."""
 
     removeAll: NotRequired[bool]
-    """Whether all subscriptions to a path end, not only one. Left out, only one."""
+    """True to remove all subscriptions to each path; false to remove only one. Defaults to false."""
 
     includeSubtrees: NotRequired[bool]
-    """Whether subscriptions below the paths end, too. Left out, they don't."""
+    """True to also remove subscriptions below the paths. Defaults to false."""
 
 
 class DevUnsubResponse(TypedDict):
     """Body of a response of type DEV-UNSUB.
 
-    Takes subscriptions back: for each path one, or all.
+    Removes one or all subscriptions to each path.
 
     The object is closed.
     """
@@ -2358,16 +2358,16 @@ class DevUnsubResponse(TypedDict):
     """The type of the message."""
 
     success: NotRequired[list["DeviceTreePath"]]
-    """What ended. With includeSubtrees there may be paths that the request doesn't have."""
+    """Removed subscriptions. With includeSubtrees, this may include paths that are not in the request."""
 
     error: NotRequired[dict[str, str]]
-    """Why others didn't, by path."""
+    """Reason for each failure, by path."""
 
 
 class DockInfRequest(TypedDict):
     """Body of a request of type DOCK-INF.
 
-    Asks for the state of docking stations.
+    Queries the state of docking stations.
 
     Answered by DOCK-INF.
     """
@@ -2376,7 +2376,7 @@ class DockInfRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The stations.
+    """Ids of the stations.
 
     No element stands in it twice.
     """
@@ -2385,9 +2385,9 @@ class DockInfRequest(TypedDict):
 class DockInfResponse(TypedDict):
     """Body of a response of type DOCK-INF.
 
-    Asks for the state of docking stations.
+    Queries the state of docking stations.
 
-    Each station that was asked for stands in exactly one of the two maps.
+    Each requested station appears in exactly one of the two maps.
 
     The object is closed.
     """
@@ -2396,16 +2396,16 @@ class DockInfResponse(TypedDict):
     """The type of the message."""
 
     status: NotRequired[dict[str, "DockStatusInfo"]]
-    """The state, by station."""
+    """State of each station, by id."""
 
     error: NotRequired[dict[str, str]]
-    """Why there is none, by station."""
+    """Reason for each failure, by station id."""
 
 
 class ExtCfgRequest(TypedDict):
     """Body of a request of type EXT-CFG.
 
-    Asks how extensions are configured.
+    Queries the configuration of extensions.
 
     Answered by EXT-CFG.
     """
@@ -2414,7 +2414,7 @@ class ExtCfgRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ExtensionId"]
-    """The extensions.
+    """Ids of the extensions.
 
     No element stands in it twice.
     """
@@ -2423,7 +2423,7 @@ class ExtCfgRequest(TypedDict):
 class ExtCfgResponse(TypedDict):
     """Body of a response of type EXT-CFG.
 
-    Asks how extensions are configured.
+    Queries the configuration of extensions.
 
     The object is closed.
     """
@@ -2432,16 +2432,16 @@ class ExtCfgResponse(TypedDict):
     """The type of the message."""
 
     status: NotRequired[dict[str, dict[str, Any]]]
-    """The configuration, by extension."""
+    """Configuration of each extension, by id."""
 
     error: NotRequired[dict[str, str]]
-    """Why there is none, by extension."""
+    """Reason for each failure, by extension id."""
 
 
 class ExtInfRequest(TypedDict):
     """Body of a request of type EXT-INF.
 
-    Asks for particulars of extensions.
+    Queries information about extensions.
 
     Answered by EXT-INF.
     """
@@ -2450,7 +2450,7 @@ class ExtInfRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ExtensionId"]
-    """The extensions.
+    """Ids of the extensions.
 
     No element stands in it twice.
     """
@@ -2459,9 +2459,9 @@ class ExtInfRequest(TypedDict):
 class ExtInfResponse(TypedDict):
     """Body of a response of type EXT-INF.
 
-    Asks for particulars of extensions.
+    Queries information about extensions.
 
-    Each extension that was asked for stands in exactly one of the two maps.
+    Each requested extension appears in exactly one of the two maps.
 
     The object is closed.
     """
@@ -2470,18 +2470,18 @@ class ExtInfResponse(TypedDict):
     """The type of the message."""
 
     status: NotRequired[dict[str, "ExtensionInfo"]]
-    """The particulars, by extension."""
+    """Information about each extension, by id."""
 
     error: NotRequired[dict[str, str]]
-    """Why there are none, by extension."""
+    """Reason for each failure, by extension id."""
 
 
 class ExtListRequest(TypedDict):
     """Body of a request of type EXT-LIST.
 
-    Asks which extensions there are.
+    Lists the loaded and available extensions.
 
-    No fields beside type.
+    No fields besides type.
 
     The object is closed.
 
@@ -2495,7 +2495,7 @@ class ExtListRequest(TypedDict):
 class ExtListResponse(TypedDict):
     """Body of a response of type EXT-LIST.
 
-    Asks which extensions there are.
+    Lists the loaded and available extensions.
 
     The object is closed.
     """
@@ -2504,13 +2504,13 @@ class ExtListResponse(TypedDict):
     """The type of the message."""
 
     loaded: list["ExtensionId"]
-    """Those that are in use.
+    """Loaded extensions.
 
     No element stands in it twice.
     """
 
     available: list["ExtensionId"]
-    """Those that aren't and could be.
+    """Extensions that are not loaded but could be.
 
     No element stands in it twice.
     """
@@ -2519,7 +2519,7 @@ class ExtListResponse(TypedDict):
 class ExtLoadRequest(TypedDict):
     """Body of a request of type EXT-LOAD.
 
-    Takes extensions into use.
+    Loads extensions.
 
     Answered by EXT-LOAD.
     """
@@ -2528,7 +2528,7 @@ class ExtLoadRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ExtensionId"]
-    """The extensions.
+    """Ids of the extensions.
 
     No element stands in it twice.
     """
@@ -2537,7 +2537,7 @@ class ExtLoadRequest(TypedDict):
 class ExtLoadResponse(TypedDict):
     """Body of a response of type EXT-LOAD.
 
-    Takes extensions into use.
+    Loads extensions.
 
     The object is closed.
     """
@@ -2546,16 +2546,16 @@ class ExtLoadResponse(TypedDict):
     """The type of the message."""
 
     status: NotRequired[dict[str, dict[str, Any]]]
-    """The extensions that are loaded now."""
+    """Extensions that are now loaded."""
 
     error: NotRequired[dict[str, str]]
-    """Why others aren't, by extension."""
+    """Reason for each failure, by extension id."""
 
 
 class ExtReloadRequest(TypedDict):
     """Body of a request of type EXT-RELOAD.
 
-    Takes extensions out of use and into use again.
+    Unloads extensions and loads them again.
 
     Answered by EXT-RELOAD.
     """
@@ -2564,7 +2564,7 @@ class ExtReloadRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ExtensionId"]
-    """The extensions.
+    """Ids of the extensions.
 
     No element stands in it twice.
     """
@@ -2573,7 +2573,7 @@ class ExtReloadRequest(TypedDict):
 class ExtReloadResponse(TypedDict):
     """Body of a response of type EXT-RELOAD.
 
-    Takes extensions out of use and into use again.
+    Unloads extensions and loads them again.
 
     The object is closed.
     """
@@ -2582,10 +2582,10 @@ class ExtReloadResponse(TypedDict):
     """The type of the message."""
 
     status: NotRequired[dict[str, dict[str, Any]]]
-    """The extensions that were reloaded."""
+    """Extensions that were reloaded."""
 
     error: NotRequired[dict[str, str]]
-    """Why others weren't, by extension."""
+    """Reason for each failure, by extension id."""
 
 
 class ExtSetcfgRequest(TypedDict):
@@ -2600,7 +2600,7 @@ class ExtSetcfgRequest(TypedDict):
     """The type of the message."""
 
     ids: dict[str, dict[str, Any]]
-    """The new configuration, by extension."""
+    """New configuration of each extension, by id."""
 
 
 class ExtSetcfgResponse(TypedDict):
@@ -2615,16 +2615,16 @@ class ExtSetcfgResponse(TypedDict):
     """The type of the message."""
 
     status: NotRequired[dict[str, dict[str, Any]]]
-    """The extensions that are configured so now."""
+    """Extensions that now have the new configuration."""
 
     error: NotRequired[dict[str, str]]
-    """Why others aren't, by extension."""
+    """Reason for each failure, by extension id."""
 
 
 class ExtUnloadRequest(TypedDict):
     """Body of a request of type EXT-UNLOAD.
 
-    Takes extensions out of use.
+    Unloads extensions.
 
     Answered by EXT-UNLOAD.
     """
@@ -2633,7 +2633,7 @@ class ExtUnloadRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ExtensionId"]
-    """The extensions.
+    """Ids of the extensions.
 
     No element stands in it twice.
     """
@@ -2642,7 +2642,7 @@ class ExtUnloadRequest(TypedDict):
 class ExtUnloadResponse(TypedDict):
     """Body of a response of type EXT-UNLOAD.
 
-    Takes extensions out of use.
+    Unloads extensions.
 
     The object is closed.
     """
@@ -2651,16 +2651,16 @@ class ExtUnloadResponse(TypedDict):
     """The type of the message."""
 
     status: NotRequired[dict[str, dict[str, Any]]]
-    """The extensions that are no longer loaded."""
+    """Extensions that are no longer loaded."""
 
     error: NotRequired[dict[str, str]]
-    """Why others still are, by extension."""
+    """Reason for each failure, by extension id."""
 
 
 class FwObjectListRequest(TypedDict):
     """Body of a request of type FW-OBJECT-LIST.
 
-    Asks which objects can take firmware.
+    Lists the objects whose firmware can be updated.
 
     Answered by FW-OBJECT-LIST.
     """
@@ -2669,7 +2669,7 @@ class FwObjectListRequest(TypedDict):
     """The type of the message."""
 
     supports: NotRequired[list["FirmwareUpdateTargetId"]]
-    """Only objects that have all these targets are wanted. Left out, all that have any.
+    """Targets to filter by: only objects that have all of them are listed. If omitted, objects with any target are listed.
 
     No element stands in it twice.
     """
@@ -2678,7 +2678,7 @@ class FwObjectListRequest(TypedDict):
 class FwObjectListResponse(TypedDict):
     """Body of a response of type FW-OBJECT-LIST.
 
-    Asks which objects can take firmware.
+    Lists the objects whose firmware can be updated.
 
     The object is closed.
     """
@@ -2687,7 +2687,7 @@ class FwObjectListResponse(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The objects.
+    """Ids of the objects.
 
     No element stands in it twice.
     """
@@ -2696,7 +2696,7 @@ class FwObjectListResponse(TypedDict):
 class FwTargetInfRequest(TypedDict):
     """Body of a request of type FW-TARGET-INF.
 
-    Asks for particulars of targets.
+    Queries information about targets.
 
     Answered by FW-TARGET-INF.
     """
@@ -2705,7 +2705,7 @@ class FwTargetInfRequest(TypedDict):
     """The type of the message."""
 
     ids: list["FirmwareUpdateTargetId"]
-    """The targets.
+    """Ids of the targets.
 
     No element stands in it twice.
     """
@@ -2714,9 +2714,9 @@ class FwTargetInfRequest(TypedDict):
 class FwTargetInfResponse(TypedDict):
     """Body of a response of type FW-TARGET-INF.
 
-    Asks for particulars of targets.
+    Queries information about targets.
 
-    Each target that was asked for stands in exactly one of the two maps.
+    Each requested target appears in exactly one of the two maps.
 
     The object is closed.
     """
@@ -2725,16 +2725,16 @@ class FwTargetInfResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, "FirmwareUpdateTarget"]]
-    """The particulars, by target."""
+    """Information about each target, by id."""
 
     error: NotRequired[dict[str, str]]
-    """Why there are none, by target."""
+    """Reason for each failure, by target id."""
 
 
 class FwTargetListRequest(TypedDict):
     """Body of a request of type FW-TARGET-LIST.
 
-    Asks which targets there are.
+    Lists the targets.
 
     Answered by FW-TARGET-LIST.
     """
@@ -2743,7 +2743,7 @@ class FwTargetListRequest(TypedDict):
     """The type of the message."""
 
     supportedBy: NotRequired[list["ObjectId"]]
-    """Only targets that all these objects have are wanted. Left out, all are.
+    """Objects to filter by: only targets that all of them have are listed. If omitted, all targets are listed.
 
     No element stands in it twice.
     """
@@ -2752,7 +2752,7 @@ class FwTargetListRequest(TypedDict):
 class FwTargetListResponse(TypedDict):
     """Body of a response of type FW-TARGET-LIST.
 
-    Asks which targets there are.
+    Lists the targets.
 
     The object is closed.
     """
@@ -2761,7 +2761,7 @@ class FwTargetListResponse(TypedDict):
     """The type of the message."""
 
     ids: list["FirmwareUpdateTargetId"]
-    """The targets.
+    """Ids of the targets.
 
     No element stands in it twice.
     """
@@ -2770,7 +2770,7 @@ class FwTargetListResponse(TypedDict):
 class FwUploadRequest(TypedDict):
     """Body of a request of type FW-UPLOAD.
 
-    Puts firmware on objects.
+    Uploads firmware to objects.
 
     Answered by FW-UPLOAD.
     """
@@ -2779,49 +2779,49 @@ class FwUploadRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The objects.
+    """Ids of the objects.
 
     No element stands in it twice.
     """
 
     target: "FirmwareUpdateTargetId"
-    """The part of them that takes it."""
+    """Target to update."""
 
     blob: "Base64"
-    """The firmware."""
+    """Firmware image."""
 
 
 class FwUploadResponse(TypedDict):
     """Body of a response of type FW-UPLOAD.
 
-    Puts firmware on objects.
+    Uploads firmware to objects.
 
-    Each object that was asked for stands in exactly one of the three maps.
+    Each requested object appears in exactly one of the three maps.
 
     The object is closed.
 
-    Disputed: the results are booleans in the text; in the schema they are those of OBJ-CMD. Here both are allowed.
+    Disputed: the results are booleans in the specification text; in the JSON Schema, they have the same type as in OBJ-CMD. This definition allows both.
     """
 
     type: Literal["FW-UPLOAD"]
     """The type of the message."""
 
     result: NotRequired[dict[str, Union[bool, str, "CommandResponse"]]]
-    """Whether it succeeded, by object."""
+    """Result of each update, by object id."""
 
     error: NotRequired[dict[str, str]]
-    """Why it failed, by object."""
+    """Reason for each failure, by object id."""
 
     receipt: NotRequired[dict[str, "ReceiptId"]]
-    """Where the result comes later: the receipt, by object."""
+    """Receipt of each pending operation, by object id."""
 
 
 class LcnInfRequest(TypedDict):
     """Body of a request of type LCN-INF.
 
-    Asks for the licence.
+    Queries the licence.
 
-    No fields beside type.
+    No fields besides type.
 
     Answered by LCN-INF.
     """
@@ -2833,7 +2833,7 @@ class LcnInfRequest(TypedDict):
 class LcnInfResponse(TypedDict):
     """Body of a response of type LCN-INF.
 
-    Asks for the licence.
+    Queries the licence.
 
     The object is closed.
     """
@@ -2842,13 +2842,13 @@ class LcnInfResponse(TypedDict):
     """The type of the message."""
 
     license: "License"
-    """The licence."""
+    """Licence of the server."""
 
 
 class LogDataRequest(TypedDict):
     """Body of a request of type LOG-DATA.
 
-    Asks a UAV for one of its logs.
+    Downloads one log of a UAV.
 
     Answered by LOG-DATA.
     """
@@ -2857,18 +2857,18 @@ class LogDataRequest(TypedDict):
     """The type of the message."""
 
     uavId: "ObjectId"
-    """The UAV."""
+    """Id of the UAV."""
 
     logId: "FlightLogId"
-    """The log."""
+    """Id of the log."""
 
 
 class LogDataResponse(TypedDict):
     """Body of a response of type LOG-DATA.
 
-    Asks a UAV for one of its logs.
+    Downloads one log of a UAV.
 
-    Exactly one of the fields is there.
+    Exactly one of the fields is present.
 
     The object is closed.
     """
@@ -2877,19 +2877,19 @@ class LogDataResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired["FlightLog"]
-    """The log."""
+    """Log."""
 
     error: NotRequired[str]
-    """Why there is none."""
+    """Reason for the failure."""
 
     receipt: NotRequired["ReceiptId"]
-    """Where it comes later: the receipt."""
+    """Receipt, if the log follows later."""
 
 
 class LogInfRequest(TypedDict):
     """Body of a request of type LOG-INF.
 
-    Asks which logs UAVs have.
+    Lists the logs of UAVs.
 
     Answered by LOG-INF.
     """
@@ -2898,7 +2898,7 @@ class LogInfRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The UAVs.
+    """Ids of the UAVs.
 
     No element stands in it twice.
     """
@@ -2907,9 +2907,9 @@ class LogInfRequest(TypedDict):
 class LogInfResponse(TypedDict):
     """Body of a response of type LOG-INF.
 
-    Asks which logs UAVs have.
+    Lists the logs of UAVs.
 
-    Each UAV that was asked for stands in exactly one of the three maps.
+    Each requested UAV appears in exactly one of the three maps.
 
     The object is closed.
     """
@@ -2918,19 +2918,19 @@ class LogInfResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, list["FlightLogMetadata"]]]
-    """Its logs, by UAV."""
+    """Logs of each UAV, by UAV id."""
 
     error: NotRequired[dict[str, str]]
-    """Why nothing is known, by UAV."""
+    """Reason for each failure, by UAV id."""
 
     receipt: NotRequired[dict[str, "ReceiptId"]]
-    """Where the result comes later: the receipt, by UAV."""
+    """Receipt of each pending operation, by UAV id."""
 
 
 class ObjCmdRequest(TypedDict):
     """Body of a request of type OBJ-CMD.
 
-    Hands a command on to objects. What it means is up to each of them; the server doesn't look into it.
+    Forwards a command to objects. Each object interprets the command; the server does not.
 
     Answered by OBJ-CMD.
     """
@@ -2939,57 +2939,57 @@ class ObjCmdRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The objects.
+    """Ids of the objects.
 
     No element stands in it twice.
     """
 
     command: str
-    """The command."""
+    """Command."""
 
     args: NotRequired[list[Any]]
-    """Its arguments by position."""
+    """Positional arguments."""
 
     kwds: NotRequired[dict[str, Any]]
-    """Its arguments by name."""
+    """Named arguments."""
 
 
 class ObjCmdResponse(TypedDict):
     """Body of a response of type OBJ-CMD.
 
-    Hands a command on to objects. What it means is up to each of them; the server doesn't look into it.
+    Forwards a command to objects. Each object interprets the command; the server does not.
 
-    Each object that was asked for stands in exactly one of the three maps.
+    Each requested object appears in exactly one of the three maps.
 
     The object is closed.
 
-    Disputed: the chapter on this message lets later results come as notifications of type OBJ-CMD; the chapter on asynchronous operations and the schema know ASYNC-RESP alone. Here it is ASYNC-RESP.
+    Disputed: the chapter on this message allows later results as notifications of type OBJ-CMD; the chapter on asynchronous operations and the JSON Schema only allow ASYNC-RESP. This definition uses ASYNC-RESP.
     """
 
     type: Literal["OBJ-CMD"]
     """The type of the message."""
 
     result: NotRequired[dict[str, Union[str, "CommandResponse"]]]
-    """What the command gave back, by object."""
+    """Response of each object, by object id."""
 
     error: NotRequired[dict[str, str]]
-    """Why it failed, by object."""
+    """Reason for each failure, by object id."""
 
     receipt: NotRequired[dict[str, "ReceiptId"]]
-    """Where the result comes later: the receipt, by object."""
+    """Receipt of each pending operation, by object id."""
 
 
 class ObjDelNotification(TypedDict):
     """Body of a notification of type OBJ-DEL.
 
-    Objects are gone from the server, mostly since nothing was heard of them.
+    Reports objects that no longer exist on the server, usually because nothing has been received from them.
     """
 
     type: Literal["OBJ-DEL"]
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The objects.
+    """Ids of the objects.
 
     No element stands in it twice.
     """
@@ -2998,7 +2998,7 @@ class ObjDelNotification(TypedDict):
 class ObjListRequest(TypedDict):
     """Body of a request of type OBJ-LIST.
 
-    Asks which objects the server knows. When it counts an object as known is up to the server.
+    Lists the objects that the server knows. The server decides when an object counts as known.
 
     The object is closed.
 
@@ -3009,7 +3009,7 @@ class ObjListRequest(TypedDict):
     """The type of the message."""
 
     filter: NotRequired[list["ObjectType"]]
-    """Only objects of these types are wanted. Left out, all are.
+    """Types to filter by: only objects of these types are listed. If omitted, all objects are listed.
 
     No element stands in it twice.
     """
@@ -3018,7 +3018,7 @@ class ObjListRequest(TypedDict):
 class ObjListResponse(TypedDict):
     """Body of a response of type OBJ-LIST.
 
-    Asks which objects the server knows. When it counts an object as known is up to the server.
+    Lists the objects that the server knows. The server decides when an object counts as known.
 
     The object is closed.
     """
@@ -3027,7 +3027,7 @@ class ObjListResponse(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The objects.
+    """Ids of the objects.
 
     No element stands in it twice.
     """
@@ -3036,7 +3036,7 @@ class ObjListResponse(TypedDict):
 class PrmGetRequest(TypedDict):
     """Body of a request of type PRM-GET.
 
-    Asks for the value of a parameter.
+    Queries the value of a parameter.
 
     Answered by PRM-GET.
     """
@@ -3045,21 +3045,21 @@ class PrmGetRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The objects.
+    """Ids of the objects.
 
     No element stands in it twice.
     """
 
     name: str
-    """The parameter."""
+    """Name of the parameter."""
 
 
 class PrmGetResponse(TypedDict):
     """Body of a response of type PRM-GET.
 
-    Asks for the value of a parameter.
+    Queries the value of a parameter.
 
-    Each object that was asked for stands in exactly one of the three maps.
+    Each requested object appears in exactly one of the three maps.
 
     The object is closed.
     """
@@ -3068,19 +3068,19 @@ class PrmGetResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, Any]]
-    """The value, by object; mostly a number or a text."""
+    """Value of the parameter, usually a number or string, by object id."""
 
     error: NotRequired[dict[str, str]]
-    """Why there is none, by object."""
+    """Reason for each failure, by object id."""
 
     receipt: NotRequired[dict[str, "ReceiptId"]]
-    """Where it comes later: the receipt, by object."""
+    """Receipt of each pending operation, by object id."""
 
 
 class PrmSetRequest(TypedDict):
     """Body of a request of type PRM-SET.
 
-    Gives a parameter another value.
+    Sets the value of a parameter.
 
     Answered by PRM-SET.
     """
@@ -3089,24 +3089,24 @@ class PrmSetRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The objects.
+    """Ids of the objects.
 
     No element stands in it twice.
     """
 
     name: str
-    """The parameter."""
+    """Name of the parameter."""
 
     value: Any
-    """Its new value."""
+    """New value."""
 
 
 class PrmSetResponse(TypedDict):
     """Body of a response of type PRM-SET.
 
-    Gives a parameter another value.
+    Sets the value of a parameter.
 
-    Each object that was asked for stands in exactly one of the three maps.
+    Each requested object appears in exactly one of the three maps.
 
     The object is closed.
     """
@@ -3115,19 +3115,19 @@ class PrmSetResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """Whether it was set, by object."""
+    """True if the parameter was set, by object id."""
 
     error: NotRequired[dict[str, str]]
-    """Why it failed, by object."""
+    """Reason for each failure, by object id."""
 
     receipt: NotRequired[dict[str, "ReceiptId"]]
-    """Where the result comes later: the receipt, by object."""
+    """Receipt of each pending operation, by object id."""
 
 
 class PrmSetManyRequest(TypedDict):
     """Body of a request of type PRM-SET-MANY.
 
-    Gives several parameters other values.
+    Sets the values of several parameters.
 
     Answered by PRM-SET-MANY.
     """
@@ -3136,21 +3136,21 @@ class PrmSetManyRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The objects.
+    """Ids of the objects.
 
     No element stands in it twice.
     """
 
     parameters: dict[str, Any]
-    """The new values, by parameter."""
+    """New values, by parameter name."""
 
 
 class PrmSetManyResponse(TypedDict):
     """Body of a response of type PRM-SET-MANY.
 
-    Gives several parameters other values.
+    Sets the values of several parameters.
 
-    Each object that was asked for stands in exactly one of the three maps.
+    Each requested object appears in exactly one of the three maps.
 
     The object is closed.
     """
@@ -3159,19 +3159,19 @@ class PrmSetManyResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, "ParameterOutcome"]]
-    """How it turned out, by object."""
+    """Result for each object, by id."""
 
     error: NotRequired[dict[str, str]]
-    """Why it failed, by object."""
+    """Reason for each failure, by object id."""
 
     receipt: NotRequired[dict[str, "ReceiptId"]]
-    """Where the result comes later: the receipt, by object."""
+    """Receipt of each pending operation, by object id."""
 
 
 class RtkInfRequest(TypedDict):
     """Body of a request of type RTK-INF.
 
-    Asks for particulars of presets.
+    Queries information about presets.
 
     Answered by RTK-INF.
     """
@@ -3180,7 +3180,7 @@ class RtkInfRequest(TypedDict):
     """The type of the message."""
 
     ids: list["RTKPresetId"]
-    """The presets.
+    """Ids of the presets.
 
     No element stands in it twice.
     """
@@ -3189,31 +3189,31 @@ class RtkInfRequest(TypedDict):
 class RtkInfResponse(TypedDict):
     """Body of a response of type RTK-INF.
 
-    Asks for particulars of presets.
+    Queries information about presets.
 
-    Each preset that was asked for stands in exactly one of the two maps.
+    Each requested preset appears in exactly one of the two maps.
 
     The object is closed.
 
-    Disputed: the schema requires preset, the text doesn't. Here it may be left out. Elsewhere the text calls it status, which no message of this type has.
+    Disputed: the JSON Schema requires preset; the specification text does not. This definition makes it optional. Another part of the text calls the field status, which no message of this type has.
     """
 
     type: Literal["RTK-INF"]
     """The type of the message."""
 
     preset: NotRequired[dict[str, "RTKConfigurationPreset"]]
-    """The particulars, by preset."""
+    """Information about each preset, by id."""
 
     error: NotRequired[dict[str, str]]
-    """Why there are none, by preset."""
+    """Reason for each failure, by preset id."""
 
 
 class RtkListRequest(TypedDict):
     """Body of a request of type RTK-LIST.
 
-    Asks which presets there are.
+    Lists the ids of all presets.
 
-    No fields beside type.
+    No fields besides type.
 
     The object is closed.
 
@@ -3227,7 +3227,7 @@ class RtkListRequest(TypedDict):
 class RtkListResponse(TypedDict):
     """Body of a response of type RTK-LIST.
 
-    Asks which presets there are.
+    Lists the ids of all presets.
 
     The object is closed.
     """
@@ -3236,7 +3236,7 @@ class RtkListResponse(TypedDict):
     """The type of the message."""
 
     ids: list["RTKPresetId"]
-    """The presets.
+    """Ids of the presets.
 
     No element stands in it twice.
     """
@@ -3245,7 +3245,7 @@ class RtkListResponse(TypedDict):
 class RtkSourceRequest(TypedDict):
     """Body of a request of type RTK-SOURCE.
 
-    Asks which preset is in use, or takes one into use. With id it sets, and is answered by ACK-ACK; without, it asks, and is answered by its own type.
+    Queries or selects the active preset. A request with id selects a preset and is answered by ACK-ACK. A request without id queries the active preset and is answered by RTK-SOURCE.
 
     Answered by RTK-SOURCE, ACK-ACK.
     """
@@ -3254,13 +3254,13 @@ class RtkSourceRequest(TypedDict):
     """The type of the message."""
 
     id: NotRequired[Union[str, None]]
-    """The preset to use; null for none. Left out, the request only asks."""
+    """Preset to select; null to select none. If omitted, the request is a query."""
 
 
 class RtkSourceResponse(TypedDict):
     """Body of a response of type RTK-SOURCE.
 
-    Asks which preset is in use, or takes one into use. With id it sets, and is answered by ACK-ACK; without, it asks, and is answered by its own type.
+    Queries or selects the active preset. A request with id selects a preset and is answered by ACK-ACK. A request without id queries the active preset and is answered by RTK-SOURCE.
 
     The object is closed.
     """
@@ -3269,15 +3269,15 @@ class RtkSourceResponse(TypedDict):
     """The type of the message."""
 
     id: Union[str, None]
-    """The preset in use; null where there is none."""
+    """Active preset; null if there is none."""
 
 
 class RtkStatRequest(TypedDict):
     """Body of a request of type RTK-STAT.
 
-    Asks how corrections come in and go out at present.
+    Queries the current reception and transmission of corrections.
 
-    No fields beside type.
+    No fields besides type.
 
     The object is closed.
 
@@ -3291,38 +3291,38 @@ class RtkStatRequest(TypedDict):
 class RtkStatResponse(TypedDict):
     """Body of a response of type RTK-STAT.
 
-    Asks how corrections come in and go out at present.
+    Queries the current reception and transmission of corrections.
 
     The object is closed.
 
-    Disputed: the text requires messages_tx, the schema doesn't. Here it may be left out. The schema forgets to require type, which every body has.
+    Disputed: the specification text requires messages_tx; the JSON Schema does not. This definition makes it optional. The JSON Schema fails to require type, which every body has.
     """
 
     type: Literal["RTK-STAT"]
     """The type of the message."""
 
     antenna: "RTKAntennaInfo"
-    """The antenna of the base station."""
+    """Antenna of the base station."""
 
     messages: dict[str, "RTKMessageObservations"]
-    """What comes in, by kind of message, such as rtcm3/1077."""
+    """Received messages, by kind of message, such as rtcm3/1077."""
 
     messages_tx: NotRequired[dict[str, "RTKMessageObservations"]]
-    """What goes on to UAVs, by kind of message."""
+    """Messages forwarded to UAVs, by kind of message."""
 
     cnr: dict[str, "CarrierToNoiseRatio"]
-    """How well the station receives, by satellite."""
+    """Carrier-to-noise ratio at the base station, by satellite."""
 
     survey: "RTKSurveyStatus"
-    """How far the station has got in finding its own position."""
+    """Survey status of the base station."""
 
 
 class RtkSurveyRequest(TypedDict):
     """Body of a request of type RTK-SURVEY.
 
-    Makes the base station in use find its own position, or tells it where it stands.
+    Makes the active base station survey its own position, or sets that position.
 
-    Not stated: what happens without settings. The response suggests that the request then only asks for those in use.
+    Not stated: the effect of a request without settings. The response suggests that such a request queries the current settings.
 
     Answered by RTK-SURVEY.
     """
@@ -3331,32 +3331,32 @@ class RtkSurveyRequest(TypedDict):
     """The type of the message."""
 
     settings: NotRequired["RTKSurveySettings"]
-    """How to go about it."""
+    """Survey settings."""
 
 
 class RtkSurveyResponse(TypedDict):
     """Body of a response of type RTK-SURVEY.
 
-    Makes the base station in use find its own position, or tells it where it stands.
+    Makes the active base station survey its own position, or sets that position.
 
     The object is closed.
 
-    Disputed: the schema requires the settings, the text doesn't. Here they may be left out.
+    Disputed: the JSON Schema requires settings; the specification text does not. This definition makes it optional.
     """
 
     type: Literal["RTK-SURVEY"]
     """The type of the message."""
 
     settings: NotRequired["RTKSurveySettings"]
-    """How it goes about it."""
+    """Survey settings in use."""
 
 
 class ShowCfgRequest(TypedDict):
     """Body of a request of type SHOW-CFG.
 
-    Asks how the show is configured.
+    Queries the configuration of the show.
 
-    No fields beside type.
+    No fields besides type.
 
     The object is closed.
 
@@ -3370,20 +3370,20 @@ class ShowCfgRequest(TypedDict):
 class ShowCfgResponse(TypedDict):
     """Body of a response of type SHOW-CFG.
 
-    Asks how the show is configured.
+    Queries the configuration of the show.
     """
 
     type: Literal["SHOW-CFG"]
     """The type of the message."""
 
     configuration: "DroneShowConfiguration"
-    """The configuration."""
+    """Configuration of the show."""
 
 
 class ShowCrthPlanRequest(TypedDict):
     """Body of a request of type SHOW-CRTH-PLAN.
 
-    Has ways home worked out for a show: at certain moments of it, all UAVs could break off and fly home together without coming too close to each other.
+    Plans collective returns to home for a show. Such a return starts at one of several points in time: all UAVs leave the show and fly home together at a safe distance from each other.
 
     The object is closed.
 
@@ -3394,52 +3394,52 @@ class ShowCrthPlanRequest(TypedDict):
     """The type of the message."""
 
     show: "Base64"
-    """The show, as a file of the format .skyc."""
+    """Show as a .skyc file."""
 
     preferred_distance: NotRequired[Union[float, None]]
-    """The distance between UAVs to aim at.
+    """Preferred distance between UAVs.
 
     Unit: m (metres).
     """
 
     min_distance: NotRequired[Union[float, None]]
-    """The least distance between UAVs.
+    """Minimum distance between UAVs.
 
     Unit: m (metres).
     """
 
     velocity_xy: NotRequired[Union[float, None]]
-    """The greatest speed in the horizontal plane.
+    """Maximum horizontal speed.
 
     Unit: m/s (metres per second).
     """
 
     velocity_z: NotRequired[Union[float, None]]
-    """The greatest speed upwards and downwards.
+    """Maximum vertical speed, up and down.
 
     Unit: m/s (metres per second).
     """
 
     acceleration: NotRequired[Union[float, None]]
-    """The greatest acceleration.
+    """Maximum acceleration.
 
     Unit: m/s^2 (metres per second squared).
     """
 
     time_resolution: NotRequired[Union[int, None]]
-    """Time from one moment to the next.
+    """Interval between possible starts of a return.
 
     Unit: s (seconds).
     """
 
     first_time: NotRequired[Union[int, None]]
-    """The first moment, from the start of the show on.
+    """First possible start of a return, since the start of the show.
 
     Unit: s (seconds).
     """
 
     last_time: NotRequired[Union[int, None]]
-    """The last moment, from the start of the show on.
+    """Last possible start of a return, since the start of the show.
 
     Unit: s (seconds).
     """
@@ -3448,7 +3448,7 @@ class ShowCrthPlanRequest(TypedDict):
 class ShowCrthPlanResponse(TypedDict):
     """Body of a response of type SHOW-CRTH-PLAN.
 
-    Has ways home worked out for a show: at certain moments of it, all UAVs could break off and fly home together without coming too close to each other.
+    Plans collective returns to home for a show. Such a return starts at one of several points in time: all UAVs leave the show and fly home together at a safe distance from each other.
 
     The object is closed.
     """
@@ -3457,24 +3457,24 @@ class ShowCrthPlanResponse(TypedDict):
     """The type of the message."""
 
     show: "Base64"
-    """The show with the ways home, in the same format."""
+    """Show with the planned returns, as a .skyc file."""
 
     showDuration: float
-    """How long the show takes, flight home and landing included.
+    """Duration of the show, including return and landing.
 
     Unit: s (seconds).
     """
 
     stats: list["CollectiveRTHPlanStatistics"]
-    """Figures for each moment."""
+    """Statistics for each possible start of a return."""
 
 
 class ShowCrthStartRequest(TypedDict):
     """Body of a request of type SHOW-CRTH-START.
 
-    Makes all UAVs of a show break off and fly home together.
+    Makes all UAVs of a show leave it and fly home together.
 
-    No fields beside type.
+    No fields besides type.
 
     The object is closed.
 
@@ -3488,7 +3488,7 @@ class ShowCrthStartRequest(TypedDict):
 class ShowCrthStartResponse(TypedDict):
     """Body of a response of type SHOW-CRTH-START.
 
-    Makes all UAVs of a show break off and fly home together.
+    Makes all UAVs of a show leave it and fly home together.
 
     The object is closed.
     """
@@ -3497,15 +3497,15 @@ class ShowCrthStartResponse(TypedDict):
     """The type of the message."""
 
     schedule: list["TimeAxisScheduleSegment"]
-    """How the time of the show goes on from now."""
+    """Schedule of the show from now on."""
 
 
 class ShowLightsRequest(TypedDict):
     """Body of a request of type SHOW-LIGHTS.
 
-    Asks what the lights of the UAVs are told to do.
+    Queries the configuration of the UAV lights.
 
-    No fields beside type.
+    No fields besides type.
 
     The object is closed.
 
@@ -3519,20 +3519,20 @@ class ShowLightsRequest(TypedDict):
 class ShowLightsResponse(TypedDict):
     """Body of a response of type SHOW-LIGHTS.
 
-    Asks what the lights of the UAVs are told to do.
+    Queries the configuration of the UAV lights.
     """
 
     type: Literal["SHOW-LIGHTS"]
     """The type of the message."""
 
     configuration: "DroneLightsConfiguration"
-    """What they are told."""
+    """Configuration of the lights."""
 
 
 class ShowSetcfgRequest(TypedDict):
     """Body of a request of type SHOW-SETCFG.
 
-    Configures the show.
+    Sets the configuration of the show.
 
     Answered by ACK-ACK.
     """
@@ -3541,13 +3541,13 @@ class ShowSetcfgRequest(TypedDict):
     """The type of the message."""
 
     configuration: "DroneShowConfiguration"
-    """The configuration."""
+    """New configuration of the show."""
 
 
 class ShowSetlightsRequest(TypedDict):
     """Body of a request of type SHOW-SETLIGHTS.
 
-    Tells the lights of the UAVs what to do.
+    Sets the configuration of the UAV lights.
 
     Answered by ACK-ACK.
     """
@@ -3556,35 +3556,35 @@ class ShowSetlightsRequest(TypedDict):
     """The type of the message."""
 
     configuration: "DroneLightsConfiguration"
-    """What they are told."""
+    """New configuration of the lights."""
 
 
 class SysCloseNotification(TypedDict):
     """Body of a notification of type SYS-CLOSE.
 
-    The server is about to cut the connection to this client. It is a courtesy: connections may end without it.
+    Announces that the server is about to close the connection to this client. Connections may also end without it.
     """
 
     type: Literal["SYS-CLOSE"]
     """The type of the message."""
 
     reason: NotRequired[str]
-    """Why, in words for people."""
+    """Human-readable reason."""
 
 
 class SysMsgNotification(TypedDict):
     """Body of a notification of type SYS-MSG.
 
-    Messages to the people at the client.
+    Sends messages to the users of the client.
 
-    Not stated: that there is at least one item. The schema alone says so.
+    Not stated: that there is at least one item. Only the JSON Schema requires it.
     """
 
     type: Literal["SYS-MSG"]
     """The type of the message."""
 
     items: list["LogMessage"]
-    """The messages.
+    """Messages.
 
     Length: 1 or more.
     """
@@ -3593,9 +3593,9 @@ class SysMsgNotification(TypedDict):
 class SysPingRequest(TypedDict):
     """Body of a request of type SYS-PING.
 
-    Asks whether the other side is still there. Client and server may both send it, whenever they like.
+    Checks whether the other side still responds. Client and server may both send it at any time.
 
-    No fields beside type.
+    No fields besides type.
 
     Answered by ACK-ACK.
     """
@@ -3607,9 +3607,9 @@ class SysPingRequest(TypedDict):
 class SysPortsRequest(TypedDict):
     """Body of a request of type SYS-PORTS.
 
-    Asks where the services of the server are to be found.
+    Queries the ports of the server's services.
 
-    No fields beside type.
+    No fields besides type.
 
     The object is closed.
 
@@ -3623,24 +3623,24 @@ class SysPortsRequest(TypedDict):
 class SysPortsResponse(TypedDict):
     """Body of a response of type SYS-PORTS.
 
-    Asks where the services of the server are to be found.
+    Queries the ports of the server's services.
 
-    Not stated: the names. The reference server uses tcp and udp for Flockwave itself, http for its pages and WebSockets, and ssdp for being found.
+    Not stated: the service names. The reference server uses tcp and udp for Flockwave itself, http for its web pages and WebSockets, and ssdp for service discovery.
 
-    Disputed: a port is a TCP or UDP port by the text, hence from 1 to 65535; the schema takes any number.
+    Disputed: in the specification text, a port is a TCP or UDP port, so between 1 and 65535; the JSON Schema allows any number.
     """
 
     type: Literal["SYS-PORTS"]
     """The type of the message."""
 
     ports: dict[str, "PortNumber"]
-    """The port of each service, by its name."""
+    """Port of each service, by service name."""
 
 
 class SysTimeRequest(TypedDict):
     """Body of a request of type SYS-TIME.
 
-    Asks for the time of the server, or sets its clock.
+    Queries the time of the server, or adjusts its clock.
 
     The object is closed.
 
@@ -3651,7 +3651,7 @@ class SysTimeRequest(TypedDict):
     """The type of the message."""
 
     adjustment: NotRequired[float]
-    """By how much to put the clock forward; 0 finds out whether that is possible at all. Left out, the clock is only read.
+    """Amount to add to the server clock; 0 only checks whether the clock can be adjusted. If omitted, the clock is only read.
 
     Unit: ms (milliseconds).
     """
@@ -3660,22 +3660,22 @@ class SysTimeRequest(TypedDict):
 class SysTimeResponse(TypedDict):
     """Body of a response of type SYS-TIME.
 
-    Asks for the time of the server, or sets its clock.
+    Queries the time of the server, or adjusts its clock.
     """
 
     type: Literal["SYS-TIME"]
     """The type of the message."""
 
     timestamp: "Timestamp"
-    """The time when the request came in, or after an adjustment, the time that is now set."""
+    """Server time when the request was received or, after an adjustment, the newly set time."""
 
 
 class SysVerRequest(TypedDict):
     """Body of a request of type SYS-VER.
 
-    Asks which server this is.
+    Queries the name and version of the server.
 
-    No fields beside type.
+    No fields besides type.
 
     The object is closed.
 
@@ -3689,31 +3689,31 @@ class SysVerRequest(TypedDict):
 class SysVerResponse(TypedDict):
     """Body of a response of type SYS-VER.
 
-    Asks which server this is.
+    Queries the name and version of the server.
     """
 
     type: Literal["SYS-VER"]
     """The type of the message."""
 
     software: str
-    """The name of the program."""
+    """Name of the server software."""
 
     version: "Version"
-    """The version of the program."""
+    """Version of the server software."""
 
     name: NotRequired[str]
-    """The name of this server, where there are several."""
+    """Name of this server, to tell several servers apart."""
 
     revision: NotRequired[str]
-    """A closer designation of the version, such as a commit."""
+    """Revision within the version, such as a commit."""
 
 
 class TimesyncStatusRequest(TypedDict):
     """Body of a request of type TIMESYNC-STATUS.
 
-    Asks how the server's clock stands to the time of the world. The server also sends it by itself: it has to when the clock falls out of step or back into it, and it may when the offset changes.
+    Queries the synchronisation of the server clock with wall-clock time. The server also sends it as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
 
-    No fields beside type.
+    No fields besides type.
 
     The object is closed.
 
@@ -3727,7 +3727,7 @@ class TimesyncStatusRequest(TypedDict):
 class TimesyncStatusResponse(TypedDict):
     """Body of a response of type TIMESYNC-STATUS.
 
-    Asks how the server's clock stands to the time of the world. The server also sends it by itself: it has to when the clock falls out of step or back into it, and it may when the offset changes.
+    Queries the synchronisation of the server clock with wall-clock time. The server also sends it as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
 
     The object is closed.
     """
@@ -3736,13 +3736,13 @@ class TimesyncStatusResponse(TypedDict):
     """The type of the message."""
 
     status: "TimeSyncSnapshot"
-    """How the clock stands."""
+    """Synchronisation status."""
 
 
 class TimesyncStatusNotification(TypedDict):
     """Body of a notification of type TIMESYNC-STATUS.
 
-    Asks how the server's clock stands to the time of the world. The server also sends it by itself: it has to when the clock falls out of step or back into it, and it may when the offset changes.
+    Queries the synchronisation of the server clock with wall-clock time. The server also sends it as a notification: always when the clock loses or regains synchronisation, and optionally when the offset changes.
 
     The object is closed.
     """
@@ -3751,15 +3751,15 @@ class TimesyncStatusNotification(TypedDict):
     """The type of the message."""
 
     status: "TimeSyncSnapshot"
-    """How the clock stands."""
+    """Synchronisation status."""
 
 
 class UavCalibRequest(TypedDict):
     """Body of a request of type UAV-CALIB.
 
-    Calibrates a component. What counts as success depends on the component: that calibration is done, or where people have to take part, that it has begun.
+    Calibrates a component. Depending on the component, success means that the calibration is complete or, if a person has to assist, that it has started.
 
-    Disputed: the text requires component; of the published schemas and the types made from them, some do and some don't. Here it may be left out. The text mentions parameters, but not all versions of its table and of the schemas have them.
+    Disputed: the specification text requires component; some of the published JSON Schemas and the types generated from them do not. This definition makes it optional. The text mentions parameters, but some versions of its table and of the schemas lack it.
 
     Answered by UAV-CALIB.
     """
@@ -3768,24 +3768,24 @@ class UavCalibRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The UAVs.
+    """Ids of the UAVs.
 
     No element stands in it twice.
     """
 
     component: NotRequired["CalibrationComponent"]
-    """What to calibrate."""
+    """Component to calibrate."""
 
     parameters: NotRequired[dict[str, Any]]
-    """Particulars, as the component demands them."""
+    """Parameters, depending on the component."""
 
 
 class UavCalibResponse(TypedDict):
     """Body of a response of type UAV-CALIB.
 
-    Calibrates a component. What counts as success depends on the component: that calibration is done, or where people have to take part, that it has begun.
+    Calibrates a component. Depending on the component, success means that the calibration is complete or, if a person has to assist, that it has started.
 
-    Each UAV that was asked for stands in exactly one of the three maps.
+    Each requested UAV appears in exactly one of the three maps.
 
     The object is closed.
     """
@@ -3794,19 +3794,19 @@ class UavCalibResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """Whether it was calibrated, by UAV."""
+    """True if the calibration succeeded, by UAV id."""
 
     error: NotRequired[dict[str, str]]
-    """Why it failed, by UAV."""
+    """Reason for each failure, by UAV id."""
 
     receipt: NotRequired[dict[str, "ReceiptId"]]
-    """Where the result comes later: the receipt, by UAV."""
+    """Receipt of each pending operation, by UAV id."""
 
 
 class UavFlyRequest(TypedDict):
     """Body of a request of type UAV-FLY.
 
-    Sends UAVs to a place, all to the same. How they keep clear of each other there is up to them.
+    Sends all given UAVs to the same position. The UAVs themselves must avoid collisions there.
 
     Answered by UAV-FLY.
     """
@@ -3815,21 +3815,21 @@ class UavFlyRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The UAVs.
+    """Ids of the UAVs.
 
     No element stands in it twice.
     """
 
     target: "GPSCoordinate"
-    """The place. Without altitudes a UAV should stay at the altitude that it has."""
+    """Target position. Without an altitude, each UAV should keep its current altitude."""
 
 
 class UavFlyResponse(TypedDict):
     """Body of a response of type UAV-FLY.
 
-    Sends UAVs to a place, all to the same. How they keep clear of each other there is up to them.
+    Sends all given UAVs to the same position. The UAVs themselves must avoid collisions there.
 
-    Each UAV that was asked for stands in exactly one of the three maps.
+    Each requested UAV appears in exactly one of the three maps.
 
     The object is closed.
     """
@@ -3838,19 +3838,19 @@ class UavFlyResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """Whether the UAV confirmed it or, if it confirms none, it was sent, by UAV."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands."""
 
     error: NotRequired[dict[str, str]]
-    """Why it failed, by UAV."""
+    """Reason for each failure, by UAV id."""
 
     receipt: NotRequired[dict[str, "ReceiptId"]]
-    """Where the result comes later: the receipt, by UAV."""
+    """Receipt of each pending operation, by UAV id."""
 
 
 class UavHaltRequest(TypedDict):
     """Body of a request of type UAV-HALT.
 
-    Shuts UAVs down at once, in the air, too: for emergencies only.
+    Shuts UAVs down immediately, even in the air. For emergencies only.
 
     Answered by UAV-HALT.
     """
@@ -3859,21 +3859,21 @@ class UavHaltRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The UAVs.
+    """Ids of the UAVs.
 
     No element stands in it twice.
     """
 
     transport: NotRequired["TransportOptions"]
-    """How the command should reach the UAVs."""
+    """Delivery options for the command."""
 
 
 class UavHaltResponse(TypedDict):
     """Body of a response of type UAV-HALT.
 
-    Shuts UAVs down at once, in the air, too: for emergencies only.
+    Shuts UAVs down immediately, even in the air. For emergencies only.
 
-    Each UAV that was asked for stands in exactly one of the three maps.
+    Each requested UAV appears in exactly one of the three maps.
 
     The object is closed.
     """
@@ -3882,21 +3882,21 @@ class UavHaltResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """Whether the UAV confirmed it or, if it confirms none, it was sent, by UAV."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands."""
 
     error: NotRequired[dict[str, str]]
-    """Why it failed, by UAV."""
+    """Reason for each failure, by UAV id."""
 
     receipt: NotRequired[dict[str, "ReceiptId"]]
-    """Where the result comes later: the receipt, by UAV."""
+    """Receipt of each pending operation, by UAV id."""
 
 
 class UavHoverRequest(TypedDict):
     """Body of a request of type UAV-HOVER.
 
-    Makes UAVs stop and stay where they are in the air. Nothing for those that can't fly on the spot.
+    Makes UAVs stop and hover in place. Not applicable to UAVs that cannot hover.
 
-    Disputed: the text has transport, but not all versions of the schema have it. Here it is allowed.
+    Disputed: the specification text includes transport; some versions of the JSON Schema do not. This definition allows it.
 
     Answered by UAV-HOVER.
     """
@@ -3905,21 +3905,21 @@ class UavHoverRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The UAVs.
+    """Ids of the UAVs.
 
     No element stands in it twice.
     """
 
     transport: NotRequired["TransportOptions"]
-    """How the command should reach the UAVs."""
+    """Delivery options for the command."""
 
 
 class UavHoverResponse(TypedDict):
     """Body of a response of type UAV-HOVER.
 
-    Makes UAVs stop and stay where they are in the air. Nothing for those that can't fly on the spot.
+    Makes UAVs stop and hover in place. Not applicable to UAVs that cannot hover.
 
-    Each UAV that was asked for stands in exactly one of the three maps.
+    Each requested UAV appears in exactly one of the three maps.
 
     The object is closed.
     """
@@ -3928,19 +3928,19 @@ class UavHoverResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """Whether the UAV confirmed it or, if it confirms none, it was sent, by UAV."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands."""
 
     error: NotRequired[dict[str, str]]
-    """Why it failed, by UAV."""
+    """Reason for each failure, by UAV id."""
 
     receipt: NotRequired[dict[str, "ReceiptId"]]
-    """Where the result comes later: the receipt, by UAV."""
+    """Receipt of each pending operation, by UAV id."""
 
 
 class UavInfRequest(TypedDict):
     """Body of a request of type UAV-INF.
 
-    Asks for the state of UAVs. The server also sends it by itself when the state of some changes.
+    Queries the state of UAVs. The server also sends it as a notification when the state of UAVs changes.
 
     Answered by UAV-INF.
     """
@@ -3949,7 +3949,7 @@ class UavInfRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The UAVs.
+    """Ids of the UAVs.
 
     No element stands in it twice.
     """
@@ -3958,9 +3958,9 @@ class UavInfRequest(TypedDict):
 class UavInfResponse(TypedDict):
     """Body of a response of type UAV-INF.
 
-    Asks for the state of UAVs. The server also sends it by itself when the state of some changes.
+    Queries the state of UAVs. The server also sends it as a notification when the state of UAVs changes.
 
-    Each UAV that was asked for stands in exactly one of the two maps.
+    Each requested UAV appears in exactly one of the two maps.
 
     The object is closed.
     """
@@ -3969,33 +3969,33 @@ class UavInfResponse(TypedDict):
     """The type of the message."""
 
     status: NotRequired[dict[str, "UAVStatusInfo"]]
-    """The state, by UAV."""
+    """State of each UAV, by id."""
 
     error: NotRequired[dict[str, str]]
-    """Why there is none, by UAV."""
+    """Reason for each failure, by UAV id."""
 
 
 class UavInfNotification(TypedDict):
     """Body of a notification of type UAV-INF.
 
-    Asks for the state of UAVs. The server also sends it by itself when the state of some changes.
+    Queries the state of UAVs. The server also sends it as a notification when the state of UAVs changes.
 
-    Nothing but status should be there.
+    status should be the only field.
 
-    Disputed: the published schema of notifications lacks this one, which the text allows.
+    Disputed: the specification text allows this notification; the JSON Schema of notifications does not include it.
     """
 
     type: Literal["UAV-INF"]
     """The type of the message."""
 
     status: NotRequired[dict[str, "UAVStatusInfo"]]
-    """The state, by UAV."""
+    """State of each UAV, by id."""
 
 
 class UavLandRequest(TypedDict):
     """Body of a request of type UAV-LAND.
 
-    Makes UAVs land where they are.
+    Makes UAVs land at their current position.
 
     Answered by UAV-LAND.
     """
@@ -4004,21 +4004,21 @@ class UavLandRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The UAVs.
+    """Ids of the UAVs.
 
     No element stands in it twice.
     """
 
     transport: NotRequired["TransportOptions"]
-    """How the command should reach the UAVs."""
+    """Delivery options for the command."""
 
 
 class UavLandResponse(TypedDict):
     """Body of a response of type UAV-LAND.
 
-    Makes UAVs land where they are.
+    Makes UAVs land at their current position.
 
-    Each UAV that was asked for stands in exactly one of the three maps.
+    Each requested UAV appears in exactly one of the three maps.
 
     The object is closed.
     """
@@ -4027,21 +4027,21 @@ class UavLandResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """Whether the UAV confirmed it or, if it confirms none, it was sent, by UAV."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands."""
 
     error: NotRequired[dict[str, str]]
-    """Why it failed, by UAV."""
+    """Reason for each failure, by UAV id."""
 
     receipt: NotRequired[dict[str, "ReceiptId"]]
-    """Where the result comes later: the receipt, by UAV."""
+    """Receipt of each pending operation, by UAV id."""
 
 
 class UavListRequest(TypedDict):
     """Body of a request of type UAV-LIST.
 
-    Asks which UAVs the server knows. It is the same as OBJ-LIST with a filter of uav alone.
+    Lists the UAVs that the server knows. Equivalent to OBJ-LIST with the filter uav.
 
-    No fields beside type.
+    No fields besides type.
 
     The object is closed.
 
@@ -4055,16 +4055,16 @@ class UavListRequest(TypedDict):
 class UavListResponse(TypedDict):
     """Body of a response of type UAV-LIST.
 
-    Asks which UAVs the server knows. It is the same as OBJ-LIST with a filter of uav alone.
+    Lists the UAVs that the server knows. Equivalent to OBJ-LIST with the filter uav.
 
-    Disputed: the text keeps it for old clients and announces that Flockwave 2.0 will discourage it. Specification 2.10 still has it among the messages that a server has to support.
+    Disputed: the specification text keeps this message for old clients and announces that Flockwave 2.0 will discourage it. Specification 2.10 still lists it among the messages that servers must support.
     """
 
     type: Literal["UAV-LIST"]
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The UAVs.
+    """Ids of the UAVs.
 
     No element stands in it twice.
     """
@@ -4073,7 +4073,7 @@ class UavListResponse(TypedDict):
 class UavMotorRequest(TypedDict):
     """Body of a request of type UAV-MOTOR.
 
-    Turns motors on without a takeoff, or off. Off in the air is refused, unless it is forced.
+    Starts motors without a takeoff, or stops them. Stopping them in the air is refused unless it is forced.
 
     Answered by UAV-MOTOR.
     """
@@ -4082,27 +4082,27 @@ class UavMotorRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The UAVs.
+    """Ids of the UAVs.
 
     No element stands in it twice.
     """
 
     start: bool
-    """Whether they are to turn."""
+    """True to start the motors, false to stop them."""
 
     force: NotRequired[bool]
-    """Whether to do it even if it isn't safe. Left out, it isn't forced."""
+    """True to execute the command even if it is unsafe. Defaults to false."""
 
     transport: NotRequired["TransportOptions"]
-    """How the command should reach the UAVs."""
+    """Delivery options for the command."""
 
 
 class UavMotorResponse(TypedDict):
     """Body of a response of type UAV-MOTOR.
 
-    Turns motors on without a takeoff, or off. Off in the air is refused, unless it is forced.
+    Starts motors without a takeoff, or stops them. Stopping them in the air is refused unless it is forced.
 
-    Each UAV that was asked for stands in exactly one of the three maps.
+    Each requested UAV appears in exactly one of the three maps.
 
     The object is closed.
     """
@@ -4111,19 +4111,19 @@ class UavMotorResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """Whether the UAV confirmed it or, if it confirms none, it was sent, by UAV."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands."""
 
     error: NotRequired[dict[str, str]]
-    """Why it failed, by UAV."""
+    """Reason for each failure, by UAV id."""
 
     receipt: NotRequired[dict[str, "ReceiptId"]]
-    """Where the result comes later: the receipt, by UAV."""
+    """Receipt of each pending operation, by UAV id."""
 
 
 class UavPrefltRequest(TypedDict):
     """Body of a request of type UAV-PREFLT.
 
-    Asks for the checks of UAVs before flight. The server may also send it by itself.
+    Queries the preflight checks of UAVs. The server may also send it as a notification.
 
     Answered by UAV-PREFLT.
     """
@@ -4132,7 +4132,7 @@ class UavPrefltRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The UAVs.
+    """Ids of the UAVs.
 
     No element stands in it twice.
     """
@@ -4141,9 +4141,9 @@ class UavPrefltRequest(TypedDict):
 class UavPrefltResponse(TypedDict):
     """Body of a response of type UAV-PREFLT.
 
-    Asks for the checks of UAVs before flight. The server may also send it by itself.
+    Queries the preflight checks of UAVs. The server may also send it as a notification.
 
-    Each UAV that was asked for stands in exactly one of the two maps.
+    Each requested UAV appears in exactly one of the two maps.
 
     The object is closed.
     """
@@ -4152,33 +4152,33 @@ class UavPrefltResponse(TypedDict):
     """The type of the message."""
 
     status: NotRequired[dict[str, "PreflightCheckInfo"]]
-    """The checks, by UAV."""
+    """Preflight checks of each UAV, by id."""
 
     error: NotRequired[dict[str, str]]
-    """Why there are none, by UAV."""
+    """Reason for each failure, by UAV id."""
 
 
 class UavPrefltNotification(TypedDict):
     """Body of a notification of type UAV-PREFLT.
 
-    Asks for the checks of UAVs before flight. The server may also send it by itself.
+    Queries the preflight checks of UAVs. The server may also send it as a notification.
 
-    Nothing but status should be there.
+    status should be the only field.
 
-    Disputed: the published schema of notifications lacks this one, for which the text has rules.
+    Disputed: the specification text has rules for this notification; the JSON Schema of notifications does not include it.
     """
 
     type: Literal["UAV-PREFLT"]
     """The type of the message."""
 
     status: NotRequired[dict[str, "PreflightCheckInfo"]]
-    """The checks, by UAV."""
+    """Preflight checks of each UAV, by id."""
 
 
 class UavRstRequest(TypedDict):
     """Body of a request of type UAV-RST.
 
-    Restarts UAVs, or a component of them.
+    Restarts UAVs or one of their components.
 
     Answered by UAV-RST.
     """
@@ -4187,24 +4187,24 @@ class UavRstRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The UAVs.
+    """Ids of the UAVs.
 
     No element stands in it twice.
     """
 
     component: NotRequired[str]
-    """What to restart, by a name of the UAV's own. Empty or left out, the whole UAV."""
+    """Component to restart, by a name that the UAV defines. If empty or omitted, the whole UAV is restarted."""
 
     transport: NotRequired["TransportOptions"]
-    """How the command should reach the UAVs."""
+    """Delivery options for the command."""
 
 
 class UavRstResponse(TypedDict):
     """Body of a response of type UAV-RST.
 
-    Restarts UAVs, or a component of them.
+    Restarts UAVs or one of their components.
 
-    Each UAV that was asked for stands in exactly one of the three maps.
+    Each requested UAV appears in exactly one of the three maps.
 
     The object is closed.
     """
@@ -4213,19 +4213,19 @@ class UavRstResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """Whether the UAV confirmed it or, if it confirms none, it was sent, by UAV."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands."""
 
     error: NotRequired[dict[str, str]]
-    """Why it failed, by UAV."""
+    """Reason for each failure, by UAV id."""
 
     receipt: NotRequired[dict[str, "ReceiptId"]]
-    """Where the result comes later: the receipt, by UAV."""
+    """Receipt of each pending operation, by UAV id."""
 
 
 class UavRthRequest(TypedDict):
     """Body of a request of type UAV-RTH.
 
-    Sends UAVs home.
+    Makes UAVs return to home.
 
     Answered by UAV-RTH.
     """
@@ -4234,21 +4234,21 @@ class UavRthRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The UAVs.
+    """Ids of the UAVs.
 
     No element stands in it twice.
     """
 
     transport: NotRequired["TransportOptions"]
-    """How the command should reach the UAVs."""
+    """Delivery options for the command."""
 
 
 class UavRthResponse(TypedDict):
     """Body of a response of type UAV-RTH.
 
-    Sends UAVs home.
+    Makes UAVs return to home.
 
-    Each UAV that was asked for stands in exactly one of the three maps.
+    Each requested UAV appears in exactly one of the three maps.
 
     The object is closed.
     """
@@ -4257,21 +4257,21 @@ class UavRthResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """Whether the UAV confirmed it or, if it confirms none, it was sent, by UAV."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands."""
 
     error: NotRequired[dict[str, str]]
-    """Why it failed, by UAV."""
+    """Reason for each failure, by UAV id."""
 
     receipt: NotRequired[dict[str, "ReceiptId"]]
-    """Where the result comes later: the receipt, by UAV."""
+    """Receipt of each pending operation, by UAV id."""
 
 
 class UavSignalRequest(TypedDict):
     """Body of a request of type UAV-SIGNAL.
 
-    Makes UAVs draw attention to themselves.
+    Makes UAVs attract attention, for example with light or sound.
 
-    Disputed: the text requires signals and duration, the latter as an integer; the schema requires neither and takes any number. Here both may be left out.
+    Disputed: the specification text requires signals and duration, the latter as an integer; the JSON Schema requires neither and allows any number. This definition makes both optional.
 
     Answered by UAV-SIGNAL.
     """
@@ -4280,30 +4280,30 @@ class UavSignalRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The UAVs.
+    """Ids of the UAVs.
 
     No element stands in it twice.
     """
 
     signals: NotRequired[list["UAVSignal"]]
-    """How to. A UAV should pass over those that it doesn't know."""
+    """Kinds of signal. A UAV should ignore kinds that it does not know."""
 
     duration: NotRequired[float]
-    """How long. A UAV may take a time of its own instead.
+    """Duration of the signal. A UAV may use a fixed duration instead.
 
     Unit: ms (milliseconds); range: 0 or more.
     """
 
     transport: NotRequired["TransportOptions"]
-    """How the command should reach the UAVs."""
+    """Delivery options for the command."""
 
 
 class UavSignalResponse(TypedDict):
     """Body of a response of type UAV-SIGNAL.
 
-    Makes UAVs draw attention to themselves.
+    Makes UAVs attract attention, for example with light or sound.
 
-    Each UAV that was asked for stands in exactly one of the three maps.
+    Each requested UAV appears in exactly one of the three maps.
 
     The object is closed.
     """
@@ -4312,19 +4312,19 @@ class UavSignalResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """Whether the UAV confirmed it or, if it confirms none, it was sent, by UAV."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands."""
 
     error: NotRequired[dict[str, str]]
-    """Why it failed, by UAV."""
+    """Reason for each failure, by UAV id."""
 
     receipt: NotRequired[dict[str, "ReceiptId"]]
-    """Where the result comes later: the receipt, by UAV."""
+    """Receipt of each pending operation, by UAV id."""
 
 
 class UavSleepRequest(TypedDict):
     """Body of a request of type UAV-SLEEP.
 
-    Sends UAVs to sleep: most of them is switched off, but they can be woken from afar. A UAV that can't be woken again must not obey by switching itself off.
+    Puts UAVs to sleep: most of their parts are switched off, but they can be woken remotely. A UAV that cannot be woken must not switch itself off in response.
 
     Answered by UAV-SLEEP.
     """
@@ -4333,21 +4333,21 @@ class UavSleepRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The UAVs.
+    """Ids of the UAVs.
 
     No element stands in it twice.
     """
 
     transport: NotRequired["TransportOptions"]
-    """How the command should reach the UAVs."""
+    """Delivery options for the command."""
 
 
 class UavSleepResponse(TypedDict):
     """Body of a response of type UAV-SLEEP.
 
-    Sends UAVs to sleep: most of them is switched off, but they can be woken from afar. A UAV that can't be woken again must not obey by switching itself off.
+    Puts UAVs to sleep: most of their parts are switched off, but they can be woken remotely. A UAV that cannot be woken must not switch itself off in response.
 
-    Each UAV that was asked for stands in exactly one of the three maps.
+    Each requested UAV appears in exactly one of the three maps.
 
     The object is closed.
     """
@@ -4356,13 +4356,13 @@ class UavSleepResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """Whether the UAV confirmed it or, if it is known to confirm none, it was sent, by UAV."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV known to confirm no commands."""
 
     error: NotRequired[dict[str, str]]
-    """Why it failed, by UAV."""
+    """Reason for each failure, by UAV id."""
 
     receipt: NotRequired[dict[str, "ReceiptId"]]
-    """Where the result comes later: the receipt, by UAV."""
+    """Receipt of each pending operation, by UAV id."""
 
 
 class UavTakeoffRequest(TypedDict):
@@ -4377,13 +4377,13 @@ class UavTakeoffRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The UAVs.
+    """Ids of the UAVs.
 
     No element stands in it twice.
     """
 
     transport: NotRequired["TransportOptions"]
-    """How the command should reach the UAVs."""
+    """Delivery options for the command."""
 
 
 class UavTakeoffResponse(TypedDict):
@@ -4391,7 +4391,7 @@ class UavTakeoffResponse(TypedDict):
 
     Makes UAVs take off.
 
-    Each UAV that was asked for stands in exactly one of the three maps.
+    Each requested UAV appears in exactly one of the three maps.
 
     The object is closed.
     """
@@ -4400,19 +4400,19 @@ class UavTakeoffResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """Whether the UAV confirmed it or, if it confirms none, it was sent, by UAV."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV that confirms no commands."""
 
     error: NotRequired[dict[str, str]]
-    """Why it failed, by UAV."""
+    """Reason for each failure, by UAV id."""
 
     receipt: NotRequired[dict[str, "ReceiptId"]]
-    """Where the result comes later: the receipt, by UAV."""
+    """Receipt of each pending operation, by UAV id."""
 
 
 class UavTestRequest(TypedDict):
     """Body of a request of type UAV-TEST.
 
-    Makes UAVs test a component of theirs. What counts as success depends on the component: that the test was passed, or where people have to watch, that it has begun.
+    Tests a component. Depending on the component, success means that the test was passed or, if a person has to watch, that it has started.
 
     Disputed: component and parameters, for the same reasons as in UAV-CALIB.
 
@@ -4423,24 +4423,24 @@ class UavTestRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The UAVs.
+    """Ids of the UAVs.
 
     No element stands in it twice.
     """
 
     component: NotRequired["TestComponent"]
-    """What to test."""
+    """Component to test."""
 
     parameters: NotRequired[dict[str, Any]]
-    """Particulars, as the component demands them."""
+    """Parameters, depending on the component."""
 
 
 class UavTestResponse(TypedDict):
     """Body of a response of type UAV-TEST.
 
-    Makes UAVs test a component of theirs. What counts as success depends on the component: that the test was passed, or where people have to watch, that it has begun.
+    Tests a component. Depending on the component, success means that the test was passed or, if a person has to watch, that it has started.
 
-    Each UAV that was asked for stands in exactly one of the three maps.
+    Each requested UAV appears in exactly one of the three maps.
 
     The object is closed.
     """
@@ -4449,19 +4449,19 @@ class UavTestResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """Whether it passed the test, by UAV."""
+    """True if the test succeeded, by UAV id."""
 
     error: NotRequired[dict[str, str]]
-    """Why it failed, by UAV."""
+    """Reason for each failure, by UAV id."""
 
     receipt: NotRequired[dict[str, "ReceiptId"]]
-    """Where the result comes later: the receipt, by UAV."""
+    """Receipt of each pending operation, by UAV id."""
 
 
 class UavVerRequest(TypedDict):
     """Body of a request of type UAV-VER.
 
-    Asks for the versions of what UAVs are made of.
+    Queries the versions of the components of UAVs.
 
     Answered by UAV-VER.
     """
@@ -4470,7 +4470,7 @@ class UavVerRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The UAVs.
+    """Ids of the UAVs.
 
     No element stands in it twice.
     """
@@ -4479,9 +4479,9 @@ class UavVerRequest(TypedDict):
 class UavVerResponse(TypedDict):
     """Body of a response of type UAV-VER.
 
-    Asks for the versions of what UAVs are made of.
+    Queries the versions of the components of UAVs.
 
-    Each UAV that was asked for stands in exactly one of the three maps.
+    Each requested UAV appears in exactly one of the three maps.
 
     The object is closed.
     """
@@ -4490,19 +4490,19 @@ class UavVerResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, dict[str, str]]]
-    """The versions, by UAV and then by component; both names and form are up to the UAV."""
+    """Versions of the components, by UAV id and component name. The UAV defines the names and the format of the versions."""
 
     error: NotRequired[dict[str, str]]
-    """Why it failed, by UAV."""
+    """Reason for each failure, by UAV id."""
 
     receipt: NotRequired[dict[str, "ReceiptId"]]
-    """Where the result comes later: the receipt, by UAV."""
+    """Receipt of each pending operation, by UAV id."""
 
 
 class UavWakeupRequest(TypedDict):
     """Body of a request of type UAV-WAKEUP.
 
-    Wakes UAVs that sleep.
+    Wakes UAVs from sleep.
 
     Answered by UAV-WAKEUP.
     """
@@ -4511,21 +4511,21 @@ class UavWakeupRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The UAVs.
+    """Ids of the UAVs.
 
     No element stands in it twice.
     """
 
     transport: NotRequired["TransportOptions"]
-    """How the command should reach the UAVs."""
+    """Delivery options for the command."""
 
 
 class UavWakeupResponse(TypedDict):
     """Body of a response of type UAV-WAKEUP.
 
-    Wakes UAVs that sleep.
+    Wakes UAVs from sleep.
 
-    Each UAV that was asked for stands in exactly one of the three maps.
+    Each requested UAV appears in exactly one of the three maps.
 
     The object is closed.
     """
@@ -4534,19 +4534,19 @@ class UavWakeupResponse(TypedDict):
     """The type of the message."""
 
     result: NotRequired[dict[str, bool]]
-    """Whether the UAV confirmed it or, if it is known to confirm none, it was sent, by UAV."""
+    """Result for each UAV, by id: true if the command was confirmed, or sent to a UAV known to confirm no commands."""
 
     error: NotRequired[dict[str, str]]
-    """Why it failed, by UAV."""
+    """Reason for each failure, by UAV id."""
 
     receipt: NotRequired[dict[str, "ReceiptId"]]
-    """Where the result comes later: the receipt, by UAV."""
+    """Receipt of each pending operation, by UAV id."""
 
 
 class WthAtRequest(TypedDict):
     """Body of a request of type WTH-AT.
 
-    Asks for the weather at a place.
+    Queries the weather at a position.
 
     Answered by WTH-AT.
     """
@@ -4555,13 +4555,13 @@ class WthAtRequest(TypedDict):
     """The type of the message."""
 
     position: "GPSCoordinate"
-    """The place. Its altitudes are mostly ignored."""
+    """Position. Its altitudes are usually ignored."""
 
 
 class WthAtResponse(TypedDict):
     """Body of a response of type WTH-AT.
 
-    Asks for the weather at a place.
+    Queries the weather at a position.
 
     The object is closed.
     """
@@ -4570,13 +4570,13 @@ class WthAtResponse(TypedDict):
     """The type of the message."""
 
     weather: NotRequired["Weather"]
-    """The weather. Its position is the place that was asked for, or that of the one station that gave it. Left out where nobody knows."""
+    """Weather. Its position is the requested one, or that of the single station that provided the data. Omitted if unknown."""
 
 
 class WthInfRequest(TypedDict):
     """Body of a request of type WTH-INF.
 
-    Asks for the weather at stations.
+    Queries the weather at stations.
 
     Answered by WTH-INF.
     """
@@ -4585,7 +4585,7 @@ class WthInfRequest(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The stations.
+    """Ids of the stations.
 
     No element stands in it twice.
     """
@@ -4594,9 +4594,9 @@ class WthInfRequest(TypedDict):
 class WthInfResponse(TypedDict):
     """Body of a response of type WTH-INF.
 
-    Asks for the weather at stations.
+    Queries the weather at stations.
 
-    Each station that was asked for stands in exactly one of the two maps.
+    Each requested station appears in exactly one of the two maps.
 
     The object is closed.
     """
@@ -4605,18 +4605,18 @@ class WthInfResponse(TypedDict):
     """The type of the message."""
 
     status: NotRequired[dict[str, "Weather"]]
-    """The weather, by station."""
+    """Weather at each station, by id."""
 
     error: NotRequired[dict[str, str]]
-    """Why there is none, by station."""
+    """Reason for each failure, by station id."""
 
 
 class WthListRequest(TypedDict):
     """Body of a request of type WTH-LIST.
 
-    Asks which weather stations there are.
+    Lists the ids of all weather stations.
 
-    No fields beside type.
+    No fields besides type.
 
     The object is closed.
 
@@ -4630,7 +4630,7 @@ class WthListRequest(TypedDict):
 class WthListResponse(TypedDict):
     """Body of a response of type WTH-LIST.
 
-    Asks which weather stations there are.
+    Lists the ids of all weather stations.
 
     The object is closed.
     """
@@ -4639,7 +4639,7 @@ class WthListResponse(TypedDict):
     """The type of the message."""
 
     ids: list["ObjectId"]
-    """The stations.
+    """Ids of the stations.
 
     No element stands in it twice.
     """
@@ -4675,16 +4675,16 @@ class ErrorCode(OpenIntEnum):
     """
 
     GROUND = 1
-    """The UAV stands on the ground. As the only code in the list it also says that the UAV can take off."""
+    """The UAV is on the ground. If this is the only code in the list, the UAV is ready for takeoff."""
 
     NO_LOG = 2
-    """The UAV keeps logs, but nothing is being written to them at present."""
+    """The UAV keeps logs, but cannot currently write to them."""
 
     PREARM_INFORMATIONAL = 3
-    """Checks before arming are running; no takeoff until they end."""
+    """Pre-arm checks are running; no takeoff until they finish."""
 
     INIT = 4
-    """The autopilot is still starting up; no takeoff until it is done."""
+    """The autopilot is starting up; the UAV cannot take off until it is ready."""
 
     TAKEOFF = 5
     """Taking off."""
@@ -4693,175 +4693,175 @@ class ErrorCode(OpenIntEnum):
     """Landing."""
 
     LANDED = 7
-    """Landed without trouble."""
+    """Landed without problems."""
 
     MOTORS = 8
-    """On the ground with turning motors."""
+    """The UAV is on the ground with its motors running."""
 
     SLEEP = 9
-    """Low-power state: the flight controller is probably off, but can be woken from afar."""
+    """Low-power state: the flight controller is probably off but can be woken remotely."""
 
     PAUSED = 10
-    """High-level flight control is on hold for the time being."""
+    """High-level flight control is paused."""
 
     SLOW = 11
-    """Speed is limited at present, mostly for safety."""
+    """Speed is currently limited, usually for safety."""
 
     RTH = 63
     """Flying back to the home position."""
 
     STORAGE = 64
-    """Storage on board, such as an SD card, is nearly full."""
+    """Onboard storage, such as an SD card, is almost full."""
 
     RC_LOST_WARNING = 65
-    """Remote control signal lost, and the UAV copes. Use it only if the flight goes on without outside control, as where an algorithm steers anyway; otherwise use code 132."""
+    """Remote control signal lost, but the UAV can handle the loss. Use it only if the flight continues without external control, for example because an algorithm flies the UAV anyway; otherwise use code 132."""
 
     LOWBAT_WARNING = 66
-    """Charge is running low. Use it only if the mission can still be finished safely; otherwise use code 134 or 199."""
+    """Battery charge is low. Use it only if the UAV can still finish its mission safely; otherwise use code 134 or 199."""
 
     TIMESYNC = 67
-    """The UAV tries to set its clock by an outside source, such as GPS, and does not succeed."""
+    """The UAV fails to set its clock from an external source, such as GPS."""
 
     TKOFFPOS = 68
-    """The coming mission prescribes a takeoff position and the UAV stands somewhere else."""
+    """The coming mission specifies a takeoff position, but the UAV is somewhere else."""
 
     MISSION = 69
-    """Something is wrong with the mission as configured, for example a path that leaves the geofence."""
+    """Faulty mission configuration, for example a path that leaves the geofence."""
 
     NO_RADIO = 70
-    """A radio channel that the UAV is meant to communicate on is not available at present."""
+    """A radio channel that the UAV should use for communication is unavailable."""
 
     FENCE_WARNING = 71
-    """Outside the geofence. Use it only if the UAV probably rests on the ground; otherwise use code 201."""
+    """Outside the geofence. Use it only if the UAV is probably on the ground; otherwise use code 201."""
 
     WIND_WARNING = 72
-    """Strong wind. Use it only if the UAV still gets anywhere safely, though less stable and with a smaller flight envelope; otherwise use code 139."""
+    """Strong wind. Use it only if the UAV can still fly safely in every direction, with less stability and a smaller flight envelope; otherwise use code 139."""
 
     DISARM = 73
-    """Not armed: a switch, in hardware or software, keeps the motors from producing thrust."""
+    """Not armed: a hardware or software switch blocks motor thrust."""
 
     REBOOT = 74
-    """A restart is due, mostly since a calibration or a changed parameter takes effect only after one."""
+    """A restart is due, usually because a calibration or a changed parameter takes effect only after a restart."""
 
     DRIFT = 75
-    """The UAV is farther from where it should be than is normal."""
+    """The distance from the intended position is larger than normal."""
 
     WARNING = 127
-    """Any warning without a code of its own. For more serious conditions without a code, see code 191."""
+    """Any warning without a dedicated code. For more serious conditions without one, see code 191."""
 
     COMM_T_O = 128
-    """No answer in time from a lower-level part of the autopilot to the high-level control. Return to home or loitering is to be expected."""
+    """A lower-level autopilot component does not answer the high-level control in time. Expect a return to home or loitering."""
 
     ACK_T_O = 129
-    """A command of the high-level control was not confirmed in time by the part of the autopilot that it went to."""
+    """An autopilot component does not confirm a command of the high-level control in time."""
 
     PROTO = 130
-    """High-level control and autopilot do not understand each other: one could not parse what the other sent. Return to home or loitering is to be expected."""
+    """Protocol error between high-level control and autopilot: one cannot parse a message from the other. Expect a return to home or loitering."""
 
     PREARM_ERROR = 131
-    """At least one check before arming failed."""
+    """At least one pre-arm check failed."""
 
     RC_LOST_ERROR = 132
-    """Remote control signal lost, and the UAV does not cope. Use it only if the UAV will return home or land for lack of control; otherwise use code 65."""
+    """Remote control signal lost, and the UAV cannot handle the loss. Use it only if the UAV will return to home or land as a result; otherwise use code 65."""
 
     NO_GPS = 133
-    """GPS faulty or without signal. Use it only if the other sensors probably still allow loitering; otherwise use code 197."""
+    """GPS fault or no GPS signal. Use it only if the UAV can probably still loiter with its other sensors; otherwise use code 197."""
 
     LOWBAT_ERROR = 134
-    """Battery too low for the mission. Use it only if the charge still allows a safe return to home or loitering; otherwise use code 66 or 199."""
+    """Battery charge is too low for the mission. Use it only if the UAV can still return to home or loiter safely; otherwise use code 66 or 199."""
 
     TARGET = 135
     """The waypoint or beacon to follow cannot be found."""
 
     TOO_FAR = 136
-    """The target lies beyond the distance that is considered safe."""
+    """The target is beyond the distance that is considered safe."""
 
     CONFIG = 137
-    """The UAV is configured wrongly. Depending on its type, other parameters or configuration files mend that."""
+    """Faulty configuration. Depending on the UAV type, it can be fixed by changing parameters or configuration files."""
 
     RC_CALIB = 138
-    """The remote control seems to lack calibration. Meant for UAVs that require it, not for toys and others that do without."""
+    """The remote control is probably not calibrated. For UAVs that require this calibration; toys and similar UAVs do not."""
 
     WIND_ERROR = 139
-    """Wind too strong. Use it only if the UAV no longer gets anywhere safely and has to act at once (return home, descend) lest a headwind push it backwards; otherwise use code 72."""
+    """Wind is too strong. Use it only if the UAV can no longer fly safely in every direction and must act immediately (return to home or descend) so that a headwind does not push it backwards; otherwise use code 72."""
 
     PAYLOAD = 140
-    """Any problem of the payload."""
+    """Payload fault of any kind."""
 
     PROXIMITY = 141
-    """Fault of a proximity sensor."""
+    """Proximity sensor fault."""
 
     ESC = 142
-    """Fault of an electronic speed controller. Part of the specification since version 2.10."""
+    """Electronic speed controller (ESC) fault. Part of the specification since version 2.10."""
 
     SIMERR = 188
-    """Made up for a test: provokes return to home or loitering while nothing is wrong."""
+    """Simulated error for tests: triggers a return to home or loitering although nothing is wrong."""
 
     CONTROL = 189
-    """The algorithm that commands the autopilot yields no usable commands."""
+    """The control algorithm produces no usable commands for the autopilot."""
 
     SENSOR_ERROR = 190
-    """Any sensor failure without a code of its own that still allows return to home or loitering."""
+    """Any sensor failure without a dedicated code that still allows a return to home or loitering."""
 
     ERROR = 191
-    """Any error without a code of its own that still allows return to home or loitering. For fatal ones, see code 255."""
+    """Any error without a dedicated code that still allows a return to home or loitering. For fatal errors, see code 255."""
 
     COMPAT = 192
-    """Parts of the UAV, in hardware or software, do not go together; for example a Pixhawk autopilot and a FlockCtrl version that does not support it."""
+    """Incompatible components in hardware or software, for example a Pixhawk autopilot with a FlockCtrl version that does not support it."""
 
     MAG = 193
-    """Fault of a magnetometer."""
+    """Magnetometer fault."""
 
     GYRO = 194
-    """Fault of a gyroscope."""
+    """Gyroscope fault."""
 
     ACC = 195
-    """Fault of an accelerometer."""
+    """Accelerometer fault."""
 
     BARO = 196
     """Fault of a barometer or another altimeter."""
 
     GPS = 197
-    """GPS faulty or without signal. Use it only if the UAV will not try to loiter with the other sensors; otherwise use code 133."""
+    """GPS fault or no GPS signal. Use it only if the UAV will not attempt to loiter with its other sensors; otherwise use code 133."""
 
     MOTOR = 198
-    """Fault of a motor."""
+    """Motor fault."""
 
     LOWBAT_FATAL = 199
-    """Battery nearly empty. Use it only if the charge allows neither the mission nor return to home nor loitering; otherwise use code 66 or 134."""
+    """Battery is almost empty. Use it only if the UAV can neither finish its mission nor return to home nor loiter safely; otherwise use code 66 or 134."""
 
     HOME = 200
     """No home position from GPS."""
 
     FENCE_FATAL = 201
-    """Outside the geofence. Use it only if the UAV is probably in the air; otherwise use code 71. Out there the UAV is taken not to know a way back in: it tries to land on the spot or, where the straight way home is mostly allowed, returns home."""
+    """Outside the geofence. Use it only if the UAV is probably in the air; otherwise use code 71. The UAV is assumed not to know a way back inside: it attempts to land on the spot or, if the direct way home is mostly inside the geofence, returns to home."""
 
     CLK = 202
-    """A clock on board is not set right. For clocks outside the UAV, see code 203."""
+    """An onboard clock is not set correctly. For clocks outside the UAV, see code 203."""
 
     EXTCLK = 203
-    """A clock outside the UAV, which it cannot do without, is not set right. For clocks on board, see code 202."""
+    """An external clock that the UAV depends on is not set correctly. For onboard clocks, see code 202."""
 
     NO_HW = 204
-    """No connection to a piece of hardware that the mission calls for."""
+    """No connection to hardware that the mission requires."""
 
     INITFAIL = 205
-    """The autopilot could not be set up as the mission requires."""
+    """The autopilot could not be configured as the mission requires."""
 
     COMMFAIL = 206
-    """Connection to the autopilot lost for good."""
+    """Connection to the autopilot lost permanently."""
 
     CRASH = 207
     """The UAV has crashed."""
 
     SIMCRIT = 253
-    """Made up for a test: provokes an emergency landing while nothing critical is wrong."""
+    """Simulated fatal error for tests: triggers an emergency landing although nothing critical is wrong."""
 
     SENSOR_FATAL = 254
-    """Any sensor failure without a code of its own that makes the UAV land at once."""
+    """Any sensor failure without a dedicated code that makes the UAV land immediately."""
 
     FATAL = 255
-    """Any fatal error without a code of its own that makes the UAV land at once."""
+    """Any fatal error without a dedicated code that makes the UAV land immediately."""
 
     @property
     def code(self) -> int:
@@ -4904,67 +4904,67 @@ class ErrorCode(OpenIntEnum):
 
 
 _KNOWN: dict[int, tuple[Optional[str], str, tuple[int, ...], tuple[int, ...]]] = {
-    1: ("GROUND", "The UAV stands on the ground. As the only code in the list it also says that the UAV can take off.", (), ()),
-    2: ("NO LOG", "The UAV keeps logs, but nothing is being written to them at present.", (), ()),
-    3: ("PREARM", "Checks before arming are running; no takeoff until they end.", (), ()),
-    4: ("INIT", "The autopilot is still starting up; no takeoff until it is done.", (), ()),
+    1: ("GROUND", "The UAV is on the ground. If this is the only code in the list, the UAV is ready for takeoff.", (), ()),
+    2: ("NO LOG", "The UAV keeps logs, but cannot currently write to them.", (), ()),
+    3: ("PREARM", "Pre-arm checks are running; no takeoff until they finish.", (), ()),
+    4: ("INIT", "The autopilot is starting up; the UAV cannot take off until it is ready.", (), ()),
     5: ("TAKEOFF", "Taking off.", (), ()),
     6: ("LANDING", "Landing.", (), ()),
-    7: ("LANDED", "Landed without trouble.", (), ()),
-    8: ("MOTORS", "On the ground with turning motors.", (), ()),
-    9: ("SLEEP", "Low-power state: the flight controller is probably off, but can be woken from afar.", (), ()),
-    10: ("PAUSED", "High-level flight control is on hold for the time being.", (), ()),
-    11: ("SLOW", "Speed is limited at present, mostly for safety.", (), ()),
+    7: ("LANDED", "Landed without problems.", (), ()),
+    8: ("MOTORS", "The UAV is on the ground with its motors running.", (), ()),
+    9: ("SLEEP", "Low-power state: the flight controller is probably off but can be woken remotely.", (), ()),
+    10: ("PAUSED", "High-level flight control is paused.", (), ()),
+    11: ("SLOW", "Speed is currently limited, usually for safety.", (), ()),
     63: ("RTH", "Flying back to the home position.", (), ()),
-    64: ("STORAGE", "Storage on board, such as an SD card, is nearly full.", (), ()),
-    65: ("RC LOST", "Remote control signal lost, and the UAV copes. Use it only if the flight goes on without outside control, as where an algorithm steers anyway; otherwise use code 132.", (132,), (132,)),
-    66: ("LOWBAT", "Charge is running low. Use it only if the mission can still be finished safely; otherwise use code 134 or 199.", (134, 199), (134, 199)),
-    67: ("TIMESYNC", "The UAV tries to set its clock by an outside source, such as GPS, and does not succeed.", (), ()),
-    68: ("TKOFFPOS", "The coming mission prescribes a takeoff position and the UAV stands somewhere else.", (), ()),
-    69: ("MISSION", "Something is wrong with the mission as configured, for example a path that leaves the geofence.", (), ()),
-    70: ("NO RADIO", "A radio channel that the UAV is meant to communicate on is not available at present.", (), ()),
-    71: ("FENCE", "Outside the geofence. Use it only if the UAV probably rests on the ground; otherwise use code 201.", (201,), (201,)),
-    72: ("WIND", "Strong wind. Use it only if the UAV still gets anywhere safely, though less stable and with a smaller flight envelope; otherwise use code 139.", (139,), (139,)),
-    73: ("DISARM", "Not armed: a switch, in hardware or software, keeps the motors from producing thrust.", (), ()),
-    74: ("REBOOT", "A restart is due, mostly since a calibration or a changed parameter takes effect only after one.", (), ()),
-    75: ("DRIFT", "The UAV is farther from where it should be than is normal.", (), ()),
-    127: ("WARNING", "Any warning without a code of its own. For more serious conditions without a code, see code 191.", (), (191,)),
-    128: ("COMM T/O", "No answer in time from a lower-level part of the autopilot to the high-level control. Return to home or loitering is to be expected.", (), ()),
-    129: ("ACK T/O", "A command of the high-level control was not confirmed in time by the part of the autopilot that it went to.", (), ()),
-    130: ("PROTO", "High-level control and autopilot do not understand each other: one could not parse what the other sent. Return to home or loitering is to be expected.", (), ()),
-    131: ("PREARM", "At least one check before arming failed.", (), ()),
-    132: ("RC LOST", "Remote control signal lost, and the UAV does not cope. Use it only if the UAV will return home or land for lack of control; otherwise use code 65.", (65,), (65,)),
-    133: ("NO GPS", "GPS faulty or without signal. Use it only if the other sensors probably still allow loitering; otherwise use code 197.", (197,), (197,)),
-    134: ("LOWBAT", "Battery too low for the mission. Use it only if the charge still allows a safe return to home or loitering; otherwise use code 66 or 199.", (66, 199), (66, 199)),
+    64: ("STORAGE", "Onboard storage, such as an SD card, is almost full.", (), ()),
+    65: ("RC LOST", "Remote control signal lost, but the UAV can handle the loss. Use it only if the flight continues without external control, for example because an algorithm flies the UAV anyway; otherwise use code 132.", (132,), (132,)),
+    66: ("LOWBAT", "Battery charge is low. Use it only if the UAV can still finish its mission safely; otherwise use code 134 or 199.", (134, 199), (134, 199)),
+    67: ("TIMESYNC", "The UAV fails to set its clock from an external source, such as GPS.", (), ()),
+    68: ("TKOFFPOS", "The coming mission specifies a takeoff position, but the UAV is somewhere else.", (), ()),
+    69: ("MISSION", "Faulty mission configuration, for example a path that leaves the geofence.", (), ()),
+    70: ("NO RADIO", "A radio channel that the UAV should use for communication is unavailable.", (), ()),
+    71: ("FENCE", "Outside the geofence. Use it only if the UAV is probably on the ground; otherwise use code 201.", (201,), (201,)),
+    72: ("WIND", "Strong wind. Use it only if the UAV can still fly safely in every direction, with less stability and a smaller flight envelope; otherwise use code 139.", (139,), (139,)),
+    73: ("DISARM", "Not armed: a hardware or software switch blocks motor thrust.", (), ()),
+    74: ("REBOOT", "A restart is due, usually because a calibration or a changed parameter takes effect only after a restart.", (), ()),
+    75: ("DRIFT", "The distance from the intended position is larger than normal.", (), ()),
+    127: ("WARNING", "Any warning without a dedicated code. For more serious conditions without one, see code 191.", (), (191,)),
+    128: ("COMM T/O", "A lower-level autopilot component does not answer the high-level control in time. Expect a return to home or loitering.", (), ()),
+    129: ("ACK T/O", "An autopilot component does not confirm a command of the high-level control in time.", (), ()),
+    130: ("PROTO", "Protocol error between high-level control and autopilot: one cannot parse a message from the other. Expect a return to home or loitering.", (), ()),
+    131: ("PREARM", "At least one pre-arm check failed.", (), ()),
+    132: ("RC LOST", "Remote control signal lost, and the UAV cannot handle the loss. Use it only if the UAV will return to home or land as a result; otherwise use code 65.", (65,), (65,)),
+    133: ("NO GPS", "GPS fault or no GPS signal. Use it only if the UAV can probably still loiter with its other sensors; otherwise use code 197.", (197,), (197,)),
+    134: ("LOWBAT", "Battery charge is too low for the mission. Use it only if the UAV can still return to home or loiter safely; otherwise use code 66 or 199.", (66, 199), (66, 199)),
     135: ("TARGET", "The waypoint or beacon to follow cannot be found.", (), ()),
-    136: ("TOO FAR", "The target lies beyond the distance that is considered safe.", (), ()),
-    137: ("CONFIG", "The UAV is configured wrongly. Depending on its type, other parameters or configuration files mend that.", (), ()),
-    138: ("RC CALIB", "The remote control seems to lack calibration. Meant for UAVs that require it, not for toys and others that do without.", (), ()),
-    139: ("WIND", "Wind too strong. Use it only if the UAV no longer gets anywhere safely and has to act at once (return home, descend) lest a headwind push it backwards; otherwise use code 72.", (72,), (72,)),
-    140: ("PAYLOAD", "Any problem of the payload.", (), ()),
-    141: ("PROXIMITY", "Fault of a proximity sensor.", (), ()),
-    142: ("ESC", "Fault of an electronic speed controller. Part of the specification since version 2.10.", (), ()),
-    188: ("SIMERR", "Made up for a test: provokes return to home or loitering while nothing is wrong.", (), ()),
-    189: ("CONTROL", "The algorithm that commands the autopilot yields no usable commands.", (), ()),
-    190: ("SENSOR", "Any sensor failure without a code of its own that still allows return to home or loitering.", (), ()),
-    191: ("ERROR", "Any error without a code of its own that still allows return to home or loitering. For fatal ones, see code 255.", (), (255,)),
-    192: ("COMPAT", "Parts of the UAV, in hardware or software, do not go together; for example a Pixhawk autopilot and a FlockCtrl version that does not support it.", (), ()),
-    193: ("MAG", "Fault of a magnetometer.", (), ()),
-    194: ("GYRO", "Fault of a gyroscope.", (), ()),
-    195: ("ACC", "Fault of an accelerometer.", (), ()),
+    136: ("TOO FAR", "The target is beyond the distance that is considered safe.", (), ()),
+    137: ("CONFIG", "Faulty configuration. Depending on the UAV type, it can be fixed by changing parameters or configuration files.", (), ()),
+    138: ("RC CALIB", "The remote control is probably not calibrated. For UAVs that require this calibration; toys and similar UAVs do not.", (), ()),
+    139: ("WIND", "Wind is too strong. Use it only if the UAV can no longer fly safely in every direction and must act immediately (return to home or descend) so that a headwind does not push it backwards; otherwise use code 72.", (72,), (72,)),
+    140: ("PAYLOAD", "Payload fault of any kind.", (), ()),
+    141: ("PROXIMITY", "Proximity sensor fault.", (), ()),
+    142: ("ESC", "Electronic speed controller (ESC) fault. Part of the specification since version 2.10.", (), ()),
+    188: ("SIMERR", "Simulated error for tests: triggers a return to home or loitering although nothing is wrong.", (), ()),
+    189: ("CONTROL", "The control algorithm produces no usable commands for the autopilot.", (), ()),
+    190: ("SENSOR", "Any sensor failure without a dedicated code that still allows a return to home or loitering.", (), ()),
+    191: ("ERROR", "Any error without a dedicated code that still allows a return to home or loitering. For fatal errors, see code 255.", (), (255,)),
+    192: ("COMPAT", "Incompatible components in hardware or software, for example a Pixhawk autopilot with a FlockCtrl version that does not support it.", (), ()),
+    193: ("MAG", "Magnetometer fault.", (), ()),
+    194: ("GYRO", "Gyroscope fault.", (), ()),
+    195: ("ACC", "Accelerometer fault.", (), ()),
     196: ("BARO", "Fault of a barometer or another altimeter.", (), ()),
-    197: ("GPS", "GPS faulty or without signal. Use it only if the UAV will not try to loiter with the other sensors; otherwise use code 133.", (133,), (133,)),
-    198: ("MOTOR", "Fault of a motor.", (), ()),
-    199: ("LOWBAT", "Battery nearly empty. Use it only if the charge allows neither the mission nor return to home nor loitering; otherwise use code 66 or 134.", (66, 134), (66, 134)),
+    197: ("GPS", "GPS fault or no GPS signal. Use it only if the UAV will not attempt to loiter with its other sensors; otherwise use code 133.", (133,), (133,)),
+    198: ("MOTOR", "Motor fault.", (), ()),
+    199: ("LOWBAT", "Battery is almost empty. Use it only if the UAV can neither finish its mission nor return to home nor loiter safely; otherwise use code 66 or 134.", (66, 134), (66, 134)),
     200: ("HOME", "No home position from GPS.", (), ()),
-    201: ("FENCE", "Outside the geofence. Use it only if the UAV is probably in the air; otherwise use code 71. Out there the UAV is taken not to know a way back in: it tries to land on the spot or, where the straight way home is mostly allowed, returns home.", (71,), (71,)),
-    202: ("CLK", "A clock on board is not set right. For clocks outside the UAV, see code 203.", (), (203,)),
-    203: ("EXTCLK", "A clock outside the UAV, which it cannot do without, is not set right. For clocks on board, see code 202.", (), (202,)),
-    204: ("NO HW", "No connection to a piece of hardware that the mission calls for.", (), ()),
-    205: ("INITFAIL", "The autopilot could not be set up as the mission requires.", (), ()),
-    206: ("COMMFAIL", "Connection to the autopilot lost for good.", (), ()),
+    201: ("FENCE", "Outside the geofence. Use it only if the UAV is probably in the air; otherwise use code 71. The UAV is assumed not to know a way back inside: it attempts to land on the spot or, if the direct way home is mostly inside the geofence, returns to home.", (71,), (71,)),
+    202: ("CLK", "An onboard clock is not set correctly. For clocks outside the UAV, see code 203.", (), (203,)),
+    203: ("EXTCLK", "An external clock that the UAV depends on is not set correctly. For onboard clocks, see code 202.", (), (202,)),
+    204: ("NO HW", "No connection to hardware that the mission requires.", (), ()),
+    205: ("INITFAIL", "The autopilot could not be configured as the mission requires.", (), ()),
+    206: ("COMMFAIL", "Connection to the autopilot lost permanently.", (), ()),
     207: ("CRASH", "The UAV has crashed.", (), ()),
-    253: ("SIMCRIT", "Made up for a test: provokes an emergency landing while nothing critical is wrong.", (), ()),
-    254: ("SENSOR", "Any sensor failure without a code of its own that makes the UAV land at once.", (), ()),
-    255: ("FATAL", "Any fatal error without a code of its own that makes the UAV land at once.", (), ()),
+    253: ("SIMCRIT", "Simulated fatal error for tests: triggers an emergency landing although nothing critical is wrong.", (), ()),
+    254: ("SENSOR", "Any sensor failure without a dedicated code that makes the UAV land immediately.", (), ()),
+    255: ("FATAL", "Any fatal error without a dedicated code that makes the UAV land immediately.", (), ()),
 }

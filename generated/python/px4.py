@@ -43,31 +43,32 @@ __all__ = [
 
 
 class ArmingCheckReply(TypedDict):
-    """Answer of an external component to an ArmingCheckRequest
+    """Reply of an external component to an ArmingCheckRequest
 
-    A component outside the flight controller, such as a flight mode that runs as a ROS 2 node, sends one for each request,
-    whether the vehicle is armed or not. It says if the component agrees to arming, why not, and what its mode needs to run.
-    The flight controller copies those needs into the mode_req masks of FailsafeFlags and passes the reasons on to ground stations.
+    A component outside the flight controller, such as a ROS 2 flight mode, sends one reply to each request, even while the
+    vehicle is armed. The reply states whether the component allows arming, the reasons if it does not, and the requirements
+    of its mode. The flight controller copies these requirements into the mode_req masks of FailsafeFlags and forwards the
+    reasons to ground stations.
 
-    The component names itself by the id that RegisterExtComponentReply gave it. Built-in modes send no replies.
+    The component identifies itself by the id from RegisterExtComponentReply. Built-in modes send no replies.
 
     Topics: arming_check_reply; message version: 1; queue length: 4.
     """
 
     timestamp: int
-    """Time of this message, counted from system start
+    """Time since boot
 
     Type: uint64; unit: us (microseconds).
     """
 
     request_id: int
-    """request_id of the ArmingCheckRequest that this answers
+    """request_id of the ArmingCheckRequest
 
     Type: uint8.
     """
 
     registration_id: int
-    """Who answers: the arming_check_id from RegisterExtComponentReply
+    """Id of the component: arming_check_id of its RegisterExtComponentReply
 
     Type: uint8.
     """
@@ -79,103 +80,103 @@ class ArmingCheckReply(TypedDict):
     """
 
     health_component_is_present: bool
-    """True if that component is there; not used yet, kept for health reports (health_component_t in events.json)
+    """True if the health component is present. Unused, reserved for health reports (health_component_t in events.json)
 
     Type: bool.
     """
 
     health_component_warning: bool
-    """True if that component has a warning; not used yet, kept for health reports
+    """True if the health component reports a warning. Unused, reserved for health reports
 
     Type: bool.
     """
 
     health_component_error: bool
-    """True if that component has an error; not used yet, kept for health reports
+    """True if the health component reports an error. Unused, reserved for health reports
 
     Type: bool.
     """
 
     can_arm_and_run: bool
-    """True if the component lets the vehicle arm; a flight mode: arm in it, or enter it once armed. If false, events say why
+    """True if the component allows arming. For a flight mode: true if the vehicle may arm in it, or enter it while armed
 
     Type: bool.
     """
 
     num_events: int
-    """Entries of events in use, from the first on
+    """Number of used entries at the start of events
 
     Type: uint8; counts the entries in use of events.
     """
 
     events: list["Event"]
-    """Reasons against arming, to be forwarded to ground stations; entries from num_events on are to be ignored
+    """Reasons against arming, to be forwarded to ground stations. Entries from num_events on must be ignored
 
     Type: Event[5].
     """
 
     mode_req_angular_velocity: bool
-    """True if the mode needs angular rates (as from gyroscopes)
+    """True if the mode requires an angular velocity, for example from a gyroscope
 
     Type: bool; group: Mode requirements.
     """
 
     mode_req_attitude: bool
-    """True if the mode needs an attitude
+    """True if the mode requires an attitude
 
     Type: bool; group: Mode requirements.
     """
 
     mode_req_local_alt: bool
-    """True if the mode needs a local altitude
+    """True if the mode requires a local altitude
 
     Type: bool; group: Mode requirements.
     """
 
     mode_req_local_position: bool
-    """True if the mode needs a local position at full accuracy
+    """True if the mode requires a local position with full accuracy
 
     Type: bool; group: Mode requirements.
     """
 
     mode_req_local_position_relaxed: bool
-    """True if the mode needs a local position but copes with a coarse one
+    """True if the mode requires a local position, possibly with reduced accuracy
 
     Type: bool; group: Mode requirements.
     """
 
     mode_req_global_position: bool
-    """True if the mode needs a global position at full accuracy
+    """True if the mode requires a global position with full accuracy
 
     Type: bool; group: Mode requirements.
     """
 
     mode_req_global_position_relaxed: bool
-    """True if the mode needs a global position but copes with a coarse one
+    """True if the mode requires a global position, possibly with reduced accuracy
 
     Type: bool; group: Mode requirements.
     """
 
     mode_req_mission: bool
-    """True if the mode needs a mission on board
+    """True if the mode requires a mission
 
     Type: bool; group: Mode requirements.
     """
 
     mode_req_home_position: bool
-    """True if the mode needs a home position, as Return does
+    """True if the mode requires a home position, as Return mode does
 
     Type: bool; group: Mode requirements.
     """
 
     mode_req_prevent_arming: bool
-    """True if the vehicle must not arm in the mode, as in Land
+    """True if the vehicle cannot arm in the mode, as in Land mode
 
     Type: bool; group: Mode requirements.
     """
 
     mode_req_manual_control: bool
-    """True if the mode needs a pilot's input
+    """True if the mode requires manual control input
 
     Type: bool; group: Mode requirements.
     """
@@ -185,45 +186,45 @@ class ArmingCheckReplyHealthComponentIndex(OpenIntEnum):
     """The values HEALTH_COMPONENT_INDEX of ArmingCheckReply; there may be others, which firmware of another version has."""
 
     NONE = 0
-    """The reply speaks for no health component"""
+    """No health component"""
 
 
 class ArmingCheckReplyConstants:
     """The constants of ArmingCheckReply."""
 
     MESSAGE_VERSION: Final = 1
-    """Layout version, raised with each change of the fields"""
+    """Message version, incremented with each change of the fields"""
 
     HEALTH_COMPONENT_INDEX_NONE: Final = 0
-    """The reply speaks for no health component"""
+    """No health component"""
 
     ORB_QUEUE_LENGTH: Final = 4
-    """Replies that the topic holds before the oldest is lost"""
+    """Queue length of the topic"""
 
 
 class ArmingCheckRequest(TypedDict):
-    """Call to all registered external components to report whether they agree to arming
+    """Request to all registered external components to report whether they allow arming
 
-    The flight controller broadcasts it at a steady rate, also in flight, so that it always knows which external modes can run.
-    Each registered component answers with one ArmingCheckReply.
+    The flight controller publishes it at regular intervals, even in flight, so that it always knows which external modes can
+    run. Each registered component answers with one ArmingCheckReply.
 
     Topics: arming_check_request; message version: 1.
     """
 
     timestamp: int
-    """Time of this message, counted from system start
+    """Time since boot
 
     Type: uint64; unit: us (microseconds).
     """
 
     request_id: int
-    """Number that the replies to this request carry; the next request has another
+    """Id of the request. Each request has a new id, and the replies repeat it
 
     Type: uint8.
     """
 
     valid_registrations_mask: int
-    """Bit N is set while registration id N exists and its component answers; clear otherwise
+    """Bit mask of valid registrations: bit N is set while registration id N exists and its component responds
 
     Type: uint32.
     """
@@ -233,80 +234,80 @@ class ArmingCheckRequestConstants:
     """The constants of ArmingCheckRequest."""
 
     MESSAGE_VERSION: Final = 1
-    """Layout version, raised with each change of the fields"""
+    """Message version, incremented with each change of the fields"""
 
 
 class BatteryStatus(TypedDict):
-    """State of one battery: readings, estimates, warnings and faults
+    """Battery state: measurements, estimates, warnings and faults
 
-    Power modules, smart batteries and speed controllers are the sources. Each battery is an instance of the topic.
-    Where a field has no value that says so, sources that don't know it leave 0.
+    Published by power modules, smart batteries and ESCs. Each battery has a separate topic instance.
+    If a field does not define a value for missing data, sources set it to 0 if they do not know it.
 
     Topics: battery_status.
     """
 
     timestamp: int
-    """Time of this message, counted from system start
+    """Time since boot
 
     Type: uint64; unit: us (microseconds).
     """
 
     connected: bool
-    """True if a battery is connected; where only voltage is measured, if that is above a threshold
+    """True if a battery is connected. If only the voltage is measured: true if it exceeds a threshold
 
     Type: bool; group: Readings and estimates.
     """
 
     voltage_v: Union[float, None]
-    """Pack voltage
+    """Battery voltage
 
     Type: float32; group: Readings and estimates; unit: V (volts); no data: 0; null stands for NaN.
     """
 
     voltage_filtered_v: Union[float, None]
-    """Pack voltage, smoothed
+    """Filtered battery voltage
 
     Type: float32; group: Readings and estimates; unit: V (volts); no data: 0; null stands for NaN.
     """
 
     current_a: Union[float, None]
-    """Current drawn from the pack
+    """Battery current
 
     Type: float32; group: Readings and estimates; unit: A (amperes); no data: -1; null stands for NaN.
     """
 
     current_filtered_a: Union[float, None]
-    """Current drawn from the pack, smoothed
+    """Filtered battery current
 
     Type: float32; group: Readings and estimates; unit: A (amperes); no data: 0; null stands for NaN.
     """
 
     current_average_a: Union[float, None]
-    """Mean current over a longer time; fixed-wing vehicles average over level flight alone
+    """Average current over a longer period; fixed-wing vehicles only average it in level flight
 
     Type: float32; group: Readings and estimates; unit: A (amperes); no data: -1; null stands for NaN.
     """
 
     discharged_mah: Union[float, None]
-    """Charge drawn so far
+    """Charge consumed so far
 
     Type: float32; group: Readings and estimates; unit: mAh (milliampere hours); no data: -1; null stands for NaN.
     """
 
     remaining: Union[float, None]
-    """State of charge: 1 is full, 0 is empty
+    """State of charge, from 0 (empty) to 1 (full)
 
     Type: float32; group: Readings and estimates; range: 0 to 1; no data: -1; null stands for NaN.
     """
 
     scale: Union[float, None]
-    """Factor on actuator outputs that makes up for sagging voltage
+    """Factor that compensates actuator outputs for voltage drop
 
     Type: float32; group: Readings and estimates; range: 1 or more; no data: -1; null stands for NaN.
     """
 
     time_remaining_s: Union[float, None]
-    """Forecast of the time until empty, if the mean load stays as it was
+    """Predicted time until the battery is empty at the average load so far
 
     Type: float32; group: Readings and estimates; unit: s (seconds); no data: NaN; null stands for NaN.
     """
@@ -318,73 +319,73 @@ class BatteryStatus(TypedDict):
     """
 
     cell_count: int
-    """Cells in series
+    """Number of cells in series
 
     Type: uint8; group: Readings and estimates; no data: 0.
     """
 
     source: int
-    """Where these data come from
+    """Source of the battery data
 
     Type: uint8; group: Pack.
     """
 
     priority: int
-    """Input of the power controller that the battery feeds, from 0: input Vn (brick n) is n - 1
+    """Zero-based input of the power controller: input Vn (brick n) has the value n - 1
 
     Type: uint8; group: Pack.
     """
 
     capacity: int
-    """Charge that the full pack holds
+    """Capacity of the fully charged battery
 
     Type: uint16; group: Pack; unit: mAh (milliampere hours).
     """
 
     cycle_count: int
-    """Times that the pack was discharged so far
+    """Number of discharge cycles
 
     Type: uint16; group: Pack.
     """
 
     average_time_to_empty: int
-    """Forecast of the time until empty at the mean rate of discharge
+    """Predicted time until the battery is empty at the average discharge rate
 
     Type: uint16; group: Pack; unit: min (minutes).
     """
 
     serial_number: int
-    """Serial number of the pack
+    """Serial number
 
     Type: uint16; group: Pack.
     """
 
     manufacture_date: int
-    """Day of manufacture, part of the serial number: day in bits 0 to 4, month in bits 5 to 8, years since 1980 in bits 9 to 15
+    """Date of manufacture, part of the serial number: day in bits 0 to 4, month in bits 5 to 8, years since 1980 in bits 9 to 15
 
     Type: uint16; group: Pack.
     """
 
     state_of_health: int
-    """Charge that the full pack holds, as a share of its design capacity
+    """Full charge capacity as a percentage of the design capacity
 
     Type: uint16; group: Pack; unit: % (percent); range: 0 to 100.
     """
 
     max_error: int
-    """Error to expect in the state of charge; some sources leave 0
+    """Expected error of the state of charge; some sources report 0
 
     Type: uint16; group: Pack; unit: % (percent); range: 1 to 100.
     """
 
     id: int
-    """Number of the battery, from 1: no two alike on a vehicle, and always the same
+    """Battery number, from 1. It is unique on a vehicle and never changes
 
     Type: uint8; group: Pack.
     """
 
     interface_error: int
-    """Count of errors on the connection to the battery
+    """Number of errors on the connection to the battery
 
     Type: uint16; group: Pack.
     """
@@ -396,91 +397,91 @@ class BatteryStatus(TypedDict):
     """
 
     max_cell_voltage_delta: Union[float, None]
-    """Highest cell voltage less the lowest
+    """Difference between the highest and the lowest cell voltage
 
     Type: float32; group: Cells; unit: V (volts); null stands for NaN.
     """
 
     is_powering_off: bool
-    """True if the battery is about to switch itself off; false also means not known
+    """True if the battery is about to power off. False if not, or if unknown
 
     Type: bool; group: Operation.
     """
 
     is_required: bool
-    """True if arming without this battery is not permitted
+    """True if the vehicle cannot arm without this battery
 
     Type: bool; group: Operation.
     """
 
     faults: int
-    """What is wrong with the battery: bit N is set for the fault of value N
+    """Fault bits: bit N is set for the fault with value N
 
     Type: uint16; group: Warnings and faults.
     """
 
     custom_faults: int
-    """Bits of the manufacturer's own; nothing that a user could mend
+    """Manufacturer-specific fault bits, not meant for users
 
     Type: uint32; group: Warnings and faults.
     """
 
     warning: int
-    """How urgent the state of the battery is
+    """Battery warning or state
 
     Type: uint8; group: Warnings and faults.
     """
 
     mode: int
-    """Special mode that the battery is in; none in normal operation
+    """Special operating mode of the battery
 
     Type: uint8; group: Warnings and faults.
     """
 
     average_power: Union[float, None]
-    """Power that the pack has given off during this discharge, on the mean
+    """Average power during this discharge cycle
 
     Type: float32; group: Energy; unit: W (watts); null stands for NaN.
     """
 
     available_energy: Union[float, None]
-    """Forecast of what is left in the battery; charge or energy: no unit is defined
+    """Predicted remaining charge or energy; its unit is not defined
 
     Type: float32; group: Energy; null stands for NaN.
     """
 
     full_charge_capacity_wh: Union[float, None]
-    """Energy that the full pack holds, compensated
+    """Compensated energy of the fully charged battery
 
     Type: float32; group: Energy; unit: Wh (watt hours); null stands for NaN.
     """
 
     remaining_capacity_wh: Union[float, None]
-    """Energy left in the pack, compensated
+    """Compensated remaining energy
 
     Type: float32; group: Energy; unit: Wh (watt hours); null stands for NaN.
     """
 
     design_capacity: Union[float, None]
-    """What the pack held by design; no unit is defined
+    """Design capacity; its unit is not defined
 
     Type: float32; group: Energy; null stands for NaN.
     """
 
     average_time_to_full: int
-    """Forecast of the time until fully charged
+    """Predicted time until the battery is fully charged
 
     Type: uint16; group: Energy; unit: min (minutes).
     """
 
     over_discharge_count: int
-    """Times that the pack was discharged too far
+    """Number of overdischarges
 
     Type: uint16; group: Energy.
     """
 
     nominal_voltage: Union[float, None]
-    """Voltage that the pack is rated at
+    """Nominal battery voltage
 
     Type: float32; group: Energy; unit: V (volts); null stands for NaN.
     """
@@ -493,85 +494,85 @@ class BatteryStatusBatterySource(OpenIntEnum):
     """Power module that measures voltage and current"""
 
     EXTERNAL = 1
-    """Device that reports the state itself, over MAVLink, CAN or a driver of its own"""
+    """External device that reports the battery state, over MAVLink, CAN or a custom driver"""
 
     ESCS = 2
-    """Telemetry of the speed controllers (ESCs)"""
+    """Telemetry of the electronic speed controllers (ESCs)"""
 
 
 class BatteryStatusBatteryFault(IntFlag):
     """The flags BATTERY_FAULT of BatteryStatus, any of which may be set; so may bits without a name."""
 
     DEEP_DISCHARGE = 1
-    """Discharged too far"""
+    """Deep discharge"""
 
     SPIKES = 2
-    """Spikes in the voltage"""
+    """Voltage spikes"""
 
     CELL_FAIL = 4
-    """At least one dead cell"""
+    """Failure of one or more cells"""
 
     OVER_CURRENT = 8
-    """Current too high"""
+    """Overcurrent"""
 
     OVER_TEMPERATURE = 16
-    """Too hot"""
+    """Overtemperature"""
 
     UNDER_TEMPERATURE = 32
-    """Too cold"""
+    """Undertemperature"""
 
     INCOMPATIBLE_VOLTAGE = 64
-    """Voltage doesn't suit the vehicle"""
+    """Battery voltage incompatible with the vehicle"""
 
     INCOMPATIBLE_FIRMWARE = 128
-    """The battery's firmware doesn't work with the autopilot's"""
+    """Battery firmware incompatible with the autopilot firmware"""
 
     INCOMPATIBLE_MODEL = 256
-    """Battery of an unsupported model"""
+    """Unsupported battery model"""
 
     HARDWARE_FAILURE = 512
-    """Broken hardware"""
+    """Hardware failure"""
 
 
 class BatteryStatusBatteryWarning(OpenIntEnum):
     """The values BATTERY_WARNING, BATTERY_STATE of BatteryStatus; there may be others, which firmware of another version has."""
 
     NONE = 0
-    """Voltage is not low"""
+    """No low-voltage warning"""
 
     LOW = 1
-    """Voltage is low"""
+    """Low voltage"""
 
     CRITICAL = 2
-    """Voltage is critical: break off and return at once"""
+    """Critically low voltage: end the mission and return immediately"""
 
     EMERGENCY = 3
-    """Land at once"""
+    """Land immediately"""
 
     FAILED = 4
-    """Total failure of the battery"""
+    """Complete battery failure"""
 
     UNHEALTHY = 6
-    """Defect or error found: avoid using the battery, or don't use it at all; faults may say why"""
+    """Defect or error: the use of the battery is discouraged or forbidden. See faults for possible causes"""
 
     CHARGING = 7
-    """Battery is being charged"""
+    """Charging"""
 
     OVER_TEMPERATURE = 10
-    """Too hot; called a warning, yet numbered as bit 10 of faults"""
+    """Overtemperature warning. Its value is bit 10 of faults, despite the name"""
 
 
 class BatteryStatusBatteryMode(OpenIntEnum):
     """The values BATTERY_MODE of BatteryStatus; there may be others, which firmware of another version has."""
 
     UNKNOWN = 0
-    """Normal operation, or a battery without modes"""
+    """Normal operation, or a battery without special modes"""
 
     AUTO_DISCHARGING = 1
-    """Emptying itself down to storage level"""
+    """Automatic discharge to storage level"""
 
     HOT_SWAP = 2
-    """Hot swap: exchange under power"""
+    """Hot swap: exchange while powered"""
 
 
 class BatteryStatusConstants:
@@ -581,119 +582,119 @@ class BatteryStatusConstants:
     """Power module that measures voltage and current"""
 
     BATTERY_SOURCE_EXTERNAL: Final = 1
-    """Device that reports the state itself, over MAVLink, CAN or a driver of its own"""
+    """External device that reports the battery state, over MAVLink, CAN or a custom driver"""
 
     BATTERY_SOURCE_ESCS: Final = 2
-    """Telemetry of the speed controllers (ESCs)"""
+    """Telemetry of the electronic speed controllers (ESCs)"""
 
     BATTERY_WARNING_NONE: Final = 0
-    """Voltage is not low"""
+    """No low-voltage warning"""
 
     BATTERY_WARNING_LOW: Final = 1
-    """Voltage is low"""
+    """Low voltage"""
 
     BATTERY_WARNING_CRITICAL: Final = 2
-    """Voltage is critical: break off and return at once"""
+    """Critically low voltage: end the mission and return immediately"""
 
     BATTERY_WARNING_EMERGENCY: Final = 3
-    """Land at once"""
+    """Land immediately"""
 
     BATTERY_WARNING_FAILED: Final = 4
-    """Total failure of the battery"""
+    """Complete battery failure"""
 
     BATTERY_STATE_UNHEALTHY: Final = 6
-    """Defect or error found: avoid using the battery, or don't use it at all; faults may say why"""
+    """Defect or error: the use of the battery is discouraged or forbidden. See faults for possible causes"""
 
     BATTERY_STATE_CHARGING: Final = 7
-    """Battery is being charged"""
+    """Charging"""
 
     BATTERY_FAULT_DEEP_DISCHARGE: Final = 0
-    """Discharged too far"""
+    """Deep discharge"""
 
     BATTERY_FAULT_SPIKES: Final = 1
-    """Spikes in the voltage"""
+    """Voltage spikes"""
 
     BATTERY_FAULT_CELL_FAIL: Final = 2
-    """At least one dead cell"""
+    """Failure of one or more cells"""
 
     BATTERY_FAULT_OVER_CURRENT: Final = 3
-    """Current too high"""
+    """Overcurrent"""
 
     BATTERY_FAULT_OVER_TEMPERATURE: Final = 4
-    """Too hot"""
+    """Overtemperature"""
 
     BATTERY_FAULT_UNDER_TEMPERATURE: Final = 5
-    """Too cold"""
+    """Undertemperature"""
 
     BATTERY_FAULT_INCOMPATIBLE_VOLTAGE: Final = 6
-    """Voltage doesn't suit the vehicle"""
+    """Battery voltage incompatible with the vehicle"""
 
     BATTERY_FAULT_INCOMPATIBLE_FIRMWARE: Final = 7
-    """The battery's firmware doesn't work with the autopilot's"""
+    """Battery firmware incompatible with the autopilot firmware"""
 
     BATTERY_FAULT_INCOMPATIBLE_MODEL: Final = 8
-    """Battery of an unsupported model"""
+    """Unsupported battery model"""
 
     BATTERY_FAULT_HARDWARE_FAILURE: Final = 9
-    """Broken hardware"""
+    """Hardware failure"""
 
     BATTERY_WARNING_OVER_TEMPERATURE: Final = 10
-    """Too hot; called a warning, yet numbered as bit 10 of faults"""
+    """Overtemperature warning. Its value is bit 10 of faults, despite the name"""
 
     BATTERY_FAULT_COUNT: Final = 11
-    """How many fault bits there are; itself no fault"""
+    """Number of fault bits, not a fault"""
 
     BATTERY_MODE_UNKNOWN: Final = 0
-    """Normal operation, or a battery without modes"""
+    """Normal operation, or a battery without special modes"""
 
     BATTERY_MODE_AUTO_DISCHARGING: Final = 1
-    """Emptying itself down to storage level"""
+    """Automatic discharge to storage level"""
 
     BATTERY_MODE_HOT_SWAP: Final = 2
-    """Hot swap: exchange under power"""
+    """Hot swap: exchange while powered"""
 
     BATTERY_MODE_COUNT: Final = 3
-    """How many modes there are; itself no mode"""
+    """Number of modes, not a mode"""
 
     MAX_INSTANCES: Final = 4
-    """Greatest number of batteries, each an instance of the topic"""
+    """Maximum number of batteries (topic instances)"""
 
 
 class Event(TypedDict):
-    """Something that happened on the vehicle, in a form that ground stations can put into words
+    """Event on the vehicle, in a form that ground stations translate into text
 
-    It carries an id and raw arguments; text and argument types are in the event metadata (events.json).
-    It has its own topic, and ArmingCheckReply embeds it to give reasons.
+    It contains an id and raw arguments; the event metadata (events.json) defines the text and the argument types.
+    Events have a separate topic, and ArmingCheckReply contains them to give reasons.
 
     Topics: event; message version: 1; queue length: 16.
     """
 
     timestamp: int
-    """Time of this message, counted from system start
+    """Time since boot
 
     Type: uint64; unit: us (microseconds).
     """
 
     id: int
-    """Which event, as in the metadata; 0 is no event
+    """Event id from the metadata; 0 means no event
 
     Type: uint32.
     """
 
     event_sequence: int
-    """Running number; a gap shows that an event was lost
+    """Sequence number; a gap indicates a lost event
 
     Type: uint16.
     """
 
     arguments: list[int]
-    """Argument values as bytes; id decides how many count and what they mean, for some none
+    """Raw argument values. The id determines their number, which may be 0, and their types
 
     Type: uint8[25].
     """
 
     log_levels: int
-    """Two severities: upper 4 bits for the autopilot's own log, lower 4 bits for receivers outside
+    """Two log levels: autopilot log in the upper 4 bits, external receivers in the lower 4 bits
 
     Type: uint8.
     """
@@ -703,112 +704,112 @@ class EventConstants:
     """The constants of Event."""
 
     MESSAGE_VERSION: Final = 1
-    """Layout version, raised with each change of the fields"""
+    """Message version, incremented with each change of the fields"""
 
     ORB_QUEUE_LENGTH: Final = 16
-    """Events that the topic holds before the oldest is lost"""
+    """Queue length of the topic"""
 
 
 class FailsafeFlags(TypedDict):
-    """What the failsafe state machine decides on
+    """Input flags of the failsafe state machine
 
     The arming and health checks publish these flags; the failsafe state machine derives its action from them.
 
-    A flag is false while all is well, so its name states the failure: _invalid, _lost, _unhealthy and the like.
-    A flag's comment is the label under which the failsafe simulation shows it.
+    A flag is false if there is no failure, so its name describes the failure: _invalid, _lost, _unhealthy and so on.
+    The comment of a flag is its label in the failsafe simulation.
 
-    The mode_req fields are bit masks over flight modes: bit N, counted from the lowest as 0,
-    belongs to the mode whose VehicleStatus NAVIGATION_STATE is N. Where it is set, that mode has the requirement.
+    The mode_req fields are bit masks of flight modes. Bit N, counted from 0 for the lowest bit, belongs to the mode with
+    the VehicleStatus NAVIGATION_STATE N. If it is set, that mode has the requirement.
 
     Topics: failsafe_flags.
     """
 
     timestamp: int
-    """Time of this message, counted from system start
+    """Time since boot
 
     Type: uint64; unit: us (microseconds).
     """
 
     mode_req_angular_velocity: int
-    """Bit N: navigation state N needs angular rates, see angular_velocity_invalid
+    """Bit N: navigation state N requires an angular velocity, see angular_velocity_invalid
 
     Type: uint32; group: Per-mode requirements.
     """
 
     mode_req_attitude: int
-    """Bit N: navigation state N needs an attitude, see attitude_invalid
+    """Bit N: navigation state N requires an attitude, see attitude_invalid
 
     Type: uint32; group: Per-mode requirements.
     """
 
     mode_req_local_alt: int
-    """Bit N: navigation state N needs a local altitude, see local_altitude_invalid
+    """Bit N: navigation state N requires a local altitude, see local_altitude_invalid
 
     Type: uint32; group: Per-mode requirements.
     """
 
     mode_req_local_position: int
-    """Bit N: navigation state N needs a local position, see local_position_invalid
+    """Bit N: navigation state N requires a local position, see local_position_invalid
 
     Type: uint32; group: Per-mode requirements.
     """
 
     mode_req_local_position_relaxed: int
-    """Bit N: navigation state N needs at least a coarse local position, see local_position_invalid_relaxed
+    """Bit N: navigation state N requires a local position, possibly with reduced accuracy, see local_position_invalid_relaxed
 
     Type: uint32; group: Per-mode requirements.
     """
 
     mode_req_global_position: int
-    """Bit N: navigation state N needs a global position, see global_position_invalid
+    """Bit N: navigation state N requires a global position, see global_position_invalid
 
     Type: uint32; group: Per-mode requirements.
     """
 
     mode_req_mission: int
-    """Bit N: navigation state N needs a mission, see auto_mission_missing
+    """Bit N: navigation state N requires a mission, see auto_mission_missing
 
     Type: uint32; group: Per-mode requirements.
     """
 
     mode_req_offboard_signal: int
-    """Bit N: navigation state N needs offboard set points, see offboard_control_signal_lost
+    """Bit N: navigation state N requires offboard setpoints, see offboard_control_signal_lost
 
     Type: uint32; group: Per-mode requirements.
     """
 
     mode_req_home_position: int
-    """Bit N: navigation state N needs a home position, see home_position_invalid
+    """Bit N: navigation state N requires a home position, see home_position_invalid
 
     Type: uint32; group: Per-mode requirements.
     """
 
     mode_req_wind_and_flight_time_compliance: int
-    """Bit N: entry into navigation state N is refused while wind_limit_exceeded or flight_time_limit_exceeded
+    """Bit N: navigation state N cannot be entered while wind_limit_exceeded or flight_time_limit_exceeded is true
 
     Type: uint32; group: Per-mode requirements.
     """
 
     mode_req_prevent_arming: int
-    """Bit N: arming is refused in navigation state N
+    """Bit N: the vehicle cannot arm in navigation state N
 
     Type: uint32; group: Per-mode requirements.
     """
 
     mode_req_manual_control: int
-    """Bit N: navigation state N needs a pilot's input, see manual_control_signal_lost
+    """Bit N: navigation state N requires manual control input, see manual_control_signal_lost
 
     Type: uint32; group: Per-mode requirements.
     """
 
     mode_req_other: int
-    """Bit N: navigation state N, an external mode, is barred for a reason that no other mask covers
+    """Bit N: navigation state N, an external mode, cannot run for a reason that no other mask covers
 
     Type: uint32; group: Per-mode requirements.
     """
 
     angular_velocity_invalid: bool
-    """No valid angular rates
+    """No valid angular velocity
 
     Type: bool; group: Mode requirements.
     """
@@ -832,7 +833,7 @@ class FailsafeFlags(TypedDict):
     """
 
     local_position_invalid_relaxed: bool
-    """No valid local position even at reduced accuracy (as from optical flow)
+    """No valid local position, even with reduced accuracy (for example from optical flow)
 
     Type: bool; group: Mode requirements.
     """
@@ -850,13 +851,13 @@ class FailsafeFlags(TypedDict):
     """
 
     auto_mission_missing: bool
-    """No mission to fly
+    """Mission missing
 
     Type: bool; group: Mode requirements.
     """
 
     offboard_control_signal_lost: bool
-    """Offboard set points lost
+    """Offboard setpoints lost
 
     Type: bool; group: Mode requirements.
     """
@@ -868,7 +869,7 @@ class FailsafeFlags(TypedDict):
     """
 
     manual_control_signal_lost: bool
-    """Pilot's input lost (RC or joystick)
+    """Manual control input lost (RC or joystick)
 
     Type: bool; group: Control links.
     """
@@ -886,31 +887,31 @@ class FailsafeFlags(TypedDict):
     """
 
     battery_low_remaining_time: bool
-    """Flight time left on battery too short
+    """Remaining battery flight time too low
 
     Type: bool; group: Battery.
     """
 
     battery_unhealthy: bool
-    """Battery missing, silent or faulty
+    """Battery missing, unresponsive or faulty
 
     Type: bool; group: Battery.
     """
 
     geofence_breached: bool
-    """At least one geofence crossed
+    """One or more geofences breached
 
     Type: bool; group: Other.
     """
 
     mission_failure: bool
-    """Mission unable to continue
+    """Mission cannot continue
 
     Type: bool; group: Other.
     """
 
     vtol_fixed_wing_system_failure: bool
-    """Fixed-wing system of the VTOL failed (quad-chute done)
+    """Fixed-wing system of the VTOL failed (after quad-chute)
 
     Type: bool; group: Other.
     """
@@ -922,31 +923,31 @@ class FailsafeFlags(TypedDict):
     """
 
     flight_time_limit_exceeded: bool
-    """Flight time beyond its limit
+    """Flight time limit exceeded
 
     Type: bool; group: Other.
     """
 
     local_position_accuracy_low: bool
-    """Local position inaccurate, though still valid
+    """Local position inaccurate, but still valid
 
     Type: bool; group: Other.
     """
 
     fd_critical_failure: bool
-    """Attitude or altitude out of bounds, or external trigger (ATS)
+    """Attitude or altitude limit exceeded, or external trigger (ATS)
 
     Type: bool; group: Failure detector.
     """
 
     fd_esc_arming_failure: bool
-    """Speed controller (ESC) didn't arm
+    """Electronic speed controller (ESC) did not arm
 
     Type: bool; group: Failure detector.
     """
 
     fd_imbalanced_prop: bool
-    """Propeller out of balance
+    """Propeller imbalanced
 
     Type: bool; group: Failure detector.
     """
@@ -959,27 +960,27 @@ class FailsafeFlags(TypedDict):
 
 
 class RegisterExtComponentReply(TypedDict):
-    """Outcome of a RegisterExtComponentRequest, with the ids that the component got
+    """Reply to a RegisterExtComponentRequest, with the ids assigned to the component
 
-    Either all that was asked for is registered or nothing is: look at success before using an id.
+    Either all requested parts are registered or none. Check success before using an id.
 
     Topics: register_ext_component_reply; message version: 0; queue length: 2.
     """
 
     timestamp: int
-    """Time of this message, counted from system start
+    """Time since boot
 
     Type: uint64; unit: us (microseconds).
     """
 
     request_id: int
-    """request_id of the request that this answers
+    """request_id of the request
 
     Type: uint64.
     """
 
     name: str
-    """Name as the request gave it
+    """Name from the request
 
     Type: char[25].
     """
@@ -991,13 +992,13 @@ class RegisterExtComponentReply(TypedDict):
     """
 
     success: bool
-    """True if everything asked for is registered; if false, the ids below mean nothing
+    """True if all requested parts are registered. If false, the ids are not valid
 
     Type: bool.
     """
 
     arming_check_id: int
-    """Id for arming checks: the registration_id of each ArmingCheckReply to come
+    """Arming check id: the registration_id of all ArmingCheckReply messages of the component
 
     Type: int8; no data: -1.
     """
@@ -1009,7 +1010,7 @@ class RegisterExtComponentReply(TypedDict):
     """
 
     mode_executor_id: int
-    """Id of the new executor
+    """Id of the new mode executor
 
     Type: int8; no data: -1.
     """
@@ -1019,47 +1020,47 @@ class RegisterExtComponentReplyConstants:
     """The constants of RegisterExtComponentReply."""
 
     MESSAGE_VERSION: Final = 0
-    """Layout version, raised with each change of the fields"""
+    """Message version, incremented with each change of the fields"""
 
     ORB_QUEUE_LENGTH: Final = 2
-    """Replies that the topic holds before the oldest is lost"""
+    """Queue length of the topic"""
 
 
 class RegisterExtComponentRequest(TypedDict):
     """Request of an external component to take part in arming checks and to add a flight mode
 
-    RegisterExtComponentReply answers it with the ids to use from then on; UnregisterExtComponent takes it back.
-    Each part builds on the one before: an executor requires a mode, a mode requires arming checks.
+    RegisterExtComponentReply answers it with the assigned ids. UnregisterExtComponent reverts the registration.
+    Each part requires the previous one: a mode executor requires a mode, and a mode requires arming checks.
 
     Topics: register_ext_component_request; message version: 0; queue length: 2.
     """
 
     timestamp: int
-    """Time of this message, counted from system start
+    """Time since boot
 
     Type: uint64; unit: us (microseconds).
     """
 
     request_id: int
-    """Number picked at random; the reply repeats it, so that the sender knows its own
+    """Random id, repeated in the reply so that the sender can recognise it
 
     Type: uint64.
     """
 
     name: str
-    """Name of the flight mode; of the component, if it registers no mode
+    """Name of the flight mode, or of the component if it registers no mode
 
     Type: char[25].
     """
 
     px4_ros2_api_version: int
-    """API version of the sender; set it to LATEST_PX4_ROS2_API_VERSION
+    """API version of the sender: set it to LATEST_PX4_ROS2_API_VERSION
 
     Type: uint16.
     """
 
     register_arming_check: bool
-    """True to take part in arming checks, and so to answer each ArmingCheckRequest
+    """True to take part in arming checks; the component must then answer each ArmingCheckRequest
 
     Type: bool; group: Parts to register.
     """
@@ -1071,25 +1072,25 @@ class RegisterExtComponentRequest(TypedDict):
     """
 
     register_mode_executor: bool
-    """True to add an executor, which then owns that mode; requires register_mode
+    """True to add a mode executor, which owns the new mode; requires register_mode
 
     Type: bool; group: Parts to register.
     """
 
     enable_replace_internal_mode: bool
-    """True if the new mode takes the place of a built-in one
+    """True if the new mode replaces a built-in mode
 
     Type: bool.
     """
 
     replace_internal_mode: int
-    """The built-in mode to replace, as VehicleStatus NAVIGATION_STATE; counts only if enable_replace_internal_mode is true
+    """VehicleStatus NAVIGATION_STATE of the built-in mode to replace. Ignored unless enable_replace_internal_mode is true
 
     Type: uint8.
     """
 
     activate_mode_immediately: bool
-    """True to enter the new mode as soon as it is registered; requires register_mode_executor
+    """True to enter the new mode immediately after registration; requires register_mode_executor
 
     Type: bool.
     """
@@ -1099,38 +1100,38 @@ class RegisterExtComponentRequestConstants:
     """The constants of RegisterExtComponentRequest."""
 
     MESSAGE_VERSION: Final = 0
-    """Layout version, raised with each change of the fields"""
+    """Message version, incremented with each change of the fields"""
 
     LATEST_PX4_ROS2_API_VERSION: Final = 1
-    """Newest API version, raised when messages change in meaning; changed fields are noticed without it"""
+    """Latest API version. It is incremented if the meaning of a message changes; changes of fields are detected without it"""
 
     ORB_QUEUE_LENGTH: Final = 2
-    """Requests that the topic holds before the oldest is lost"""
+    """Queue length of the topic"""
 
 
 class UnregisterExtComponent(TypedDict):
-    """Notice of an external component that it withdraws what it had registered
+    """Request of an external component to remove its registration
 
-    It repeats the name of its RegisterExtComponentRequest and the ids of the RegisterExtComponentReply.
-    What was not registered keeps the id -1.
+    It repeats the name from its RegisterExtComponentRequest and the ids from the RegisterExtComponentReply.
+    The id of a part that was not registered is -1.
 
     Topics: unregister_ext_component; message version: 0.
     """
 
     timestamp: int
-    """Time of this message, counted from system start
+    """Time since boot
 
     Type: uint64; unit: us (microseconds).
     """
 
     name: str
-    """Name under which the mode or component was registered
+    """Name of the registered mode or component
 
     Type: char[25].
     """
 
     arming_check_id: int
-    """Id for arming checks to give back
+    """Arming check id to remove
 
     Type: int8; no data: -1.
     """
@@ -1142,7 +1143,7 @@ class UnregisterExtComponent(TypedDict):
     """
 
     mode_executor_id: int
-    """Id of the executor to remove
+    """Id of the mode executor to remove
 
     Type: int8; no data: -1.
     """
@@ -1152,7 +1153,7 @@ class UnregisterExtComponentConstants:
     """The constants of UnregisterExtComponent."""
 
     MESSAGE_VERSION: Final = 0
-    """Layout version, raised with each change of the fields"""
+    """Message version, incremented with each change of the fields"""
 
 
 Message: TypeAlias = Union["ArmingCheckReply", "ArmingCheckRequest", "BatteryStatus", "Event", "FailsafeFlags", "RegisterExtComponentReply", "RegisterExtComponentRequest", "UnregisterExtComponent"]

@@ -145,9 +145,9 @@ fn usual_screens_show_where_uavs_are() {
             "",
             "",
             "glider-2",
-            "fatal   193 MAG: Fault of a magnetometer",
-            "warning 66 LOWBAT: Charge is running low",
-            "info    1 GROUND: The UAV stands on the ground",
+            "fatal   193 MAG: Magnetometer fault",
+            "warning 66 LOWBAT: Battery charge is low",
+            "info    1 GROUND: The UAV is on the ground",
             "q quit  s sort: id  / filter  ? help  Enter details  ↑↓ move",
         ]
     );
@@ -165,7 +165,7 @@ fn wide_screens_show_all_and_what_it_means() {
                 .to_owned(),
             "glider-1           loiter     12.6  98%+    50.49800      9.95200   905.0   12.3   12.3    2s".to_owned(),
             "glider-2  fatal    ?             -     -    50.49804            ?       -      -      -    3s MAG, LOWBAT, \
-             GROUND ? – Fault of a magnetomet…"
+             GROUND ? – Magnetometer fault"
                 .to_owned(),
             "glider-10 error    \\u{1b}[31… 10.1    7%     0.00000   -180.00000       -      -    1.5   52s SENSOR, 40000, \
              12 – Any sensor failure withou…"
@@ -200,7 +200,7 @@ fn shows_all_details_of_a_uav() {
         "signal       80 %, none",
         "             wind: an array of 1",
         "fatal   193 MAG",
-        "        Fault of a magnetometer.",
+        "        Magnetometer fault.",
         "info    1 GROUND",
         "errors       ?: 1 of a wrong type, 0 more than are shown",
         "q quit  Esc back  ↑↓ scroll  ? help",
