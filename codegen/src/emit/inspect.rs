@@ -105,7 +105,7 @@ fn field(schema: &Schema, message: &Message, field: &Field) -> Json {
         "unit": field.unit.as_deref().filter(|unit| *unit != unit::NONE),
     });
     constraints(&mut model, &field.constraints);
-    // Null if there is none; of all others, only those that are there.
+    // The frame is null if absent; other attributes are left out.
     model["frame"] = json!(field.attribute(&FRAME));
     for (attribute, text) in field.attributes() {
         model[attribute.name] = json!(text);
@@ -141,7 +141,7 @@ fn constant(schema: &Schema, message: &Message, constant: &Constant) -> Json {
     })
 }
 
-/// Adds constraints by name: null for an absent range or invalid value; of all others, only those that are there.
+/// Adds constraints by name. An absent range or invalid value is null; other absent constraints are left out.
 fn constraints(model: &mut Json, constraints: &[Constraint]) {
     for kind in [&RANGE, &INVALID] {
         model[kind.name] = Json::Null;

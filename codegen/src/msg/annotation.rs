@@ -1,8 +1,8 @@
 //! Annotations: the bracketed statements at the head of a trailing comment, such as
 //! `# [m/s] [@range 0, 20] [@invalid NaN] text`.
 //!
-//! What comes close to one is read as meant and gives a warning; what is none stays text. Descriptions in the
-//! tables of a page have annotations too; which ones there are is a matter of the [`Vocabulary`].
+//! A near miss is read as meant and gives a warning; any other text in brackets stays text. Descriptions in the tables
+//! of a page have other annotations: see [`Vocabulary`].
 
 use std::borrow::Cow;
 use std::ops::RangeInclusive;
@@ -19,19 +19,19 @@ use crate::value::Value;
 /// A longer text in brackets is prose, not a unit.
 const MAX_UNIT_LEN: usize = 20;
 
-/// A longer text in brackets is no annotation; the bound keeps the search for `]` linear.
+/// A longer text in brackets is not read as an annotation. The limit keeps the search for `]` linear.
 const MAX_ANNOTATION_LEN: usize = 400;
 
-/// How an annotation starts that holds a regular expression.
+/// The start of an annotation that holds a regular expression.
 const PATTERN: &str = "[@pattern ";
 
-/// How many pipes there are around seven parameters; the last may be left out.
+/// The number of pipes around seven parameters; the last may be left out.
 pub(crate) const PARAMETER_BARS: RangeInclusive<usize> = 7..=8;
 
-/// A comment with its annotations read.
+/// A comment, split into annotations and text.
 #[derive(Debug, Default)]
 pub struct Note<'s> {
-    /// The annotations, in the order in which they stand.
+    /// The annotations, in the order written.
     pub annotations: Vec<Annotation<'s>>,
     /// The rest of the comment.
     pub text: Cow<'s, str>,
@@ -39,16 +39,16 @@ pub struct Note<'s> {
     pub parameters: Vec<Note<'s>>,
 }
 
-/// An annotation and its place.
+/// An annotation and its location.
 #[derive(Debug)]
 pub struct Annotation<'s> {
-    /// What it states.
+    /// Its meaning.
     pub statement: Statement<'s>,
-    /// The brackets and what they hold.
+    /// The location, with its brackets.
     pub span: Span,
 }
 
-/// Reads the annotations of a comment. `text` is what follows the `#`, and stands at `span`.
+/// Reads the annotations of a comment. `text` is the text after the `#`, at `span`.
 pub(crate) fn read<'s>(text: &'s str, span: Span, diagnostics: &mut Vec<Diagnostic>) -> Note<'s> {
     read_by(Vocabulary::Comment, text, span, diagnostics)
 }
@@ -70,7 +70,7 @@ fn read_by<'s>(
     reader.note
 }
 
-/// Reads a comment whose text may end in parameters between pipes, as those of commands do.
+/// Reads a comment whose text may end in the parameters of a command, between pipes.
 pub(crate) fn read_with_parameters<'s>(
     text: &'s str,
     span: Span,
@@ -98,16 +98,16 @@ struct Reader<'s, 'd> {
     diagnostics: &'d mut Vec<Diagnostic>,
 }
 
-/// What a text in brackets turned out to be.
+/// The kind of a text in brackets.
 enum Reading<'s> {
     Statement(Statement<'s>),
-    /// As meant, and how it should be written.
+    /// The intended statement, and its correct spelling.
     NearMiss(Statement<'s>, String),
     Text(Option<Problem>),
 }
 
 impl<'s> Reader<'s, '_> {
-    /// The annotations before the first word.
+    /// Reads the annotations before the first word.
     fn head(&mut self) {
         loop {
             let rest = &self.text[self.at..];
@@ -139,7 +139,7 @@ impl<'s> Reader<'s, '_> {
         }
     }
 
-    /// Reports a regular expression whose brackets don't come in pairs, so that there is no telling where it ends.
+    /// Reports a regular expression with unbalanced brackets: its end is unknown.
     fn report_open_pattern(&mut self, start: usize) {
         if self.vocabulary == Vocabulary::Page && self.text[start..].starts_with(PATTERN) {
             let text = self.text[start + 1..].chars().take(MAX_UNIT_LEN).collect();
@@ -148,7 +148,7 @@ impl<'s> Reader<'s, '_> {
         }
     }
 
-    /// The text, and annotations with `@` that stand in it by mistake.
+    /// Reads the text, and annotations with `@` that appear in it by mistake.
     fn rest(&mut self) {
         let mut text = String::new();
         // Beyond a pipe it may belong to a parameter.
@@ -221,7 +221,7 @@ impl<'s> Reader<'s, '_> {
     }
 }
 
-/// What the bracket or parenthesis at `start` holds, and the position after its end.
+/// The contents of the bracket or parenthesis at `start`, and the position after its end.
 fn bracketed(text: &str, start: usize) -> Option<(&str, usize)> {
     let rest = &text[start..];
     let close = match rest.as_bytes().first()? {
@@ -232,7 +232,7 @@ fn bracketed(text: &str, start: usize) -> Option<(&str, usize)> {
     if rest.starts_with(PATTERN) {
         return bracketed_pattern(rest).map(|end| (rest[1..end].trim(), start + end + 1));
     }
-    // Labels in parentheses stand inside brackets: `(@range -1 (Left), 1 (Right))`.
+    // Brackets may contain labels in parentheses: `(@range -1 (Left), 1 (Right))`.
     let mut depth = 0_usize;
     for (at, character) in rest.char_indices().skip(1).take(MAX_ANNOTATION_LEN) {
         match character {
@@ -245,8 +245,8 @@ fn bracketed(text: &str, start: usize) -> Option<(&str, usize)> {
     None
 }
 
-/// Where the bracket at the start of `text` closes. A regular expression has brackets of its own, which come
-/// in pairs but for those after a backslash.
+/// The end of the bracket at the start of `text`. The brackets of the regular expression in it are balanced, except
+/// after a backslash.
 fn bracketed_pattern(text: &str) -> Option<usize> {
     let mut depth = 0_usize;
     let mut is_escaped = false;
@@ -263,7 +263,7 @@ fn bracketed_pattern(text: &str) -> Option<usize> {
     None
 }
 
-/// Whether `text` would be read as one pair of brackets: what stands in it may close them early.
+/// True if `text` is one pair of brackets: a bracket in its contents may close it early.
 pub(crate) fn is_bracketed(text: &str) -> bool {
     bracketed(text, 0).is_some_and(|(_, end)| end == text.len())
 }

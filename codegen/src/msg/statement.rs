@@ -5,33 +5,33 @@ use super::constraint::{self, Argument, CONSTRAINTS, ConstraintKind, RANGE};
 use super::kind::is_identifier;
 use crate::diagnostic::Problem;
 
-/// What an annotation states.
+/// The meaning of an annotation.
 #[derive(Debug, PartialEq)]
 pub enum Statement<'s> {
-    /// `[m/s]`: the unit, in its one spelling where it is known.
+    /// `[m/s]`: the unit; a known unit in its canonical spelling.
     Unit(&'s str),
-    /// `[@enum PREFIX …]`: the value is one of the constants that start so.
+    /// `[@enum PREFIX …]`: the value is one of the constants with this prefix.
     Enum(Vec<Prefix<'s>>),
-    /// `[@flags PREFIX …]`: the value is a mask of the constants that start so.
+    /// `[@flags PREFIX …]`: the value is a mask of the constants with this prefix.
     Flags(Vec<Prefix<'s>>),
     /// `[@range low, high]` and the like: a constraint, and the words that follow.
     Constraint(&'static ConstraintKind, Argument<'s>, &'s str),
     /// `[@frame name]` and the like: an attribute and its text.
     Attribute(&'static Attribute, &'s str),
-    /// `[@count field]`: counts the entries in use of that array.
+    /// `[@count field]`: the value is the number of entries in use of that array.
     Count(&'s str),
     /// `[@length least, most]`, in pages: characters of a string, or elements of a list.
     Length {
-        /// Least length, where bounded.
+        /// Least length, if bounded.
         least: Option<u32>,
-        /// Greatest length, where bounded.
+        /// Greatest length, if bounded.
         most: Option<u32>,
     },
-    /// `[@unique]`, in pages: no element of a list stands in it twice.
+    /// `[@unique]`, in pages: the elements of a list are distinct.
     Unique,
     /// `[@pattern REGEX]`, in pages: the regular expression that a string satisfies.
     Pattern(&'s str),
-    /// `[@format base64]`, in pages: what the characters of a string encode.
+    /// `[@format base64]`, in pages: the encoding of a string.
     Format(&'s str),
 }
 
@@ -52,7 +52,7 @@ impl Statement<'_> {
     }
 }
 
-/// Where annotations stand, which decides which ones there are.
+/// The set of known annotations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Vocabulary {
     /// In comments of `.msg` files and their relatives.
@@ -61,13 +61,13 @@ pub(crate) enum Vocabulary {
     Page,
 }
 
-/// The formats that strings of a page may have.
+/// The known string formats of pages.
 pub(crate) const FORMATS: [&str; 1] = ["base64"];
 
-/// Start of the names of constants, in another message where one is named.
+/// A prefix of the names of constants.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Prefix<'s> {
-    /// The message whose constants are meant: `Message.PREFIX`.
+    /// The message that defines the constants, if it is another one: `Message.PREFIX`.
     pub message: Option<&'s str>,
     /// The prefix, without the `_` that follows it.
     pub prefix: &'s str,
@@ -81,7 +81,7 @@ pub(super) fn unknown(name: &str) -> Problem {
     Problem::UnknownAnnotation { name: name.to_owned(), known: format!("{} and count", known.join(", ")) }
 }
 
-/// Reads the annotation `name`; none where no annotation is called so.
+/// Reads the annotation `name`; none if the name is unknown.
 pub(super) fn read<'s>(
     vocabulary: Vocabulary,
     name: &str,
@@ -95,7 +95,7 @@ pub(super) fn read<'s>(
     Some(read.ok_or_else(|| Problem::MalformedAnnotation { text: text(), form }))
 }
 
-/// The form of an annotation, and what this one states if it has that form.
+/// The form of an annotation, and the statement if the annotation has that form.
 type Read<'s> = (&'static str, Option<Statement<'s>>);
 
 fn statement_of_comment<'s>(name: &str, argument: &'s str) -> Option<Read<'s>> {
@@ -130,13 +130,13 @@ fn constraint<'s>(kind: &'static ConstraintKind, argument: &'s str) -> Option<St
     (kind.read)(argument).map(|(argument, text)| Statement::Constraint(kind, argument, text))
 }
 
-/// Whether a text is a regular expression that all readers of JSON Schema take in the same sense: one without
-/// back references and without looking around.
+/// True if a text is a regular expression that all readers of JSON Schema interpret alike: one without back references
+/// and look-around.
 fn is_pattern(text: &str) -> bool {
     !text.is_empty() && regex_lite::Regex::new(text).is_ok() && crate::pattern::is_known(text)
 }
 
-/// Lengths: both bounds with a comma between them, of which one may be absent, or the only one there is.
+/// Reads a length: two bounds with a comma between them, one of which may be absent, or one exact length.
 fn length(argument: &str) -> Option<Statement<'_>> {
     let bound = |text: &str| match text.trim() {
         "" => Some(None),

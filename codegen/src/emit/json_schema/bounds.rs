@@ -15,7 +15,7 @@ pub(super) fn exactly(value: Number, scalar: Scalar) -> Numbers {
     Constraint::NONE.from(low).to(high)
 }
 
-/// True if no number meets both, even to readers that keep all numbers as 64-bit floats.
+/// True if the two ranges are disjoint, even to readers that keep all numbers as 64-bit floats.
 pub(super) fn are_apart(left: &Numbers, right: &Numbers) -> bool {
     let is_below =
         |low: &Numbers, high: &Numbers| low.high.map(Number::as_f64) < high.low.map(Number::as_f64);

@@ -17,11 +17,11 @@ pub struct ConstraintKind {
     pub words: &'static str,
     /// The keyword of JSON Schemas.
     pub keyword: &'static str,
-    /// Reads the text after the name: what it states, and the words that follow. None if it is malformed.
+    /// Reads the text after the name: the stated values, and the words that follow. None if it is malformed.
     pub(crate) read: for<'s> fn(&'s str) -> Option<(Argument<'s>, &'s str)>,
     /// Lays out the text after the name.
     pub(crate) lay_out: fn(&str) -> String,
-    /// What it does to the values.
+    /// The effect on the values.
     pub(crate) effect: Effect,
 }
 
@@ -154,9 +154,9 @@ impl Stated {
 pub struct Constraint {
     /// The kind.
     pub kind: &'static ConstraintKind,
-    /// What it states.
+    /// The stated values.
     pub stated: Stated,
-    /// When it applies, in words; may be empty.
+    /// The words on when it applies; may be empty.
     pub text: String,
 }
 

@@ -48,7 +48,7 @@ pub(crate) fn held(value: &Value, scalar: Scalar) -> Option<Number> {
     }
 }
 
-/// Least and greatest of the forms of `number` in JSON after a `scalar` held it.
+/// The least and the greatest form of `number` in JSON, as written from a field of type `scalar`.
 ///
 /// A `float32` isn't exactly pi: it is written widened to 64 bits (3.1415927410125732) or in its
 /// shortest form (3.1415927), and both are greater than pi.

@@ -27,7 +27,7 @@ pub(crate) fn read(argument: &str) -> Option<Range> {
         .then_some(Range { low, high })
 }
 
-/// A bound, or none where it is absent or infinite. A label in parentheses may follow it.
+/// Reads a bound: none if it is absent or infinite. A label in parentheses may follow it.
 fn bound(text: &str) -> Result<Option<Value>, LiteralError> {
     let number = text.split_once('(').map_or(text, |(number, _)| number).trim();
     if number.is_empty() {
