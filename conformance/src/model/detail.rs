@@ -93,7 +93,7 @@ pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
 
 impl Detail {
     /// A number breaks a rule.
-    pub(crate) fn of_number(rule: Rule, found: Number, restriction: &Restriction) -> Self {
+    pub(crate) fn number(rule: Rule, found: Number, restriction: &Restriction) -> Self {
         let Constraint { low, high, count, known, is_flags, .. } = restriction.constraint();
         let expected = match (rule, low, high) {
             (Rule::Range, Some(low), Some(high)) => format!("{low} to {high}"),

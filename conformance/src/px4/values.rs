@@ -137,7 +137,7 @@ impl Coverage {
     /// Counts what so many messages cover.
     pub(super) fn count(&self, messages: u64, findings: &mut Findings) {
         for (rule, values) in &self.0 {
-            findings.exercise(rule, values.saturating_mul(messages));
+            findings.cover(rule, values.saturating_mul(messages));
         }
     }
 }
@@ -152,15 +152,15 @@ impl<'c> Constraint<'c> {
         let is_json = encoding == Encoding::Json;
         let is_bounded = matches!(self.shape, Shape::Array(_) | Shape::Bounded(_))
             || matches!(self.element, Element::Text(_) | Element::String { bound: Some(_) });
-        let demands = self.restriction.map(|asked| asked.constraint().rules()).into_iter().flatten();
-        let asked = [
+        let restriction = self.restriction.map(|restriction| restriction.constraint().rules());
+        let applicable = [
             (is_json, rules.json_type),
             (is_json && is_bounded, rules.length),
             (!is_json && self.element == Element::Scalar(Scalar::Bool), rules.bool),
             (matches!(self.element, Element::Text(_)), rules.text),
         ];
-        let asked = asked.into_iter().filter(|(is_asked, _)| *is_asked).map(|(_, rule)| rule);
-        asked.chain(demands.map(rules.number))
+        let applicable = applicable.into_iter().filter(|(applies, _)| *applies).map(|(_, rule)| rule);
+        applicable.chain(restriction.into_iter().flatten().map(rules.number))
     }
 
     /// Checks the bytes of a value in memory, little-endian.
@@ -225,7 +225,7 @@ impl Violation<'_> {
                     .expected(expected.to_string())
                     .actual(found)
             }
-            Self::Number(demand, number, restriction) => Detail::of_number(*demand, *number, restriction),
+            Self::Number(demand, number, restriction) => Detail::number(*demand, *number, restriction),
             Self::Length { found, of, shape } => {
                 let expected = match shape {
                     Shape::Array(length) => format!("{length} {of}"),
@@ -323,7 +323,7 @@ impl FieldPlan {
     }
 
     /// True if it holds bytes, which rosbridge writes as base64.
-    pub(super) fn holds_bytes(&self) -> bool {
+    pub(super) fn is_byte_array(&self) -> bool {
         let is_byte = matches!(self.element, Element::Scalar(Scalar::UInt8 | Scalar::Byte | Scalar::Char));
         is_byte && self.shape != Shape::Single
     }

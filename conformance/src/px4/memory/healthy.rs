@@ -24,7 +24,7 @@ pub(super) enum Healthy {
 
 impl Healthy {
     /// Worked out with the constraint itself, which has the last word at the ends of ranges; none if it constrains nothing.
-    pub(super) fn of(constraint: Constraint<'_>) -> Option<Self> {
+    pub(super) fn new(constraint: Constraint<'_>) -> Option<Self> {
         let scalar = match constraint.element {
             Element::Scalar(Scalar::Bool) => return Some(Self::Bool),
             Element::Text(_) => return Some(Self::Text),
@@ -87,7 +87,7 @@ impl Healthy {
 
     /// True if a value surely violates nothing.
     #[inline]
-    pub(super) fn holds(&self, value: &[u8]) -> bool {
+    pub(super) fn accepts(&self, value: &[u8]) -> bool {
         match self {
             Self::Bool => value[0] < 2,
             Self::Text => std::str::from_utf8(until_nul(value)).is_ok(),

@@ -27,7 +27,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[Mutant {
         name: "an acknowledgment of nothing",
-        make: || mutant::then(|session| session.tells(json!({ "type": "ACK-ACK" }))),
+        make: || mutant::then(|session| session.notify(json!({ "type": "ACK-ACK" }))),
         also: &[&env_17::RULE.rule],
     }],
 };

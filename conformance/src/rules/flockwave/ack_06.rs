@@ -28,8 +28,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             name: "it is served",
             make: || {
                 let served = json!({ "type": "UAV-LIST", "ids": ["kite"] });
-                let asked = json!({ "type": "UAV-LIST" });
-                mutant::over("tcp#9", |session| session.tries_and_hears(&RULE.rule, "", asked, served))
+                let request = json!({ "type": "UAV-LIST" });
+                mutant::over("tcp#9", |session| session.tries_and_receives(&RULE.rule, "", request, served))
             },
             also: &[],
         },

@@ -39,7 +39,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             name: "nothing",
             make: || {
                 mutant::then(|session| {
-                    session.asks(json!({ "type": "LOG-DATA", "uavId": "kite", "logId": "8" }), json!({}));
+                    session.exchange(json!({ "type": "LOG-DATA", "uavId": "kite", "logId": "8" }), json!({}));
                 })
             },
             also: &[],

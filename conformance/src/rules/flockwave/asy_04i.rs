@@ -25,8 +25,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         name: "two gliders with the same receipt",
         make: || {
             let same = json!({ "receipt": { "kite": "rcpt-8", "swift": "rcpt-8" } });
-            let asked = json!({ "type": "UAV-RTH", "ids": ["kite", "swift"] });
-            mutant::then(|session| session.asks(asked, same))
+            let request = json!({ "type": "UAV-RTH", "ids": ["kite", "swift"] });
+            mutant::then(|session| session.exchange(request, same))
         },
         also: &[],
     }],

@@ -30,7 +30,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         make: || {
             mutant::then(|session| {
                 let id = session.sends(json!({ "type": "UAV-RTH", "ids": ["kite"] }));
-                session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
+                session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
                 session
                     .answers(&id, json!({ "body": { "type": "UAV-RTH", "receipt": { "kite": "rcpt-8" } } }));
             })

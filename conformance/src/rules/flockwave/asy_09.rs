@@ -28,7 +28,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         name: "the end of what never began",
         make: || {
             mutant::then(|session| {
-                session.tells(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
+                session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
             })
         },
         also: &[],
@@ -40,7 +40,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         return;
     }
     for named in
-        exchange.operations.iter().filter(|named| named.is_known && exchange.record.connection.is_told)
+        exchange.operations.iter().filter(|named| named.is_known && exchange.record.connection.is_ordered)
     {
         context.covered();
         if matches!(named.stage(), None | Some(Stage::Early)) {

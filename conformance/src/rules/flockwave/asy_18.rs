@@ -27,7 +27,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             make: || {
                 let cancel = json!({ "type": "ASYNC-CANCEL", "ids": ["rcpt-none"] });
                 let done = json!({ "type": "ASYNC-CANCEL", "success": ["rcpt-none"] });
-                mutant::over("tcp#9", |session| session.tries_and_hears(&RULE.rule, "", cancel, done))
+                mutant::over("tcp#9", |session| session.tries_and_receives(&RULE.rule, "", cancel, done))
             },
             also: &[],
         },
@@ -36,7 +36,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 fn requests() -> Vec<Request> {
-    let cancel = json!({ "type": "ASYNC-CANCEL", "ids": [trial::NOBODY] });
-    let resume = json!({ "type": "ASYNC-RESUME", "ids": [trial::NOBODY], "values": {} });
+    let cancel = json!({ "type": "ASYNC-CANCEL", "ids": [trial::UNKNOWN_ID] });
+    let resume = json!({ "type": "ASYNC-RESUME", "ids": [trial::UNKNOWN_ID], "values": {} });
     vec![Request::new("cancelled", cancel), Request::new("resumed", resume)]
 }

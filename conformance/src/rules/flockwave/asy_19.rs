@@ -29,7 +29,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
                 let done = json!({ "type": "ASYNC-RESUME", "success": ["rcpt-30"] });
                 mutant::over("tcp#9", |session| {
                     session.command("rcpt-30");
-                    session.tries_and_hears(&RULE.rule, "", resume, done);
+                    session.tries_and_receives(&RULE.rule, "", resume, done);
                 })
             },
             also: &[],

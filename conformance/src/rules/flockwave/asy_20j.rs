@@ -28,11 +28,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         name: "an id twice",
         make: || {
             mutant::then(|session| {
-                session.asks(
+                session.exchange(
                     json!({ "type": "UAV-RTH", "ids": ["kite"] }),
                     json!({ "receipt": { "kite": "rcpt-8" } }),
                 );
-                session.tells(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-8", "rcpt-8"] }));
+                session.notify(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-8", "rcpt-8"] }));
             })
         },
         also: &[],

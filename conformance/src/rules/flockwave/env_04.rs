@@ -28,8 +28,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    let is_named = matches!(exchange.role, Role::Response | Role::Notification) && exchange.is_of_server();
-    if !is_named || !exchange.record.connection.is_told {
+    let is_named = matches!(exchange.role, Role::Response | Role::Notification) && exchange.is_from_server();
+    if !is_named || !exchange.record.connection.is_ordered {
         return;
     }
     let Some(id) = exchange.id else { return };
@@ -40,7 +40,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
 }
 
 fn check_status_report(report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
-    let Some(id) = report.id().filter(|_| report.connection().is_told) else { return };
+    let Some(id) = report.id().filter(|_| report.connection().is_ordered) else { return };
     context.covered();
     if report.is_id_in_use() {
         report.violates(context, || in_use(id));

@@ -3,8 +3,8 @@
 use serde_json::Value;
 
 use super::{
-    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Session, Shape, Status, body,
-    source,
+    Bug, Check, ExpectedValue, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Session, Status,
+    body, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -37,5 +37,5 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
-    body::member(message, context, Some(message.value), &[], ("refs", false), &Shape::Length(1, 36));
+    body::member(message, context, Some(message.value), &[], ("refs", false), &ExpectedValue::Length(1, 36));
 }

@@ -19,7 +19,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::message("SYS-PING is answered twice.", |out| {
-        if out.asked() == Some("SYS-PING") {
+        if out.request_type() == Some("SYS-PING") {
             let refs = out.message()["refs"].as_str().unwrap_or_default().to_owned();
             out.follow(Some(&refs), json!({ "type": "ACK-ACK" }));
         }

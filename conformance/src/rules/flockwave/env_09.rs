@@ -29,7 +29,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         name: "a response to a notification",
         make: || {
             let mut session = Session::opened();
-            session.tells(json!({ "type": "SYS-MSG", "items": [{ "message": "Wind from the west" }] }));
+            session.notify(json!({ "type": "SYS-MSG", "items": [{ "message": "Wind from the west" }] }));
             session.answers("say-1", json!({ "body": { "type": "ACK-ACK" } }));
             Some(session.to_bytes())
         },

@@ -50,7 +50,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     served::served(exchange, context);
-    if exchange.role != Role::Request || exchange.is_of_server() || !exchange.record.connection.is_told {
+    if exchange.role != Role::Request || exchange.is_from_server() || !exchange.record.connection.is_ordered {
         return;
     }
     context.covered();

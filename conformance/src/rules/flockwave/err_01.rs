@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
-    Tree, body, mutant, source, ust_errors,
+    Attribution, Bug, Check, ExpectedValue, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext,
+    Status, Tree, body, mutant, source, ust_errors,
 };
 use crate::flockwave::body_schema::Mismatch;
 use crate::json::pointer;
@@ -32,7 +32,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-const CODE: Shape = Shape::Integer(0, i128::MAX);
+const CODE: ExpectedValue = ExpectedValue::Integer(0, i128::MAX);
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     for (uav, state) in body::states(message, "UAV-INF") {

@@ -27,9 +27,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "all objects are listed",
             make: || {
-                let asked = json!({ "type": "OBJ-LIST", "filter": ["cloud"] });
+                let request = json!({ "type": "OBJ-LIST", "filter": ["cloud"] });
                 let all = json!({ "type": "OBJ-LIST", "ids": ["kite", "swift"] });
-                mutant::over("tcp#9", |session| session.tries_and_hears(&RULE.rule, "", asked, all))
+                mutant::over("tcp#9", |session| session.tries_and_receives(&RULE.rule, "", request, all))
             },
             also: &[],
         },

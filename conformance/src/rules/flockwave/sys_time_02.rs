@@ -31,8 +31,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             name: "the second answer is ahead",
             make: || {
                 let later = |session: &mut Session| {
-                    session
-                        .asks(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1_800_000_000_000_u64 }));
+                    session.exchange(
+                        json!({ "type": "SYS-TIME" }),
+                        json!({ "timestamp": 1_800_000_000_000_u64 }),
+                    );
                 };
                 mutant::then(later)
             },
@@ -42,8 +44,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             name: "the time goes back",
             make: || {
                 let before = |session: &mut Session| {
-                    session
-                        .asks(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1_780_000_000_000_u64 }));
+                    session.exchange(
+                        json!({ "type": "SYS-TIME" }),
+                        json!({ "timestamp": 1_780_000_000_000_u64 }),
+                    );
                 };
                 mutant::then(before)
             },

@@ -38,7 +38,7 @@ fn adjusted(first: usize) -> Option<Vec<u8>> {
             request["type"] = "SYS-TIME".into();
             let ahead = if at < first { 0 } else { 3_600_000 };
             let answer = json!({ "timestamp": session.now() + 40 + ahead });
-            session.asks(request, answer);
+            session.exchange(request, answer);
         }
     })
 }

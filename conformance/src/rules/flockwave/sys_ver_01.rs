@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Shape, Status,
+    Attribution, Bug, Check, ExpectedValue, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status,
     attribution, body, mutant, source,
 };
 
@@ -38,6 +38,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     if message.body_of("SYS-VER").is_some() {
-        body::field(message, context, "software", true, &Shape::Text);
+        body::field(message, context, "software", true, &ExpectedValue::Text);
     }
 }

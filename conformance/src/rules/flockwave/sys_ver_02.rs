@@ -17,7 +17,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         applies_to: "SYS-VER",
     },
     checks: &[Check::Message(check)],
-    covers: &[Attribution::new(&["SYS-VER"], "version", attribution::UNFIT)],
+    covers: &[Attribution::new(&["SYS-VER"], "version", attribution::INVALID)],
     bug: Bug::message("The version of the software is a word.", |out| {
         out.set("SYS-VER", "version", json!("newest"));
     }),

@@ -30,12 +30,12 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 /// The pause after which a server may think that nothing follows.
-const LATE: Duration = Duration::from_millis(1_200);
+const LONG_PAUSE: Duration = Duration::from_millis(1_200);
 
 fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
     if !matches!(endpoint, Endpoint::Tcp(_)) {
         return Vec::new();
     }
-    let late = Step::Pieces(Sent::request("one", "SYS-VER"), 2, LATE);
+    let late = Step::Pieces(Sent::request("one", "SYS-VER"), 2, LONG_PAUSE);
     vec![Attempt::new("a message whose second half comes late", [late])]
 }

@@ -24,11 +24,11 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "a UAV that is asked for twice isn't known",
             make: || {
-                let asked = json!({ "type": "UAV-INF", "ids": ["kite", "kite"] });
+                let request = json!({ "type": "UAV-INF", "ids": ["kite", "kite"] });
                 let error = json!({ "type": "UAV-INF", "error": { "kite": "Again" } });
                 mutant::over("tcp#9", |session| {
                     listed_uavs::listed_twice(session, |session| {
-                        session.tries_and_hears(&RULE.rule, "", asked, error);
+                        session.tries_and_receives(&RULE.rule, "", request, error);
                     });
                 })
             },

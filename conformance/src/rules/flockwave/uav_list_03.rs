@@ -35,7 +35,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             mutant::over("tcp#9", |session| {
                 listed_uavs::listed_twice(session, |session| {
                     let error = json!({ "error": { "kite": "No such glider" } });
-                    session.asks(json!({ "type": "UAV-INF", "ids": ["kite"] }), error);
+                    session.exchange(json!({ "type": "UAV-INF", "ids": ["kite"] }), error);
                 });
             })
         },

@@ -15,7 +15,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         source: source::DERIVED,
         applies_to: udp::APPLIES_TO,
     },
-    checks: &[Check::Session(|| Box::new(udp::Trials::once_heard()))],
+    checks: &[Check::Session(|| Box::new(udp::Trials::if_server_sends()))],
     covers: &[],
     bug: Bug::behaviour("Over UDP, a datagram that is no JSON ends the service.").needs(Needs::Udp),
     trial: Some(Trial::Attempts(Strain::Noise, attempts)),

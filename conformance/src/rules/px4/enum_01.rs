@@ -1,7 +1,7 @@
 //! `PX-ENUM-01`.
 
 use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
-use uavspec_runtime::Rule as Broken;
+use uavspec_runtime::Rule as Violated;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
@@ -15,7 +15,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     check: Check::Value,
     mutants: &[Mutant {
         name: "a value that is not documented",
-        change: Change::Flight(|flight| flight.breaking(Broken::Enum)),
+        change: Change::Flight(|flight| flight.violating(Violated::Enum)),
         also: &[],
     }],
 };

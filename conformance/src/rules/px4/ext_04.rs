@@ -40,7 +40,7 @@ impl Checker for Reasons {
             let Some(id) = number::<u32>(event, "id") else { return };
             context.covered();
             if id == 0 {
-                context.violation_in_field(channel, "events", message.place, || {
+                context.violation_in_field(channel, "events", message.location, || {
                     Detail::new(format!("an event without an id, where {in_use} are in use"))
                         .at(format!("events[{index}].id"))
                         .expected("an id other than 0")

@@ -1,7 +1,7 @@
 //! `PX-LEN-01`.
 
 use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
-use uavspec_runtime::Rule as Broken;
+use uavspec_runtime::Rule as Violated;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
@@ -15,7 +15,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     check: Check::Value,
     mutants: &[Mutant {
         name: "one entry more in use than the array has",
-        change: Change::Flight(|flight| flight.breaking(Broken::Count)),
+        change: Change::Flight(|flight| flight.violating(Violated::Count)),
         also: &[],
     }],
 };

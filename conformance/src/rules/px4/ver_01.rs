@@ -44,7 +44,7 @@ impl Checker for Versions {
         };
         if version != stated.to_string() {
             let definition = context.defined(channel.definition);
-            context.violation_of(channel.topic, channel.place, definition, || {
+            context.violation_of(channel.topic, channel.location, definition, || {
                 Detail::new(format!("the topic is of version {version}, {whose} of version {stated}"))
                     .expected(stated.to_string())
                     .actual(version)
