@@ -353,7 +353,7 @@ impl Values {
                 let mut restriction = Box::new(field.restriction.clone()?);
                 let counted = field.counts.map(|array| &message.fields[array]);
                 // The array has the length of the format; another length than the definition's is no violation.
-                restriction.count = counted.and_then(|array| most(&array.name, message_type));
+                restriction.limits.count = counted.and_then(|array| most(&array.name, message_type));
                 (Element::Scalar(scalar), Some(restriction))
             }
             PlacedElement::String | PlacedElement::Message(_) => return None,

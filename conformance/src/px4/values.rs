@@ -18,14 +18,8 @@ pub(crate) struct ValueRules {
     pub bool: &'static Rule,
     /// Text is UTF-8.
     pub text: &'static Rule,
-    /// A field that counts the entries of an array is at most its length.
-    pub count: &'static Rule,
-    /// A value lies in its range.
-    pub range: &'static Rule,
-    /// A value is a documented one.
-    pub documented: &'static Rule,
-    /// A value is NaN only where that has a meaning.
-    pub nan: &'static Rule,
+    /// A number meets a demand of its restriction.
+    pub number: fn(Demand) -> &'static Rule,
     /// A JSON object has each field of its message once, and no others.
     pub members: &'static Rule,
     /// A JSON value has the type of its field.
@@ -158,18 +152,15 @@ impl<'c> Constraint<'c> {
         let is_json = encoding == Encoding::Json;
         let is_bounded = matches!(self.shape, Shape::Array(_) | Shape::Bounded(_))
             || matches!(self.element, Element::Text(_) | Element::String { bound: Some(_) });
-        let restricts = |what: fn(&Restriction) -> bool| self.restriction.is_some_and(what);
+        let restriction = self.restriction.map(|restriction| restriction.constraint().rules());
         let applicable = [
             (is_json, rules.json_type),
             (is_json && is_bounded, rules.length),
             (!is_json && self.element == Element::Scalar(Scalar::Bool), rules.bool),
             (matches!(self.element, Element::Text(_)), rules.text),
-            (restricts(|restriction| restriction.count.is_some()), rules.count),
-            (restricts(|restriction| restriction.low.is_some() || restriction.high.is_some()), rules.range),
-            (restricts(|restriction| restriction.known.is_some()), rules.documented),
-            (restricts(|restriction| restriction.forbids_nan), rules.nan),
         ];
-        applicable.into_iter().filter(|(is_restricted, _)| *is_restricted).map(|(_, rule)| rule)
+        let applicable = applicable.into_iter().filter(|(applies, _)| *applies).map(|(_, rule)| rule);
+        applicable.chain(restriction.into_iter().flatten().map(rules.number))
     }
 
     /// Checks the bytes of a value in memory, little-endian.
@@ -210,13 +201,7 @@ impl Violation<'_> {
         match self {
             Self::Bool(_) => rules.bool,
             Self::Type | Self::TooLarge(_) => rules.json_type,
-            Self::Number(demand, ..) => match demand {
-                Demand::Count => rules.count,
-                Demand::Enum => rules.documented,
-                Demand::Nan => rules.nan,
-                // No restriction of numbers has bounds or text.
-                Demand::Range | Demand::Bound | Demand::Text => rules.range,
-            },
+            Self::Number(demand, ..) => (rules.number)(*demand),
             Self::Length { .. } => rules.length,
             Self::Nul(_) | Self::NotUtf8(_) => rules.text,
         }

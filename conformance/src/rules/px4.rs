@@ -30,6 +30,8 @@ mod time_01;
 mod time_02;
 mod ver_01;
 
+use uavspec_runtime::Rule as Demand;
+
 use super::RuleContext;
 use super::sample::{Bag, Encoding, Flight, Lines, Log};
 use crate::model::{Channel, Detail, Level, Location, Message, Rule, Status};
@@ -77,10 +79,14 @@ pub(crate) static RULES: [&Px4Rule; 28] = [
 pub(crate) static VALUES: ValueRules = ValueRules {
     bool: &bool_01::RULE.rule,
     text: &str_01::RULE.rule,
-    count: &len_01::RULE.rule,
-    range: &range_01::RULE.rule,
-    documented: &enum_01::RULE.rule,
-    nan: &nan_01::RULE.rule,
+    number: |demand| match demand {
+        Demand::Count => &len_01::RULE.rule,
+        Demand::Enum => &enum_01::RULE.rule,
+        Demand::Nan => &nan_01::RULE.rule,
+        Demand::Range => &range_01::RULE.rule,
+        Demand::Bound => &cdr_02::RULE.rule,
+        Demand::Text => &str_01::RULE.rule,
+    },
     members: &json_01::RULE.rule,
     json_type: &json_02::RULE.rule,
     length: &arr_01::RULE.rule,

@@ -17,7 +17,7 @@ use uavspec_codegen::dynamic::{DynamicMessage, MessageType, Placed};
 use uavspec_codegen::emit::vectors;
 use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::{Element, Field, Form, Message, MessageId, Restriction, Shape};
-use uavspec_runtime::{Number, Rule};
+use uavspec_runtime::{Constraint, Number, Rule};
 
 pub(crate) use self::bag::Bag;
 pub(crate) use self::encoding::Encoding;
@@ -239,19 +239,17 @@ fn violating_value(rule: Rule, field: &Field, requested: &Restriction) -> Option
         Number::Int(value) => Some(Number::Int(value + i128::from(by))),
         Number::Float(value) => Some(Number::Float(value + f64::from(by))),
     };
-    let candidates: Vec<Number> = match rule {
-        Rule::Range => [beyond(requested.high, 1), beyond(requested.low, -1)].into_iter().flatten().collect(),
-        Rule::Count => requested.count.map(|count| Number::Int(i128::from(count) + 1)).into_iter().collect(),
-        Rule::Enum => (0..256).map(Number::Int).collect(),
-        Rule::Nan => vec![Number::Float(f64::NAN)],
-        Rule::Bound | Rule::Text => Vec::new(),
-    };
+    let Constraint { low, high, count, .. } = requested.constraint();
+    let beyond = [beyond(high, 1), beyond(low, -1)].into_iter().flatten();
+    let beyond = beyond.chain(count.map(|count| Number::Int(i128::from(count) + 1)));
+    let others = [Number::Float(0.1), Number::Float(f64::NAN)];
+    let candidates = beyond.chain((0..256).map(Number::Int)).chain(others);
     let fits = |number: &Number| match (*number, scalar.integer_bounds()) {
         (Number::Int(value), Some((low, high))) => (low..=high).contains(&value),
         (_, bounds) => bounds.is_none(),
     };
     let breaks = |number: &Number| requested.constraint().broken_by(*number) == Some(rule);
-    Some(match candidates.into_iter().filter(fits).find(breaks)? {
+    Some(match candidates.filter(fits).find(breaks)? {
         Number::Int(value) => i64::try_from(value).ok()?.into(),
         // NaN is null.
         Number::Float(value) => value.into(),
