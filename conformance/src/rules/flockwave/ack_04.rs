@@ -16,6 +16,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "ACK-NAK has nothing beside `type` but a string `reason`.",
         source: source::MESSAGES,
         applies_to: "ACK-NAK",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[

@@ -15,6 +15,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A receipt is a string of 1 to 64 characters.",
         source: source::SCHEMA,
         applies_to: "replies with `receipt`",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[

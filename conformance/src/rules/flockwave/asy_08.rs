@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`id` of ASYNC-RESP is a string, and so is `error`.",
         source: source::ASYNC,
         applies_to: "ASYNC-RESP",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[

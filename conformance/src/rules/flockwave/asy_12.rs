@@ -17,6 +17,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "ASYNC-ST has `id` and `progress`; its percentage is an integer from 0 to 100, and `suspended` true or false.",
         source: source::ASYNC,
         applies_to: "ASYNC-ST",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[

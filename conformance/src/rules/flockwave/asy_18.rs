@@ -14,6 +14,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "A receipt that nobody knows has an entry in `error` where it is to be cancelled or resumed.",
         source: source::DERIVED,
         applies_to: "ASYNC-CANCEL and ASYNC-RESUME that try it",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Exchange(|exchange, context| {
         served::in_error(exchange, context, &["ASYNC-CANCEL", "ASYNC-RESUME"]);

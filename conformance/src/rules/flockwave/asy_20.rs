@@ -13,6 +13,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "ASYNC-TIMEOUT has `ids`, a list of strings.",
         source: source::ASYNC,
         applies_to: "ASYNC-TIMEOUT",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[

@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`purpose` and `status` of each state are names that the specification has.",
         source: source::MESSAGES,
         applies_to: "CONN-INF",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[

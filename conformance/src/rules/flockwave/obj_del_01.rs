@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "OBJ-DEL is a notification with `ids`, a list of strings.",
         source: source::MESSAGES,
         applies_to: "OBJ-DEL",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[

@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`items` is a list, and each has a string `message`.",
         source: source::MESSAGES,
         applies_to: "SYS-MSG",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[

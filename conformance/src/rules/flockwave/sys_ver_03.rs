@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`name` and `revision`, where they are present, are strings.",
         source: source::MESSAGES,
         applies_to: "SYS-VER",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[

@@ -15,6 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`error` maps ids to strings.",
         source: source::SCHEMA,
         applies_to: "UAV-INF",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[

@@ -13,6 +13,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "`ids` is a list of strings.",
         source: source::MESSAGES,
         applies_to: "UAV-LIST",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[

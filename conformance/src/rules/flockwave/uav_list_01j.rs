@@ -14,6 +14,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         statement: "The `ids` are unique, and each has 1 to 64 characters, none of them `/`.",
         source: source::SCHEMA,
         applies_to: "UAV-LIST",
+        why: "",
+        example: "",
+        fix: "",
     },
     checks: &[Check::Message(check)],
     covers: &[

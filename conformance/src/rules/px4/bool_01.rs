@@ -12,6 +12,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "A byte of a bool is 0 or 1.",
         source: "`bool` of the definition; PX4 copies the byte from memory",
         applies_to: "payloads in memory",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::Value,
     mutants: &[Mutant {

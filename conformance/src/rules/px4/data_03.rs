@@ -15,6 +15,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "No two subscriptions of a log have the same topic and the same instance at one time.",
         source: "ULog file format, section on subscription messages",
         applies_to: "logs",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::State(|| Box::new(Instances::default())),
     mutants: &[Mutant {

@@ -11,6 +11,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "A field with an `@enum` holds a documented constant, one with `@flags` a mask of them.",
         source: "`@enum` and `@flags` of the definition",
         applies_to: "values of messages",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::Value,
     mutants: &[Mutant {

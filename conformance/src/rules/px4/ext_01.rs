@@ -18,6 +18,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
                 ArmingCheckRequest, or of the one before.",
         source: "`request_id` of ArmingCheckReply and ArmingCheckRequest",
         applies_to: "messages over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::State(|| Box::new(Talk::<Answers>::default())),
     mutants: &[

@@ -24,6 +24,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         source: "`registration_id` of ArmingCheckReply, `arming_check_id` of RegisterExtComponentReply and \
              UnregisterExtComponent",
         applies_to: "messages over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::State(|| Box::new(Talk::<Registrations>::default())),
     mutants: &[

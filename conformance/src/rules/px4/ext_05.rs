@@ -15,6 +15,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "An ArmingCheckReply whose `can_arm_and_run` is false has at least one event that says why.",
         source: "`can_arm_and_run` and `events` of ArmingCheckReply",
         applies_to: "values of messages",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::State(|| Box::new(Refusals)),
     mutants: &[Mutant {

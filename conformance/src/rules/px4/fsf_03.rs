@@ -22,6 +22,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
                 `mode_req` are 0, keeps no mode from running.",
         source: "FailsafeFlags",
         applies_to: "values of messages",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::State(|| Box::new(Flags::default())),
     mutants: &[Mutant {

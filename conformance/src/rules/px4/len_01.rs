@@ -11,6 +11,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "A count of entries in use is at most the length of the array that it counts.",
         source: "`@count` of the definition, or the names `num_x` and `x_count`",
         applies_to: "values of messages",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::Value,
     mutants: &[Mutant {

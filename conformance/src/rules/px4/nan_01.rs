@@ -11,6 +11,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "NaN stands only where the definition gives it a meaning; so in fields that it restricts.",
         source: "`@invalid NaN` of the definition, or its text",
         applies_to: "values of messages",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::Value,
     mutants: &[Mutant {

@@ -16,6 +16,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "A topic doesn't publish more messages at one time than its queue holds: subscribers would miss some.",
         source: "ORB_QUEUE_LENGTH of the definition; 1 where it says nothing",
         applies_to: "messages over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::State(|| Box::new(Bursts::default())),
     mutants: &[Mutant {

@@ -11,6 +11,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "A value lies in its range, unless it is the one that says that there is no data.",
         source: "`@range` and `@invalid` of the definition",
         applies_to: "values of messages",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::Value,
     mutants: &[Mutant {

@@ -11,6 +11,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         statement: "Text in a `char` array is UTF-8 up to its first NUL.",
         source: "`char[N]` of the definition",
         applies_to: "values of messages",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::Value,
     mutants: &[

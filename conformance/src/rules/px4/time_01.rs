@@ -15,6 +15,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
                 it may be 0.",
         source: "uORB publishes in order; `timestamp` is the time since system start",
         applies_to: "messages over time",
+        why: "",
+        example: "",
+        fix: "",
     },
     check: Check::State(|| Box::new(Times::default())),
     mutants: &[Mutant {
