@@ -17,23 +17,61 @@ const fn chapter(title: &'static str, source: &'static str, page: &'static str) 
 /// The page that the site opens with.
 pub(crate) const START: Chapter = chapter("Start here", "xtask/site/guide/index.md", "index.md");
 
-/// What is to be read, beside what is to be looked up.
-pub(crate) const CHAPTERS: [(&str, &[Chapter]); 2] = [
+/// The chapters of the guide, in parts. The reference precedes them.
+pub(crate) const CHAPTERS: [(&str, &[Chapter]); 6] = [
     (
-        "Guide",
+        "Guide: definitions",
         &[
-            chapter("Using uavspec", "README.md", "guide/using.md"),
+            chapter("Introduction", "README.md", "guide/introduction.md"),
             chapter("The .msg language", "xtask/site/guide/msg-language.md", "guide/msg-language.md"),
             chapter("Pages with tables", "definitions/README.md", "guide/tables.md"),
             chapter("Wire formats", "xtask/site/guide/wire-formats.md", "guide/wire-formats.md"),
-            chapter("Conformance", "xtask/site/guide/conformance.md", "guide/conformance.md"),
-            chapter("Testees", "conformance/testees/README.md", "guide/testees.md"),
-            chapter("The Rust types", "generated/README.md", "guide/rust.md"),
         ],
     ),
     (
+        "Guide: generate",
+        &[
+            chapter("codegen, fmt, inspect", "xtask/site/guide/codegen.md", "guide/codegen.md"),
+            chapter("Use it in your build", "xtask/site/guide/your-build.md", "guide/your-build.md"),
+            chapter("Rust", "generated/README.md", "guide/rust.md"),
+            chapter(
+                "TypeScript and Python",
+                "xtask/site/guide/typescript-and-python.md",
+                "guide/typescript-and-python.md",
+            ),
+            chapter("JSON Schemas", "xtask/site/guide/json-schemas.md", "guide/json-schemas.md"),
+            chapter("Test vectors", "xtask/site/guide/test-vectors.md", "guide/test-vectors.md"),
+        ],
+    ),
+    (
+        "Guide: maintain definitions",
+        &[
+            chapter("lint", "xtask/site/guide/lint.md", "guide/lint.md"),
+            chapter("translate", "xtask/site/guide/translate.md", "guide/translate.md"),
+            chapter("breaking", "xtask/site/guide/breaking.md", "guide/breaking.md"),
+        ],
+    ),
+    (
+        "Guide: check",
+        &[
+            chapter("How checking works", "xtask/site/guide/conformance.md", "guide/conformance.md"),
+            chapter("uavspec check", "xtask/site/guide/check.md", "guide/check.md"),
+            chapter("uavspec rules", "xtask/site/guide/rules.md", "guide/rules.md"),
+            chapter("uavspec test", "xtask/site/guide/test.md", "guide/test.md"),
+            chapter("Testees", "conformance/testees/README.md", "guide/testees.md"),
+            chapter("uavspec probe", "xtask/site/guide/probe.md", "guide/probe.md"),
+            chapter("uavspec serve", "xtask/site/guide/serve.md", "guide/serve.md"),
+            chapter("uavspec watch", "xtask/site/guide/watch.md", "guide/watch.md"),
+            chapter("Reports", "xtask/site/guide/reports.md", "guide/reports.md"),
+            chapter("Known failures", "xtask/site/guide/known-failures.md", "guide/known-failures.md"),
+            chapter("Self-test", "xtask/site/guide/self-test.md", "guide/self-test.md"),
+        ],
+    ),
+    ("Terms", &[chapter("Glossary", "xtask/site/guide/glossary.md", "guide/glossary.md")]),
+    (
         "Project",
         &[
+            chapter("Documentation site", "xtask/site/guide/site.md", "guide/site.md"),
             chapter("Changes", "CHANGELOG.md", "project/changes.md"),
             chapter("Architecture", "ARCHITECTURE.md", "project/architecture.md"),
             chapter("Contributing", "CONTRIBUTING.md", "project/contributing.md"),

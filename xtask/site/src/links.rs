@@ -108,8 +108,8 @@ mod tests {
     fn moved(text: &str) -> (String, Vec<String>) {
         let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         let mut mistakes = Vec::new();
-        let using = &CHAPTERS[0].1[0];
-        (Links::of(&repository).moved(text, using, &mut mistakes), mistakes)
+        let introduction = &CHAPTERS[0].1[0];
+        (Links::of(&repository).moved(text, introduction, &mut mistakes), mistakes)
     }
 
     #[test]

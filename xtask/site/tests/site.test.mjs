@@ -42,9 +42,7 @@ const address = (page) => pathToFileURL(path.join(site, page)).href;
 const messages = filesBelow(path.join(site, "vectors/px4"), ".vectors.json").map((file) => file.split(".")[0]);
 const LOOKED_AT = [
   "index.html",
-  "guide/using.html",
-  "guide/msg-language.html",
-  "guide/wire-formats.html",
+  ...filesBelow(path.join(site, "guide"), ".html").map((file) => `guide/${file}`),
   "docs/conformance/README.html",
   "docs/flockwave/README.html",
   "docs/flockwave/error-codes.html",
