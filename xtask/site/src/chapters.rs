@@ -1,12 +1,12 @@
-//! Which documents the site is made of, and in which order its table of contents names them.
+//! The documents of the site, in the order of its table of contents.
 
-/// A document that is written by hand.
+/// A handwritten document.
 pub(crate) struct Chapter {
-    /// Its name in the table of contents.
+    /// The title in the table of contents.
     pub(crate) title: &'static str,
-    /// Its file in the repository.
+    /// The path of the file in the repository.
     pub(crate) source: &'static str,
-    /// Its page on the site.
+    /// The path of the page on the site.
     pub(crate) page: &'static str,
 }
 
@@ -14,10 +14,10 @@ const fn chapter(title: &'static str, source: &'static str, page: &'static str) 
     Chapter { title, source, page }
 }
 
-/// The page that the site opens with.
+/// The start page.
 pub(crate) const START: Chapter = chapter("Start here", "xtask/site/guide/index.md", "index.md");
 
-/// The chapters of the guide, in parts. The reference precedes them.
+/// The parts of the guide and their chapters. The reference precedes them.
 pub(crate) const CHAPTERS: [(&str, &[Chapter]); 6] = [
     (
         "Guide: definitions",
@@ -79,15 +79,15 @@ pub(crate) const CHAPTERS: [(&str, &[Chapter]); 6] = [
     ),
 ];
 
-/// All documents that are written by hand.
+/// All handwritten documents.
 pub(crate) fn by_hand() -> impl Iterator<Item = &'static Chapter> {
     [&START].into_iter().chain(CHAPTERS.iter().flat_map(|(_, chapters)| chapters.iter()))
 }
 
-/// The folders of `generated/` that the site holds as they are.
+/// The folders of `generated/` that are copied to the site unchanged.
 pub(crate) const GENERATED: [&str; 3] = ["docs", "schemas", "vectors"];
 
-/// The table of contents; `reference` is that of the generated documentation.
+/// Returns the table of contents. `reference` is the one of the generated documentation.
 pub(crate) fn summary(reference: &str) -> String {
     let mut text = format!("# Summary\n\n[{}]({})\n\n# Look up\n\n", START.title, START.page);
     text.push_str(&below_docs(reference));
@@ -99,7 +99,7 @@ fn items(chapters: &[Chapter]) -> String {
     chapters.iter().map(|Chapter { title, page, .. }| format!("- [{title}]({page})\n")).collect()
 }
 
-/// The lines of a table of contents as items, with their pages in the folder `docs`.
+/// Turns the lines of a table of contents into list items whose pages are in the folder `docs`.
 fn below_docs(contents: &str) -> String {
     let lines = contents.lines().filter(|line| line.contains("]("));
     let item = |line: &str| {
@@ -114,7 +114,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn contents_of_the_reference_move_into_its_folder() {
+    fn moves_the_contents_of_the_reference_into_its_folder() {
         let contents = "<!-- made by -->\n\n# Summary\n\n[Overview](README.md)\n\n- [px4](px4/README.md)\n  - [Event](px4/Event.md)\n";
         assert_eq!(
             below_docs(contents),
