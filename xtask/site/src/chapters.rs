@@ -111,7 +111,23 @@ fn below_docs(contents: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+    use std::path::Path;
+
     use super::*;
+
+    #[test]
+    fn the_contents_and_the_readme_list_each_page_of_the_guide() {
+        let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let readme = fs::read_to_string(repository.join("README.md")).expect("the README");
+        for entry in fs::read_dir(repository.join("xtask/site/guide")).expect("the guide") {
+            let name = entry.expect("a file").file_name().into_string().expect("UTF-8");
+            let path = format!("xtask/site/guide/{name}");
+            assert!(by_hand().any(|chapter| chapter.source == path), "{path} is no chapter");
+            let is_listed = readme.contains(&format!("]({path})"));
+            assert!(is_listed || path == START.source, "README.md lacks {path}");
+        }
+    }
 
     #[test]
     fn moves_the_contents_of_the_reference_into_its_folder() {
