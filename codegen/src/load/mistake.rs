@@ -1,10 +1,10 @@
-//! Mistakes in the configuration file.
+//! Errors in the configuration file.
 
 use crate::failure::Failure;
 use crate::render;
 use crate::source::SourceMap;
 
-/// A mistake at a place of the configuration file.
+/// A failure for an error at a location of the configuration file.
 pub(super) fn misplaced(path: &str, text: &str, range: std::ops::Range<usize>, message: &str) -> Failure {
     let mut sources = SourceMap::default();
     match sources.add(path, text.as_bytes().to_vec()) {
