@@ -30,7 +30,12 @@ use clap::{Parser, Subcommand};
 ///
 /// Reads `.msg` definitions and specification tables.
 #[derive(Debug, Parser)]
-#[command(name = "cargo xtask", bin_name = "cargo xtask", version)]
+#[command(
+    name = "cargo xtask",
+    bin_name = "cargo xtask",
+    version,
+    after_help = "Run `cargo xtask COMMAND --help` for examples."
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,

@@ -17,7 +17,11 @@ use uavspec_codegen::Failure;
 
 /// Run tasks of this repository
 #[derive(Parser)]
-#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+#[command(
+    name = "cargo xtask",
+    bin_name = "cargo xtask",
+    after_help = "Run `cargo xtask COMMAND --help` for examples."
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -27,13 +31,13 @@ struct Cli {
 enum Command {
     #[command(flatten)]
     Specification(uavspec_codegen::cli::Command),
-    /// Run the conformance suite `uavspec`; without arguments, its self-test
+    /// Run `uavspec`, or its self-test without arguments
     #[command(
         disable_help_flag = true,
         after_help = "Examples:
-          cargo xtask conformance
-          cargo xtask conformance check flight.ulg
-          cargo xtask conformance --help"
+  cargo xtask conformance
+  cargo xtask conformance check flight.ulg
+  cargo xtask conformance --help"
     )]
     Conformance {
         /// Arguments of `uavspec`
@@ -42,27 +46,27 @@ enum Command {
     },
     /// Build the documentation site
     #[command(after_help = "Examples:
-      cargo xtask docs --open        generate, build and open the site
-      cargo xtask docs --out public")]
+  cargo xtask docs --open        generate, build and open the site
+  cargo xtask docs --out public")]
     Docs(docs::Arguments),
     /// Build the packages for npm and PyPI
     Package(package::Arguments),
-    /// Test third-party validators and generators with the published schemas
+    /// Test third-party tools with the published schemas
     #[command(after_help = "Examples:
-      cargo xtask interop                    run all available tools
-      cargo xtask interop --quick --check    run the quick tools, as CI does
-      cargo xtask interop --only ajv,boon
-      cargo xtask interop --list
+  cargo xtask interop                    run all available tools
+  cargo xtask interop --quick --check    run the quick tools, as CI does
+  cargo xtask interop --only ajv,boon
+  cargo xtask interop --list
 
-    Tools are installed in target/interop, without root. Tools that require system packages are skipped if these are \\
-    missing.")]
+Tools are installed in target/interop, without root. Tools that require system packages are skipped if these are \
+missing.")]
     Interop(interop::Arguments),
     /// Run benchmarks; requires the corpus
     #[command(after_help = "Examples:
-      cargo xtask bench codegen        read, generate and write PX4's 261 messages
-      cargo xtask bench compile        compile the generated crate
-      cargo xtask bench codec          read and write messages; compare with others
-      cargo xtask bench conformance    check logs and JSON; compare with others")]
+  cargo xtask bench codegen        read, generate and write PX4's 261 messages
+  cargo xtask bench compile        compile the generated crate
+  cargo xtask bench codec          read and write messages; compare with others
+  cargo xtask bench conformance    check logs and JSON; compare with others")]
     Bench {
         /// Benchmarks to run
         benchmark: bench::Benchmark,

@@ -173,12 +173,12 @@ fn summary(findings: &[Finding]) -> String {
         (count > 0).then(|| format!("{} {count}", category.name()))
     };
     let counts: Vec<String> = Category::ALL.into_iter().filter_map(count_of).collect();
-    let breaking = if counts.is_empty() {
-        "none breaking".to_owned()
+    let compatibility = if counts.is_empty() {
+        "all compatible".to_owned()
     } else {
-        format!("breaking: {}", counts.join(", "))
+        format!("incompatible: {}", counts.join(", "))
     };
-    format!("{}, {breaking}", plural(changes, "change"))
+    format!("{}; {compatibility}", plural(changes, "change"))
 }
 
 fn errors(mut diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {

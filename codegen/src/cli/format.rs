@@ -43,7 +43,7 @@ pub(super) fn run(args: &FmtArgs) -> Result<bool, Failure> {
     let result = if args.check {
         print(&changes);
         let advice = if changes.is_empty() { "" } else { "; run `cargo xtask fmt`" };
-        format!("{} need formatting{advice}", changes.len())
+        format!("{} unformatted{advice}", changes.len())
     } else {
         rewrite::write(&changes)?;
         format!("{} formatted", changes.len())
