@@ -227,9 +227,9 @@ problems! {
         "unknown annotation `@{name}`", "it stays part of the text; known annotations: {known}";
     MalformedAnnotation { text: String, form: &'static str } = Warning "malformed-annotation"
         "malformed annotation `{text}`", "write `{form}`; until then it stays part of the text";
-    AnnotationNearMiss { found: String, meant: String } = Warning "annotation-near-miss"
-        "`{found}` is read as `{meant}`", "write `{meant}`";
-    AnnotationAfterText { found: String, meant: String, head: Option<Span> } = Warning "annotation-after-text"
+    AnnotationNearMiss { found: String, expected: String } = Warning "annotation-near-miss"
+        "`{found}` is read as `{expected}`", "write `{expected}`";
+    AnnotationAfterText { found: String, expected: String, head: Option<Span> } = Warning "annotation-after-text"
         "`{found}` appears after the text", "put annotations first: `# [unit] [@…] text`";
     UnknownUnit { unit: String } = Warning "unknown-unit"
         "unknown unit `{unit}`", "write a unit such as `m/s`, `deg` or `us`, or `-` for a number without a unit";
@@ -321,9 +321,9 @@ problems! {
         "two tables claim the codes {block}", "give each vendor a separate block";
 
     // Types and messages in tables
-    NearTypeTable { header: String, meant: String } = Warning "near-type-table"
+    NearTypeTable { header: String, expected: String } = Warning "near-type-table"
         "`{header}` is almost the header of a type table",
-        "name the columns `{meant}`; until then the table is ignored";
+        "name the columns `{expected}`; until then the table is ignored";
     TypeName { heading: String } = Error "type-name"
         "`{heading}` is not a valid type name",
         "use one word in PascalCase; if the table defines no type, rename its columns";

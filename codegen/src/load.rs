@@ -11,7 +11,7 @@
 mod config;
 mod files;
 mod lint;
-mod mistake;
+mod located;
 
 use std::path::Path;
 

@@ -290,7 +290,7 @@ fn reads_tables_of_types_in_linear_time() {
         }
     }
     let messages: String = (0..20_000)
-        .map(|number| format!("## M-{number}\n\n### Request\n\nNo fields beside type.\n\nAnswer: M-{}\n\n### Response\n\nNo fields beside type.\n\n", number + 1))
+        .map(|number| format!("## M-{number}\n\n### Request\n\nNo fields besides type.\n\nAnswer: M-{}\n\n### Response\n\nNo fields besides type.\n\n", number + 1))
         .collect();
     let files = [("messages.md".to_owned(), format!("# Messages\n\n{messages}").into_bytes())];
     assert_eq!(codes_of(Form::Table, &files), ["unknown-answer"], "only the last one has no answer");

@@ -7,7 +7,7 @@ use std::process::Command;
 use clap::Args;
 
 use crate::message_of;
-use crate::place::{repository, shown};
+use crate::paths::{repository, shown};
 
 /// Arguments of `docs`.
 #[derive(Args)]

@@ -31,7 +31,7 @@ use self::known::{Classification, Known};
 use self::record::Record;
 use self::tally::Tally;
 use self::tool::Tool;
-use crate::place::repository;
+use crate::paths::repository;
 
 /// The maximum number of unexplained disagreements printed per tool.
 const SHOWN: usize = 10;
@@ -61,11 +61,11 @@ pub(crate) struct Arguments {
 }
 
 /// The paths of all files.
-struct Places {
+struct Paths {
     root: PathBuf,
 }
 
-impl Places {
+impl Paths {
     fn new() -> Self {
         Self { root: repository().to_path_buf() }
     }
@@ -97,10 +97,10 @@ impl Places {
 
 /// Runs the command. Returns true if all disagreements are explained and the page is up to date.
 pub(crate) fn run(arguments: &Arguments) -> Result<bool, String> {
-    let places = Places::new();
-    let tools = tool::read(&places.source().join("tools.toml"))?;
+    let paths = Paths::new();
+    let tools = tool::read(&paths.source().join("tools.toml"))?;
     let names: BTreeSet<&str> = tools.iter().map(|tool| tool.name.as_str()).collect();
-    let known = Known::read(&places.source().join("disagreements.toml"), &names)?;
+    let known = Known::read(&paths.source().join("disagreements.toml"), &names)?;
     if arguments.list {
         list(&tools);
         return Ok(true);
@@ -119,11 +119,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool, String> {
             && (!arguments.quick || tool.is_quick)
     };
     let selected: Vec<&Tool> = tools.iter().filter(is_selected).collect();
-    let jobs = Jobs::read(&canonical(&places.generated())?)?;
-    let outcome = run_all(arguments, &places, &selected, &jobs)?;
+    let jobs = Jobs::read(&canonical(&paths.generated())?)?;
+    let outcome = run_all(arguments, &paths, &selected, &jobs)?;
     let classification = known.classify(&outcome.tallies);
     let errors = known.check_beyond(&jobs.beyond_schemas());
-    report(&places, &outcome, &classification, &errors)?;
+    report(&paths, &outcome, &classification, &errors)?;
 
     let mut is_ok =
         classification.unexplained.is_empty() && classification.stale.is_empty() && errors.is_empty();
@@ -131,13 +131,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool, String> {
         eprintln!("error: not run: {}", outcome.not_run.join(", "));
         is_ok = false;
     }
-    let mut record = Record::read(&places.record())?;
+    let mut record = Record::read(&paths.record())?;
     record.beyond = jobs.beyond_schemas();
     record.tools.retain(|name, _| names.contains(name.as_str()));
     for (name, tally) in &outcome.tallies {
         record.set(name, tally, classification.explained.get(name).cloned().unwrap_or_default());
     }
-    Ok(publish(arguments.check, &places, &tools, &known, &record)? && is_ok)
+    Ok(publish(arguments.check, &paths, &tools, &known, &record)? && is_ok)
 }
 
 fn list(tools: &[Tool]) {
@@ -153,15 +153,15 @@ struct Outcome {
     not_run: Vec<String>,
 }
 
-fn run_all(arguments: &Arguments, places: &Places, tools: &[&Tool], jobs: &Jobs) -> Result<Outcome, String> {
-    let at = |error: std::io::Error| format!("{}: {error}", places.target().display());
-    let logs = places.target().join("log");
+fn run_all(arguments: &Arguments, paths: &Paths, tools: &[&Tool], jobs: &Jobs) -> Result<Outcome, String> {
+    let at = |error: std::io::Error| format!("{}: {error}", paths.target().display());
+    let logs = paths.target().join("log");
     fs::create_dir_all(&logs).map_err(at)?;
-    let target = canonical(&places.target())?;
+    let target = canonical(&paths.target())?;
     let file = target.join("jobs.jsonl");
     fs::write(&file, jobs.text()).map_err(at)?;
     let mut installation =
-        Installation::new(canonical(&places.source())?, target.clone(), !arguments.no_install);
+        Installation::new(canonical(&paths.source())?, target.clone(), !arguments.no_install);
     let mut outcome = Outcome { tallies: BTreeMap::new(), not_run: Vec::new() };
     for tool in tools {
         let mut command = match installation.command(tool) {
@@ -207,7 +207,7 @@ fn show(tool: &Tool, tally: &Tally, seconds: f64) {
 }
 
 fn report(
-    places: &Places,
+    paths: &Paths,
     outcome: &Outcome,
     classification: &Classification,
     errors: &[String],
@@ -223,7 +223,7 @@ fn report(
             let _ = writeln!(all, "{tool}: {line}");
         }
     }
-    let file = places.target().join("unexplained.txt");
+    let file = paths.target().join("unexplained.txt");
     fs::write(&file, all).map_err(|error| format!("{}: {error}", file.display()))?;
     if !classification.unexplained.is_empty() {
         println!(
@@ -248,22 +248,22 @@ fn report(
 /// Writes the results and the page, or prints what would change. Returns true if all files were up to date.
 fn publish(
     is_check: bool,
-    places: &Places,
+    paths: &Paths,
     tools: &[Tool],
     known: &Known,
     record: &Record,
 ) -> Result<bool, String> {
     let files = [
-        (places.record(), record.text()),
-        (places.page(), page::text(tools, known, record)),
-        (places.contents(), page::CONTENTS.to_owned()),
+        (paths.record(), record.text()),
+        (paths.page(), page::text(tools, known, record)),
+        (paths.contents(), page::CONTENTS.to_owned()),
     ];
     let mut is_fresh = true;
     for (path, text) in files {
         if fs::read_to_string(&path).is_ok_and(|found| found == text) {
             continue;
         }
-        let shown = path.strip_prefix(&places.root).unwrap_or(&path).display();
+        let shown = path.strip_prefix(&paths.root).unwrap_or(&path).display();
         if is_check {
             eprintln!("error: {shown} is outdated; run `cargo xtask interop`");
             is_fresh = false;

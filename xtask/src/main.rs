@@ -6,7 +6,7 @@ mod bench;
 mod docs;
 mod interop;
 mod package;
-mod place;
+mod paths;
 
 use std::env;
 use std::ffi::OsString;

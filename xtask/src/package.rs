@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use self::content::Content;
-use crate::place::{repository, shown};
+use crate::paths::{repository, shown};
 
 /// Arguments of `package`.
 #[derive(Args)]

@@ -94,7 +94,7 @@ fn json_findings_have_both_locations() {
     let findings = findings.as_array().expect("a list");
     let categories: Vec<&str> =
         findings.iter().map(|finding| finding["category"].as_str().expect("a category")).collect();
-    assert_eq!(categories, ["source", "cdr", "uorb"], "floats of both widths are the same in JSON");
+    assert_eq!(categories, ["source", "cdr", "uorb"], "JSON does not distinguish float widths");
     for finding in findings {
         assert_eq!(finding["rule"], "field-type-changed");
         assert_eq!(finding["level"], "error");

@@ -130,8 +130,8 @@ fn removes_orphans_but_never_user_files() {
     run(&folder, &["codegen"], 0);
     assert!(!folder.path().join("out/rust/demo/gust.rs").exists());
     assert!(folder.path().join("out/rust/demo/wind.rs").exists());
-    assert_eq!(fs::read_to_string(folder.path().join("out/rust/demo/mine.rs")).expect("kept"), "// mine\n");
-    assert_eq!(fs::read_to_string(folder.path().join("out/docs/notes.md")).expect("kept"), "mine\n");
+    assert_eq!(fs::read_to_string(folder.path().join("out/rust/demo/mine.rs")).expect("a file"), "// mine\n");
+    assert_eq!(fs::read_to_string(folder.path().join("out/docs/notes.md")).expect("a file"), "mine\n");
 }
 
 #[test]

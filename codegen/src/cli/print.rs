@@ -6,8 +6,8 @@ use crate::diagnostic::{Diagnostic, Level};
 use crate::load::Loaded;
 use crate::render;
 
-/// Prints a text to standard error, with colours if enabled. Rendering without colours is much faster than stripping
-/// them from the stream, which would write each piece separately.
+/// Prints a text to standard error, with colours if enabled. Stripping colours from the stream would write each piece
+/// separately, which doubles the time.
 pub(super) fn print_rendered(render: impl FnOnce(bool) -> String) {
     let is_plain = anstream::AutoStream::choice(&std::io::stderr()) == anstream::ColorChoice::Never;
     let _ = if is_plain {

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::lint::{Lint, PlannedLint};
-use super::mistake::misplaced;
+use super::located::failure_at;
 use crate::emit::{self, EMITTERS, Emitter, Others, Output, emitter};
 use crate::failure::Failure;
 use crate::path::normalise;
@@ -208,7 +208,7 @@ fn unreadable(path: &str, text: &str, error: &toml::de::Error) -> Failure {
 
 /// Like [`unreadable`], for an error at `range`.
 fn unreadable_at(path: &str, text: &str, range: Range<usize>, message: &str) -> Failure {
-    misplaced(path, text, range, message)
+    failure_at(path, text, range, message)
         .with_hint("see the chapter \"Use it in your build\" of the guide for all keys")
 }
 

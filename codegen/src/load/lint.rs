@@ -7,7 +7,7 @@ use globset::{GlobBuilder, GlobMatcher};
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::mistake::misplaced;
+use super::located::failure_at;
 use crate::diagnostic::Level;
 use crate::failure::Failure;
 use crate::lint::{self, Preset};
@@ -100,7 +100,7 @@ impl Lint {
         for (id, level) in self.levels {
             if lint::rule(id.get_ref()).is_none() {
                 let message = format!("unknown rule `{}`", id.get_ref());
-                return Err(misplaced(path, text, id.span(), &message)
+                return Err(failure_at(path, text, id.span(), &message)
                     .with_hint("`cargo xtask lint --rules` lists all rules"));
             }
             levels.insert(id.into_inner(), level.level());
@@ -114,7 +114,7 @@ impl Lint {
                 let glob =
                     GlobBuilder::new(&normalise(&below).to_string_lossy()).literal_separator(true).build();
                 glob.map(|glob| glob.compile_matcher()).map_err(|error| {
-                    misplaced(path, text, range.clone(), &format!("`{pattern}`: {}", error.kind()))
+                    failure_at(path, text, range.clone(), &format!("`{pattern}`: {}", error.kind()))
                 })
             };
             let files = pattern.map(glob).transpose()?;

@@ -123,9 +123,9 @@ impl<'s> Reader<'s, '_> {
                     return;
                 }
                 Reading::Statement(statement) => self.push(statement, start..end),
-                Reading::NearMiss(statement, meant) => {
+                Reading::NearMiss(statement, expected) => {
                     let found = self.text[start..end].to_owned();
-                    self.report(Problem::AnnotationNearMiss { found, meant }, start..end);
+                    self.report(Problem::AnnotationNearMiss { found, expected }, start..end);
                     self.push(statement, start..end);
                 }
                 Reading::Text(problem) => {
@@ -169,13 +169,13 @@ impl<'s> Reader<'s, '_> {
             match classify(self.vocabulary, content, self.text.as_bytes()[start] == b'(') {
                 reading @ (Reading::Statement(_) | Reading::NearMiss(..)) => {
                     let found = self.text[start..end].to_owned();
-                    let (statement, meant) = match reading {
-                        Reading::NearMiss(statement, meant) => (statement, meant),
+                    let (statement, expected) = match reading {
+                        Reading::NearMiss(statement, expected) => (statement, expected),
                         Reading::Statement(statement) => (statement, found.clone()),
                         Reading::Text(_) => continue,
                     };
                     let head = head.map(|head| self.span.part(head..head));
-                    self.report(Problem::AnnotationAfterText { found, meant, head }, start..end);
+                    self.report(Problem::AnnotationAfterText { found, expected, head }, start..end);
                     self.push(statement, start..end);
                     text.push_str(self.text[copied..start].trim_end());
                     copied = end;
@@ -285,8 +285,8 @@ fn classify(vocabulary: Vocabulary, content: &str, in_parentheses: bool) -> Read
     if vocabulary == Vocabulary::Comment
         && let Some(attribute) = ATTRIBUTES.iter().find(|attribute| attribute.bare.contains(&content))
     {
-        let meant = format!("[@{} {content}]", attribute.name);
-        return Reading::NearMiss(Statement::Attribute(attribute, content), meant);
+        let expected = format!("[@{} {content}]", attribute.name);
+        return Reading::NearMiss(Statement::Attribute(attribute, content), expected);
     }
     let (name, argument) = split_word(content);
     if !argument.is_empty()

@@ -186,14 +186,14 @@ fn document_single_declarations(commentary: &mut Commentary<'_>) {
     for group in commentary.items.iter().filter_map(|item| item.group) {
         sizes[group] += 1;
     }
-    let mut kept = Vec::new();
+    let mut remaining = Vec::new();
     let new_index: Vec<Option<usize>> = sizes
         .iter()
         .zip(&commentary.groups)
         .map(|(size, group)| {
             (*size > 1).then(|| {
-                kept.push(group.clone());
-                kept.len() - 1
+                remaining.push(group.clone());
+                remaining.len() - 1
             })
         })
         .collect();
@@ -205,5 +205,5 @@ fn document_single_declarations(commentary: &mut Commentary<'_>) {
         }
         item.group = new_index[group];
     }
-    commentary.groups = kept;
+    commentary.groups = remaining;
 }

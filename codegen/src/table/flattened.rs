@@ -20,7 +20,7 @@ use crate::source::Span;
 /// A line and its position.
 type Line<'s> = (usize, &'s str);
 
-/// True if any table contains a line with a single cell.
+/// True if the first line of any table body contains a single cell.
 pub(super) fn is_likely(text: &str) -> bool {
     let mut is_body = false;
     for (_, line) in lines(text) {

@@ -111,9 +111,8 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
 
 /// Splits a sequence of cells into rows of `columns` cells.
 ///
-/// A missing or extra cell would shift all following rows. If most rows start with a number, these numbers determine
-/// the starts of rows instead, so that only the invalid row has a wrong number of cells.
-/// count.
+/// A missing or extra cell would shift all following rows. If the first cell is a number and the rows don't fit, numbers
+/// determine the starts of rows instead, so that only the invalid row has a wrong number of cells.
 pub(super) fn into_rows(cells: Vec<Cell>, columns: usize, page: Span) -> Vec<Row> {
     let columns = columns.max(1);
     let is_numbered = cells.first().is_some_and(Cell::is_number);

@@ -42,8 +42,8 @@ fn comments(path: &str, text: &str, dialect: Dialect) -> Vec<String> {
     let (definition, _) = parse_definition(&sources, id, kind, dialect);
     let lines = definition.parts.iter().flat_map(|part| &part.lines);
     let comments = lines.filter_map(|line| line.comment.as_deref());
-    let words_alone = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
-    comments.map(|found| found.note.as_ref().map_or_else(|| words_alone(found.text), words)).collect()
+    let normalised = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    comments.map(|found| found.note.as_ref().map_or_else(|| normalised(found.text), words)).collect()
 }
 
 /// All cells of a page.

@@ -1,4 +1,4 @@
-//! The same messages as plain structs with derives, for comparison.
+//! Writes plain structs with derives for the same messages, for comparison.
 
 use std::fmt::Write as _;
 use std::fs;

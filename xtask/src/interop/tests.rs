@@ -15,7 +15,7 @@ use super::page;
 use super::record::Record;
 use super::tally::{Count, Does, Tally};
 use super::tool::{self, Tool};
-use super::{Places, canonical};
+use super::{Paths, canonical};
 
 /// Much longer than any script takes.
 const LONG: Duration = Duration::from_secs(120);
@@ -318,21 +318,21 @@ fn the_page_shows_the_recorded_results() {
 
 #[test]
 fn the_documentation_page_matches_the_record() {
-    let places = Places::new();
-    let tools = tool::read(&places.source().join("tools.toml")).expect("tools");
+    let paths = Paths::new();
+    let tools = tool::read(&paths.source().join("tools.toml")).expect("tools");
     let names = tools.iter().map(|tool| tool.name.as_str()).collect();
-    let known = Known::read(&places.source().join("disagreements.toml"), &names).expect("entries");
-    let record = Record::read(&places.record()).expect("a record");
+    let known = Known::read(&paths.source().join("disagreements.toml"), &names).expect("entries");
+    let record = Record::read(&paths.record()).expect("a record");
     let read = |path: &Path| fs::read_to_string(path).expect("a file");
     let advice = "run `cargo xtask interop`";
-    assert!(read(&places.page()) == page::text(&tools, &known, &record), "{advice}");
-    assert!(read(&places.contents()) == page::CONTENTS, "{advice}");
+    assert!(read(&paths.page()) == page::text(&tools, &known, &record), "{advice}");
+    assert!(read(&paths.contents()) == page::CONTENTS, "{advice}");
     assert!(tools.iter().all(|tool| record.tools.contains_key(&tool.name)), "{advice}");
 }
 
 #[test]
 fn lock_files_contain_no_hosts() {
-    let source = canonical(&Places::new().source()).expect("a folder");
+    let source = canonical(&Paths::new().source()).expect("a folder");
     for path in ["node/package-lock.json", "python/requirements.txt"] {
         let text = fs::read_to_string(source.join(path)).expect("a lock file");
         assert!(!text.contains("\"resolved\"") && !text.contains("index-url"), "{path}");

@@ -64,7 +64,7 @@ for (const tags of [["pt_BR.UTF-8"], ["IS-is"], ["pt", "fa"], ["tlh"], []]) {
 }
 "#;
 
-/// The same queries in Python.
+/// Equivalent queries in Python.
 const PYTHON: &str = r#"from gliders.labels import language, languages
 
 for known in languages:

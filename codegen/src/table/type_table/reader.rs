@@ -83,7 +83,7 @@ impl<'p> Reader<'p> {
     pub(super) fn report_near_miss(&mut self, table: &Table, columns: &[&str]) {
         let header: Vec<&str> = table.header.iter().map(|cell| cell.text.as_str()).collect();
         let (Some(first), Some(last)) = (table.header.first(), table.header.last()) else { return };
-        let problem = Problem::NearTypeTable { header: header.join(" | "), meant: columns.join(" | ") };
+        let problem = Problem::NearTypeTable { header: header.join(" | "), expected: columns.join(" | ") };
         self.report(problem, first.text.span().to(last.text.span()));
     }
 

@@ -7,7 +7,7 @@ type Check = fn(&str) -> Result<(), String>;
 
 #[allow(warnings)] // generated code
 mod generated {
-    use super::{Failure, Check, check};
+    use super::{Check, Failure, check};
     include!(concat!(env!("OUT_DIR"), "/types.rs"));
 }
 
