@@ -278,23 +278,18 @@ impl Primitive for bool {
     }
 }
 
-/// Implements [`Value`](crate::record::Value) and the codecs of a message from its name, the name of
-/// its view and its two sizes where it has fixed size, and its fields: index, name, type and descriptor.
+/// Implements the codecs of a message from its name and its fields: index, name and descriptor. A message of fixed size
+/// has the name of its view and its two sizes too, and each field the type of its [`View`](crate::uorb::View).
 #[macro_export]
 macro_rules! record {
     ($type:ident, $view:ident, $size:literal, $no_padding:literal;
-        $($index:literal $field:ident: $field_type:ty = $descriptor:expr;)*) => {
+        $($index:literal $field:ident: $field_view:ty = $descriptor:expr;)*) => {
         $crate::__record!($type, ::core::option::Option::Some($crate::layout::Size { padded: $size, no_padding: $no_padding });
             $($index $field $descriptor;)*);
 
         impl $crate::UorbMessage for $type {
             type Bytes = [u8; $size];
             type View<'b> = $view<'b>;
-
-            #[inline]
-            fn view_at(bytes: &[u8], offset: usize) -> $view<'_> {
-                $view($crate::uorb::Fields::at(bytes, offset))
-            }
 
             #[inline]
             fn from_view(view: $view<'_>) -> Self {
@@ -310,10 +305,19 @@ macro_rules! record {
             $(
                 /// Reads the field of this name.
                 #[inline]
-                pub fn $field(self) -> $crate::uorb::View<'b, $field_type> {
-                    self.0.get::<$field_type>($index)
+                pub fn $field(self) -> $field_view {
+                    self.0.get($index)
                 }
             )*
+        }
+
+        impl<'b> $crate::uorb::View<'b> for $view<'b> {
+            const STRIDE: usize = $size;
+
+            #[inline]
+            fn at(bytes: &'b [u8], offset: usize) -> Self {
+                Self($crate::uorb::Fields::at(bytes, offset))
+            }
         }
 
         impl ::core::fmt::Debug for $view<'_> {
@@ -322,7 +326,7 @@ macro_rules! record {
             }
         }
     };
-    ($type:ident; $($index:literal $field:ident: $field_type:ty = $descriptor:expr;)*) => {
+    ($type:ident; $($index:literal $field:ident = $descriptor:expr;)*) => {
         $crate::__record!($type, ::core::option::Option::None; $($index $field $descriptor;)*);
     };
 }

@@ -2,6 +2,7 @@
 
 //! [`BatteryStatus`](struct@BatteryStatus) and the types of its fields.
 
+use uavspec_runtime::uorb::Elements;
 use uavspec_runtime::{Definition, Message, flags, format_record, open, record};
 
 /// State of one battery: readings, estimates, warnings and faults
@@ -226,7 +227,7 @@ record! {
     21 max_error: u16 = uint16("max_error", 148).within(&number().from(int(1)).to(int(100)));
     22 id: u8 = uint8("id", 162);
     23 interface_error: u16 = uint16("interface_error", 150);
-    24 voltage_cell_v: [f32; 14] = float32("voltage_cell_v", 48).array(14).within(&number().not_nan());
+    24 voltage_cell_v: Elements<'b, f32, 14> = float32("voltage_cell_v", 48).array(14).within(&number().not_nan());
     25 max_cell_voltage_delta: f32 = float32("max_cell_voltage_delta", 104);
     26 is_powering_off: bool = bool("is_powering_off", 163);
     27 is_required: bool = bool("is_required", 164);

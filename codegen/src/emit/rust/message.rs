@@ -146,7 +146,10 @@ impl Parts<'_> {
     /// The fields with their types and places, from which a macro of the runtime makes the codecs.
     fn record(&self) -> TokenStream {
         let Self { context, id, message, name, fields } = self;
-        let types = message.fields.iter().map(|field| types::field(context, *id, field));
+        let views = message.fields.iter().map(|field| {
+            let view = message.uorb.as_ref().map(|_| types::view(context, *id, field));
+            view.map(|view| quote!(: #view))
+        });
         let indices = (0..message.fields.len()).map(proc_macro2::Literal::usize_unsuffixed);
         let descriptors = (0..message.fields.len()).map(|index| self.descriptor(index));
         let head = message.uorb.as_ref().map(|layout| {
@@ -158,7 +161,7 @@ impl Parts<'_> {
         quote! {
             ::uavspec_runtime::record! {
                 #name #head;
-                #(#indices #fields: #types = #descriptors;)*
+                #(#indices #fields #views = #descriptors;)*
             }
         }
     }
